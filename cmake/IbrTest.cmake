@@ -3,6 +3,7 @@
 # APART: the cases of these files, named without .cpp, are the test name_part, so that they run beside the others.
 # Exit code 77 means "skipped" (no device, no datasets). Where IBR_REQUIRE_DEVICE is set (as in CI) a missing
 # device is a failure; IBR_DATASETS names the folder of datasets for tests labelled `data`.
+# SLOW: label slow, not fast: `ctest -L fast` takes a minute on two cores.
 # GPU: the program makes a device with validation first (tests/support/gpu.h); any message fails the test case.
 find_package(Catch2 2.13 REQUIRED)
 
@@ -20,7 +21,7 @@ if(TARGET ibr_gpu)
 endif()
 
 function(ibr_test name)
-  cmake_parse_arguments(arg "GPU" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS;APART" ${ARGN})
+  cmake_parse_arguments(arg "GPU;SLOW" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS;APART" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE $<IF:$<BOOL:${arg_GPU}>,ibr_test_gpu_support,ibr_test_support> ${arg_LIBRARIES})
   ibr_warnings(${name})
@@ -37,6 +38,11 @@ function(ibr_test name)
     list(APPEND arg_ARGUMENTS --filenames-as-tags "${others}~[.]")
   endif()
   add_test(NAME ${name} COMMAND ${name} ${arg_ARGUMENTS})
+  if(arg_SLOW)
+    list(APPEND arg_LABELS slow)
+  else()
+    list(APPEND arg_LABELS fast)
+  endif()
   set_tests_properties(${tests} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
 endfunction()
 

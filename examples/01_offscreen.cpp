@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shortest way to a picture: make a device, load a scene, plan a frame, record it, write it.
+// Minimal example: creates a device, loads a scene, plans a frame, records it and writes the image.
 //
 //   01_offscreen SCENE PICTURE.ppm
 #include <ibr/ibr.h>
@@ -20,7 +20,7 @@ int main(int argc, char** argv) try {
   const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, {960, 540}));
   ibr::Offscreen offscreen(device, {960, 540});
 
-  // Stand in the middle of the first cell and look where its photographs look.
+  // Put the camera in the middle of the first cell, looking as its first photograph does.
   ibr::Camera view;
   view.intrinsics = ibr::pinholeFromFov(960, 540, std::numbers::pi / 4);
   const ibr::Cell& cell = scene.cells.at(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The caller owns the device and the command buffer, as an engine or an OpenXR runtime does: its own create-infos are
-// merged with Device::requirements(), libibr borrows the handles, records between the caller's commands, and the caller
-// submits. The same picture comes out as from a device that libibr makes itself.
+// The caller owns device and command buffer, like an engine or an OpenXR runtime. Its create-infos are merged with
+// Device::requirements(). libibr borrows the handles and records commands; the caller submits. The example checks that
+// the image equals the image from a device that libibr creates.
 //
 //   02_adopt_device SCENE
 #include <ibr/ibr.h>
@@ -21,7 +21,7 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
   return result;
 }
 
-// The caller's Vulkan: whatever else an engine wants goes into the same structures.
+// The caller's Vulkan objects. An engine would add its own requirements to the same structures.
 struct Engine {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
@@ -40,7 +40,7 @@ struct Engine {
     instanceInfo.ppEnabledExtensionNames = instanceExtensions.data();
     require(vkCreateInstance(&instanceInfo, nullptr, &instance), "vkCreateInstance");
 
-    std::uint32_t count = 1;  // the first device will do for an example
+    std::uint32_t count = 1;  // for this example, take the first device
     if (vkEnumeratePhysicalDevices(instance, &count, &physicalDevice) < 0 || count == 0)
       throw std::runtime_error("no Vulkan device");
     std::uint32_t familyCount = 0;

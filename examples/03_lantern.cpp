@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Polygons in a photographed place ([T] §2.5.5, fig. 11): two lantern posts from a glTF file, drawn by a pipeline of
-// the caller's own against the scene's real depth. One stands before what was photographed, the other partly behind it.
+// Draws polygons into a scene ([T] §2.5.5, fig. 11): two lantern posts from a glTF file, by the caller's pipeline,
+// tested against the scene's depth. One stands in front of the photographed surfaces, the other partly behind them.
 //
 //   03_lantern SCENE LANTERN.gltf PICTURE.ppm
 //
-// The places of the posts are those of the bundled cathedral; 3 is returned where the far one is not partly hidden.
+// Positions suit the bundled cathedral scene. Returns 3 if the far post is not partly hidden or the near one is.
 #include <ibr/ibr.h>
 
 #include <cstdio>
@@ -21,13 +21,13 @@
 namespace {
 
 constexpr VkExtent2D kExtent{960, 720};
-constexpr double kNear = 0.05;  // of our projection, world units
+constexpr double kNear = 0.05;  // of the caller's projection, world units
 
 void require(VkResult result, const char* what) {
   if (result != VK_SUCCESS) throw std::runtime_error(std::string(what) + " failed");
 }
 
-// As much of glTF as the lantern needs: triangles without indices, positions and normals as floats.
+// Reads the subset of glTF that the lantern uses: triangles without indices, positions and normals as floats.
 struct Primitive {
   std::vector<glm::vec3> vertices;  // position, normal, position, …
   glm::vec3 baseColour, emissive;
@@ -66,7 +66,7 @@ std::vector<Primitive> readGltf(const std::filesystem::path& path) {
   return primitives;
 }
 
-// What any renderer has: memory, a depth buffer, vertices, a pipeline.
+// Resources of the caller's renderer: memory, a depth buffer, vertices, a pipeline.
 class Polygons {
  public:
   Polygons(const ibr::Device& device, std::vector<Primitive> primitives)
@@ -87,12 +87,12 @@ class Polygons {
     for (const VkDeviceMemory memory : memory_) vkFreeMemory(d, memory, nullptr);
   }
 
-  /// Where the renderer puts the scene's depth.
+  /// Target for the scene's depth.
   ibr::DepthTarget depthTarget() const {
     return {.image = depth_, .view = depthView_, .format = VK_FORMAT_D32_SFLOAT, .nearPlane = kNear};
   }
 
-  /// Inside a rendering.
+  /// Call within a rendering (vkCmdBeginRendering).
   void draw(VkCommandBuffer commands, const glm::mat4& toClip) const {
     struct Constants {
       glm::mat4 toClip;
@@ -205,7 +205,7 @@ class Polygons {
     viewports.pViewports = &viewport;
     viewports.pScissors = &scissor;
     VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.cullMode = VK_CULL_MODE_BACK_BIT;  // glTF's faces are counter-clockwise, and our clip space points down
+    raster.cullMode = VK_CULL_MODE_BACK_BIT;  // glTF's front faces are counter-clockwise; clip space has y down
     raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
@@ -250,7 +250,7 @@ class Polygons {
   VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
-// Camera axes → clip space with an infinite far plane: the depth of DepthTarget's default convention.
+// Projects camera axes to clip space, with an infinite far plane: matches DepthTarget's default convention.
 glm::dmat4 projectionOf(const ibr::Intrinsics& k) {
   glm::dmat4 p(0.0);
   p[0][0] = 2 * k.fx / k.width;
@@ -260,7 +260,7 @@ glm::dmat4 projectionOf(const ibr::Intrinsics& k) {
   return p;
 }
 
-// Where posts stand, in the view's axes: right, up, and behind; and how many world units a metre is.
+// Foot of a post in the view's axes (right, up, behind), and the number of world units in a metre.
 struct Place {
   glm::dvec3 foot;
   double scale;
@@ -278,11 +278,11 @@ class Picture {
     plan_ = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, settingsOf(device)});
   }
 
-  /// `testDepth` false: as if nothing had been photographed.
+  /// `testDepth` false: ignores the scene's depth.
   ibr::Image8 render(std::span<const Place> places, bool testDepth) {
     ibr::Target target = offscreen_.target();
-    const ibr::ImageUse after = target.after;
-    target.after = ibr::use::kColourAttachment;  // we go on drawing
+    const ibr::ImageUse after = target.finalUse;
+    target.finalUse = ibr::use::kColourAttachment;  // the caller draws on
     target.depth = polygons_.depthTarget();
     return offscreen_.render([&](VkCommandBuffer commands) {
       renderer_.record(commands, plan_, target);
@@ -293,11 +293,11 @@ class Picture {
       }
       vkCmdEndRendering(commands);
       VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-      barrier.srcStageMask = target.after.stages;
-      barrier.srcAccessMask = target.after.access;
+      barrier.srcStageMask = target.finalUse.stages;
+      barrier.srcAccessMask = target.finalUse.access;
       barrier.dstStageMask = after.stages;
       barrier.dstAccessMask = after.access;
-      barrier.oldLayout = target.after.layout;
+      barrier.oldLayout = target.finalUse.layout;
       barrier.newLayout = after.layout;
       barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
       barrier.image = target.image;
@@ -319,16 +319,16 @@ class Picture {
     return options;
   }
 
-  // The renderer has left both images ready to be drawn into; their contents stay.
+  // The renderer leaves both images in attachment layouts; their contents are loaded.
   static void begin(VkCommandBuffer commands, const ibr::Target& target, bool testDepth) {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.view;
-    colour.imageLayout = target.after.layout;
+    colour.imageLayout = target.finalUse.layout;
     colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     VkRenderingAttachmentInfo depth = colour;
     depth.imageView = target.depth->view;
-    depth.imageLayout = target.depth->after.layout;
+    depth.imageLayout = target.depth->finalUse.layout;
     if (!testDepth) depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     depth.clearValue.depthStencil.depth = 1;
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};

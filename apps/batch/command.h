@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sub-command of `ibr`: its words, its options and what it does.
+// A sub-command of `ibr`: help texts, options and action.
 #pragma once
 
 #include <functional>
@@ -17,17 +17,19 @@ namespace ibr::app {
 struct Command {
   const char* name;
   const char* summary;   // one line
-  const char* examples;  // a command a line
+  const char* examples;  // one command a line
   const char* details;   // paragraphs for --help; may be empty
   const char* afterInterrupt;
-  /// Declares options and gives what runs after they were parsed. Throws Error.
+  /// Options that --help shows, separated by spaces; empty: all. --help-all shows all.
+  const char* mainOptions = "";
+  /// Declares options and returns the action to run after parsing. The action throws Error.
   std::function<ExitCode(const Context&)> (*declare)(CLI::App&);
-  /// A group instead: it declares nothing and one of these must follow its name.
+  /// Sub-commands of a group, one of which must follow its name. A group declares no options.
   std::span<const Command* const> commands = {};
 };
 
-extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand, kOptimiseCommand,
-    kSweepCommand, kHtmCommand, kDoctorCommand, kRefineCommand, kTradeoffCommand;
+extern const Command kBuildCommand, kRenderCommand, kViewCommand, kInfoCommand, kDoctorCommand, kEvalCommand,
+    kWalkCommand, kCompareCommand, kValidateCommand, kRefineCommand, kOptimiseCommand, kSplitCommand, kHtmCommand,
+    kBenchCommand, kTradeoffCommand;
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A command line that can be typed again.
+// Command lines that can be typed again.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace ibr::app {
 
-/// `command` ("ibr sweep") and its words as they would be typed in a shell.
+/// Returns `command` ("ibr-lab sweep") with its words, quoted for a shell.
 std::string commandText(const std::string& command, const std::vector<std::string>& words);
 
-/// Whether `folder` is `of` or lies below it, wherever links lead. Neither need be there.
+/// True if `folder` is `of` or lies below `of`, after resolving links. The folders need not exist.
 bool isInside(const std::filesystem::path& folder, const std::filesystem::path& of);
 
 }  // namespace ibr::app

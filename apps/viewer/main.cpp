@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `ibr-viewer`: walk through photographs in a window.
+// The program `ibr-viewer`: explores photographs in a window.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -42,28 +42,27 @@ struct Options {
 
 void declare(CLI::App& app, Options& o) {
   app.set_version_flag("--version", "ibr-viewer " IBR_VERSION);
-  app.add_option("PLACE", o.places, "Scenes, harmonised models, 3D video");
-  addSize(app, "--size", o.size, "Size of the window [1280x720]");
+  app.add_option("PLACE", o.places, "Scenes, harmonised models or 3D videos to open");
+  addSize(app, "--size", o.size, "Window size [1280x720]");
   addInt(app, "--frames", o.session.frames, 0, 1000000000,
-         "Ends after so many frames of what is opened; 0: when closed");
-  app.add_option("--screenshot", o.screenshot, "Picture of the view, written when the program ends")->type_name("FILE");
+         "Number of frames of the opened scene after which the program exits; 0: exit when the window is closed");
+  app.add_option("--screenshot", o.screenshot, "Image of the view, written when the program exits")->type_name("FILE");
   app.add_option("--screenshots", o.screenshots,
-                 fmt::format("Folder for pictures, camera paths and videos [{}]", o.screenshots))
+                 fmt::format("Folder for screenshots, camera paths and videos [{}]", o.screenshots))
       ->type_name("DIR");
   app.add_option_function<std::string>(
          "--interface-scale",
          [&o](const std::string& text) { o.session.interfaceScale = parsedDouble("--interface-scale", text, 0.5, 8); },
-         "Panels and letters so much larger than at 96 dpi [as the monitor asks for]")
+         "Scale of panels and text, relative to 96 dpi [scale of the monitor]")
       ->type_name("X");
-  app.add_option("--path", o.path, "A camera path (ctrl S writes one): the first place shows it, again and again")
+  app.add_option("--path", o.path, "Camera path that the first scene plays in a loop (ctrl S writes a camera path)")
       ->type_name("FILE");
-  app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
-  app.add_flag("--forget", o.forget,
-               "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
-  app.add_option("--shaders", o.shaders, "A source tree's folder shaders: what is edited there shows at once")
+  app.add_flag("--no-interface", o.bare, "Start with the interface hidden (F2 shows the interface)");
+  app.add_flag("--forget", o.forget, "Neither load nor save state between runs, such as panel positions and pipelines");
+  app.add_option("--shaders", o.shaders, "Folder shaders of a source tree; edited shaders are reloaded immediately")
       ->type_name("DIR");
-  app.add_flag("--validation", o.session.validation, "Vulkan's validation layers say what is wrong");
-  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests, as these are
+  app.add_flag("--validation", o.session.validation, "Report errors found by Vulkan's validation layers");
+  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests, like the next two
   app.add_option("--lose-surface", o.session.loseSurfaceAtFrame)->group("");
   app.add_flag("--only-srgb", o.session.onlySrgb)->group("");
   inGroup(app, "Scenes", [&] {
@@ -74,7 +73,7 @@ void declare(CLI::App& app, Options& o) {
   declareCommonOptions(app, o.common);
 }
 
-// The device may be lost and come back, as after a driver's reset; one that is lost again and again is not there.
+// Restarts the session after a lost device (a driver reset). Gives up at the fourth loss in a row, 10 s apart at most.
 void showPlaces(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options) {
   using Clock = std::chrono::steady_clock;
   int losses = 0;
@@ -93,7 +92,7 @@ void showPlaces(Window& window, Interface& interface, Viewer& viewer, const Sess
   }
 }
 
-// Of what the view is made; null where that is not known. What is infinite is null too.
+// Trust statistics of the view; null if unknown. JSON writes infinite values as null.
 nlohmann::ordered_json trustJson(const OpenItem& place) {
   if (!place.trust) return {};
   return {{"tiers", place.trust->tiers},
@@ -101,7 +100,7 @@ nlohmann::ordered_json trustJson(const OpenItem& place) {
           {"extrapolation", place.trust->extrapolation}};
 }
 
-// What was measured of presets; infinite where a picture is the reference's own, which is null.
+// Measured presets. The PSNR of a picture identical to the reference is infinite, which JSON writes as null.
 nlohmann::ordered_json effectsJson(const OpenItem& place) {
   nlohmann::ordered_json lines = nlohmann::ordered_json::object();
   if (place.effects)
@@ -110,7 +109,7 @@ nlohmann::ordered_json effectsJson(const OpenItem& place) {
   return lines;
 }
 
-// Of the last frames that followed one another, and of the first.
+// Times of the last consecutive frames, and of the first picture.
 nlohmann::ordered_json timesJson(const Viewer& viewer) {
   using Json = nlohmann::ordered_json;
   std::vector<double> frames;
@@ -121,7 +120,7 @@ nlohmann::ordered_json timesJson(const Viewer& viewer) {
           {"framesMs", {{"count", frames.size()}, {"p50", quantile(frames, 0.5)}, {"p95", quantile(frames, 0.95)}}}};
 }
 
-// The most that was ever resident, bytes.
+// Peak resident memory, bytes.
 std::uint64_t residentBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -162,7 +161,7 @@ ExitCode run(int argc, char** argv) {
       "  ibr-viewer scene\n"
       "  ibr-viewer scene model video --preset fast\n"
       "  ibr-viewer scene --frames 30 --screenshot view.png\n\n"
-      "Shows scenes, harmonised models and 3D video in a window to walk through them; F1 there tells the keys.\n",
+      "Shows scenes, harmonised models and 3D video in a window. F1 lists the keys.\n",
       "ibr-viewer");
   declare(app, o);
   const auto ends = parsed(app, argc, argv, [&] { checkOverlays(o.settings); });

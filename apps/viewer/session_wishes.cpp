@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What keys and panels ask for, between two frames.
+// Executes requests of keys and panels between two frames.
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -22,7 +22,7 @@ void Session::grantWishes() {
   const bool copies = wished(viewer_.wantsCopy), pastes = wished(viewer_.wantsPaste);
   const bool saves = wished(viewer_.wantsRoute), films = wished(viewer_.wantsVideo);
   const bool shoots = wished(viewer_.wantsScreenshot);
-  // A folder that cannot be written is no reason to end.
+  // A folder that cannot be written must not end the program.
   try {
     if (copies && place) window_.setClipboard(viewText({place->walk.pose, place->walk.fovY, place->walk.up}));
     if (pastes) paste();
@@ -33,7 +33,7 @@ void Session::grantWishes() {
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost) throw;
     viewer_.say(LogLevel::error, e.what());
-    if (place) place->effects.reset();  // not again and again
+    if (place) place->effects.reset();  // do not retry in every frame
   }
   if (pastes || saves || films || shoots) redraws_ = 3;
 }
@@ -84,8 +84,8 @@ void Session::takeScreenshot(const fs::path& file) {
   viewer_.show(fmt::format("{} written", file.string()));
 }
 
-// What was asked about the place, and what is to be known of a view that stands. After its frame has been submitted:
-// what that streams is there then.
+// Executes requests about the scene, and measures trust once the view rests. Runs after the frame was submitted,
+// because its photographs are streamed by then.
 void Session::findOut() {
   OpenItem* place = viewer_.place();
   PlaceOnDevice* drawn = place ? drawnPlace() : nullptr;
@@ -101,7 +101,7 @@ void Session::findOut() {
   if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent, device_.kind());
   if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {
     measureNext(*place->effects, *drawn, frame_);
-    rested_ = true;  // the time that this takes is no frame's
+    rested_ = true;  // the time of a measurement must not count as a frame time
     redraws_ = 3;
   }
   if (pictureWanted_ || place->playing) {

@@ -17,7 +17,7 @@ namespace ibr::app {
 namespace {
 
 constexpr std::uint32_t kScopes = 64;
-constexpr double kLongestStep = 0.1;  // s: after a pause nothing jumps
+constexpr double kLongestStep = 0.1;  // s: limits the motion after a pause in drawing
 
 Device makeDevice(const SessionOptions& options, Viewer& viewer) {
   return Device::create(
@@ -29,7 +29,7 @@ Device makeDevice(const SessionOptions& options, Viewer& viewer) {
        .pipelineCache = options.pipelineCache});
 }
 
-// The frame before may still be copying the picture.
+// The previous frame may still be copying from the image.
 constexpr ImageUse kCopiedBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
 
 void copyPicture(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, VkImage to, VkExtent2D toExtent) {
@@ -62,7 +62,7 @@ Session::~Session() {
 double Session::pause() const {
   if (redraws_ > 0 || pictureWanted_) return 0;
   const auto now = std::chrono::steady_clock::now();
-  // A message goes away, a place may have been read.
+  // Wake up to remove a message and to take results of loading and jobs.
   return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.jobs.empty() ? 0.1 : 3600;
 }
 
@@ -151,7 +151,7 @@ void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
   PlaceOnDevice* drawn = drawnPlace();
   if (drawn && pictureWanted_) {
     Target target = picture_->target();
-    target.before = kCopiedBefore;
+    target.initialUse = kCopiedBefore;
     const std::uint64_t completed = frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0;
     drawn->record({frame.commands, frame_, completed, seconds}, target, timers_[frame.slot].get());
     pictureWanted_ = drawn->restless();
@@ -167,13 +167,13 @@ void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
   }
 }
 
-// The monitor's scale may change when the window goes to another one.
+// The monitor's scale may change when the window moves to another monitor.
 void Session::fitInterface() {
   const double scale = options_.interfaceScale > 0 ? options_.interfaceScale : double(window_.scale());
   const bool isNew = interface_.setScale(float(scale) * viewer_.interfaceScale);
   if (drawer_ && !isNew) return;
   vkDeviceWaitIdle(device_.handle());
-  drawer_.reset();  // ImGui has one at a time
+  drawer_.reset();  // ImGui supports one Vulkan backend at a time
   drawer_.emplace(device_, swapchain_.format(), kFramesInFlight);
   viewer_.layOut |= isNew;
   redraws_ = 3;
@@ -194,7 +194,7 @@ void Session::showPanels() {
   try {
     showAll(input);
   } catch (const Error& e) {
-    ImGui::ErrorCheckEndFrameRecover(nullptr);  // ends what was begun
+    ImGui::ErrorCheckEndFrameRecover(nullptr);  // ends windows that are still open
     viewer_.say(LogLevel::error, e.what());
   }
   ImGui::Render();
@@ -205,7 +205,7 @@ void Session::obeyHands(double seconds) try {
   if (OpenItem* place = viewer_.place())
     if (control(viewer_, *place, seconds)) pictureWanted_ = true;
 } catch (const Error& e) {
-  viewer_.say(LogLevel::error, e.what());  // what they asked for cannot be; the place stays as it is
+  viewer_.say(LogLevel::error, e.what());  // the request is invalid; the scene stays as it is
 }
 
 bool Session::draw() {
@@ -238,7 +238,7 @@ bool Session::draw() {
     swapchain_.abandon(*frame);
     --frame_;
     if (e.code() == ErrorCode::deviceLost || !viewer_.place()) throw;
-    // A place that cannot be drawn is closed; the others stay.
+    // Close a scene that cannot be drawn; the others stay open.
     viewer_.say(LogLevel::error, fmt::format("{}: {}", viewer_.place()->name, e.what()));
     vkDeviceWaitIdle(device_.handle());
     viewer_.closeCurrent();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer on a device, from its making until it is lost or the window closes.
+// A viewer session on one device, until the device is lost or the window closes.
 #pragma once
 
 #include <functional>
@@ -25,16 +25,16 @@ struct SessionOptions {
   std::filesystem::path pipelineCache;  // file; empty: none
   bool validation = false;
   GpuSceneOptions gpuScene;
-  double interfaceScale = 0;  // 0: that of the monitor
-  // For tests: of all frames, when the device and the window's surface are as if lost, 0: never; the window is as if it
-  // took no formats but sRGB.
+  double interfaceScale = 0;  // 0: the monitor's scale
+  // For tests. Frame numbers, counted over all sessions, at which the device and the window's surface are lost on
+  // purpose; 0: never. onlySrgb accepts sRGB surface formats only.
   std::size_t loseAtFrame = 0, loseSurfaceAtFrame = 0;
   bool onlySrgb = false;
-  std::chrono::steady_clock::time_point begun{};  // the program
-  int frames = 0;                                 // to show before it ends; 0: until the window is closed
+  std::chrono::steady_clock::time_point begun{};  // start of the program
+  int frames = 0;                                 // to show before the program ends; 0: until the window is closed
   std::filesystem::path screenshot;               // written at the end; empty: none
-  std::filesystem::path shaders;                  // of a source tree: edits show while the viewer runs; empty: none
-  std::filesystem::path screenshots;              // folder for those that are asked for, camera paths and videos
+  std::filesystem::path shaders;                  // folder of shader sources, reloaded when edited; empty: none
+  std::filesystem::path screenshots;              // folder for screenshots, camera paths and videos
 };
 
 class Session {
@@ -44,23 +44,23 @@ class Session {
   Session& operator=(const Session&) = delete;
   ~Session();  // waits for the device
 
-  /// Until the window closes or the frames asked for have been shown. Throws Error: deviceLost, where making another
-  /// session may go on.
+  /// Runs until the window closes or SessionOptions::frames frames were shown. Throws Error; after deviceLost another
+  /// session may be created.
   void run();
 
-  /// How many messages the validation layer has sent.
+  /// Number of messages from the validation layer.
   std::uint64_t validationMessages() const noexcept { return device_.validationMessages(); }
 
  private:
-  double pause() const;  // how long to wait for events, s; 0: something moves
-  bool draw();           // false: there is nothing to draw into now
+  double pause() const;  // s to wait for events; 0: something moves
+  bool draw();           // false: no frame could be drawn
   void fitInterface();
   void showPanels();
   void obeyHands(double seconds);
   void recordPicture(const Swapchain::Frame& frame, double seconds);
   void grantWishes();
   void paste();
-  std::filesystem::path saveRoute();  // empty: there was nothing to save
+  std::filesystem::path saveRoute();  // returns the written file; empty: nothing to save
   void makeVideo();
   void takeScreenshot(const std::filesystem::path& file);
   void findOut();
@@ -77,15 +77,15 @@ class Session {
   Swapchain swapchain_;
   std::optional<InterfaceDrawer> drawer_;
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
-  std::array<std::size_t, kFramesInFlight> timed_{};  // frames that they have timed
+  std::array<std::size_t, kFramesInFlight> timed_{};  // numbers of the frames that the timers measure
   std::optional<ShaderReloader> shaders_;
   std::map<std::uint64_t, std::unique_ptr<PlaceOnDevice>> drawn_;  // by OpenItem::number
-  std::unique_ptr<Offscreen> picture_;  // the place without the interface, of the window's size
-  std::uint64_t frame_ = 0;             // shown or being recorded
-  int redraws_ = 3;                     // frames to be drawn before it may rest: the interface settles in two
-  bool pictureWanted_ = true;           // the place is to be drawn anew
+  std::unique_ptr<Offscreen> picture_;  // image without the interface, with the window's size
+  std::uint64_t frame_ = 0;             // number of the last frame, shown or being recorded
+  int redraws_ = 3;                     // frames to draw before drawing pauses: the interface settles within two
+  bool pictureWanted_ = true;           // the scene's image must be drawn again
   std::chrono::steady_clock::time_point last_;
-  bool rested_ = true;  // since the last frame
+  bool rested_ = true;  // drawing has paused since the last frame, so the next frame time is not recorded
 };
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `ibr-vr`: stand inside the photographs, with a headset.
+// The program `ibr-vr`: shows photographs in a headset.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdlib>
@@ -24,9 +24,9 @@ namespace ibr::app {
 namespace {
 
 constexpr const char* kName = "ibr-vr";
-constexpr int kMostLosses = 3;                 // in a row, of a headset …
-constexpr std::chrono::seconds kLasting{10};   // … that does not last so long
-constexpr std::chrono::seconds kPatience{60};  // with one that is lost
+constexpr int kMostLosses = 3;                 // consecutive losses of a headset …
+constexpr std::chrono::seconds kLasting{10};   // … each less than this after the start
+constexpr std::chrono::seconds kPatience{60};  // time to wait for a lost headset
 
 struct Options {
   CommonOptions common;
@@ -47,33 +47,40 @@ void addNumber(CLI::App& app, const std::string& name, double& value, double low
 }
 
 void declareComfort(CLI::App& app, Options& o) {
-  app.add_option("--space", o.space, "The room as it was set up (stage), or the place where the head is (local) [auto]")
+  app.add_option("--space", o.space,
+                 "Tracking space: the room as set up (stage), or around the start position of the "
+                 "head (local) [auto]")
       ->check(CLI::IsMember({"auto", "stage", "local"}));
-  addNumber(app, "--eye-height", o.vr.eyeHeight, 0.1, 10, "Where the room is not known: of the eyes at the start, m");
+  addNumber(app, "--eye-height", o.vr.eyeHeight, 0.1, 10,
+            "Height of the eyes at the start if the room is not known, m");
   app.add_option_function<std::string>(
          "--scale", [&o](const std::string& text) { o.vr.unitsPerMetre = parsedDouble("--scale", text, 1e-6, 1e6); },
-         "World units a metre, which the menu changes [as it was left the last time, else 1]")
+         "World units per metre; the menu changes this scale [last value, else 1]")
       ->type_name("X");
   addNumber(app, "--photograph-height", o.vr.walk.photographHeightMetres, 0, 1000,
-            "Of the photographs above the ground, m");
-  addNumber(app, "--snap-turn", o.snapDegrees, 0, 180, "Degrees of a turn by the stick; 0: it does not turn");
-  app.add_flag("--smooth-motion", o.vr.walk.smoothMotion, "The left stick moves, with a vignette");
-  app.add_flag("--no-floor", o.noFloor, "Without the guiding grid on the floor");
+            "Height of the photographs above the ground, m");
+  addNumber(app, "--snap-turn", o.snapDegrees, 0, 180,
+            "Angle of a turn by the stick, degrees; 0: the stick does not "
+            "turn");
+  app.add_flag("--smooth-motion", o.vr.walk.smoothMotion, "Move continuously with the left stick, with a vignette");
+  app.add_flag("--no-floor", o.noFloor, "Draw no guiding grid on the floor");
 }
 
 void declare(CLI::App& app, Options& o) {
   app.set_version_flag("--version", "ibr-vr " IBR_VERSION);
-  app.add_option("SCENE", o.places, "Scenes; the map goes from one to another")->required();
-  addInt(app, "--frames", o.frames, 0, 1000000000, "Ends after so many frames of a scene; 0: when the user leaves");
-  app.add_option("--log", o.log, "What became of each frame, as lines of JSON")->type_name("FILE");
-  app.add_option("--screenshot", o.screenshot, "Both eyes' last pictures: FILE_l.png and FILE_r.png; wants --frames")
+  app.add_option("SCENE", o.places, "Scenes to show; the map switches between scenes")->required();
+  addInt(app, "--frames", o.frames, 0, 1000000000,
+         "Number of frames of a scene after which the program exits; 0: exit "
+         "when the user leaves");
+  app.add_option("--log", o.log, "Log of every frame, one line of JSON per frame")->type_name("FILE");
+  app.add_option("--screenshot", o.screenshot, "Last images of both eyes, FILE_l.png and FILE_r.png; requires --frames")
       ->type_name("FILE.png");
-  app.add_option("--screenshots", o.screenshots, fmt::format("Folder for pictures [{}]", o.screenshots))
+  app.add_option("--screenshots", o.screenshots, fmt::format("Folder for screenshots [{}]", o.screenshots))
       ->type_name("DIR");
-  app.add_flag("--no-mirror", o.noMirror, "No window that shows what the left eye sees");
-  app.add_flag("--no-governor", o.noGovernor, "Draws all that is asked for, also where frames are missed");
-  app.add_flag("--forget", o.forget, "Nothing is taken from the last time or kept for the next: scales, pipelines");
-  app.add_flag("--validation", o.vr.validation, "Vulkan's validation layers say what is wrong");
+  app.add_flag("--no-mirror", o.noMirror, "Open no window that mirrors the left eye");
+  app.add_flag("--no-governor", o.noGovernor, "Draw all requested detail, even if frames are missed");
+  app.add_flag("--forget", o.forget, "Neither load nor save state between runs, such as scales and pipelines");
+  app.add_flag("--validation", o.vr.validation, "Report errors found by Vulkan's validation layers");
   addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "")->group("");  // for tests
   inGroup(app, "Comfort", [&] { declareComfort(app, o); });
   inGroup(app, "Scenes", [&] {
@@ -103,7 +110,7 @@ bool mayComeBack(ErrorCode code) {
   return code == ErrorCode::deviceLost || code == ErrorCode::unsupported;  // the latter: no runtime, no headset
 }
 
-// A runtime that was there and is gone may take a while to come back.
+// A runtime that was lost may need a while to come back.
 std::unique_ptr<Show> makeShow(Visit& visit) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
@@ -119,7 +126,7 @@ std::unique_ptr<Show> makeShow(Visit& visit) {
     }
 }
 
-// Headset, runtime or device may be lost and come back; what is lost again and again is not there.
+// Restarts after losses of headset, runtime or device. Gives up after more than kMostLosses losses in a row.
 void visitAll(Visit& visit) {
   using Clock = std::chrono::steady_clock;
   for (int losses = 0;;) {
@@ -138,7 +145,7 @@ void visitAll(Visit& visit) {
   }
 }
 
-// Null where there is no display: a headset needs none.
+// Returns nullptr without a display: the mirror is optional.
 std::unique_ptr<Window> mirrorWindow(const Context& context) try {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return nullptr;
   return std::make_unique<Window>("ibr-vr", 800, 600);
@@ -173,8 +180,9 @@ ExitCode run(int argc, char** argv) {
       "  ibr-vr scene\n"
       "  ibr-vr hall garden --preset fast --scale 0.37\n"
       "  ibr-vr scene --frames 900 --log frames.jsonl --screenshot eyes.png\n\n"
-      "Shows scenes in a headset by OpenXR. Hold the trigger to point at a place where photographs were taken, let go\n"
-      "to stand there; the stick turns; the menu button (Y or B) shows a map and settings.\n",
+      "Shows scenes in a headset by OpenXR. Hold the trigger to point at a capture site.\n"
+      "Release the trigger to move there. The stick turns. The menu button (Y or B) shows a map\n"
+      "and settings.\n",
       kName);
   declare(app, o);
   const auto ends = parsed(app, argc, argv, [&] {

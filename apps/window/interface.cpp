@@ -25,7 +25,7 @@ Interface::Interface(Window& window, const fs::path& layout) : layout_(layout.st
 
 bool Interface::setScale(float scale) {
   if (std::exchange(scale_, scale) == scale) return false;
-  // ImGui counts in the window's units, which may be larger than pixels.
+  // ImGui measures in window units; one unit may be more than one pixel.
   const float unit = window_.pixelsPerUnit();
   ImGuiStyle style;
   ImGui::StyleColorsDark(&style);
@@ -48,15 +48,15 @@ Interface::~Interface() {
   ImGui::DestroyContext();
 }
 
-// ImGui 1.86 sees which keys are down as a frame begins: on a slow device most keys go down and up between two frames,
-// and it would see neither. Each frame gets what happened in its order, and of each key no more than one change.
+// ImGui 1.86 samples key states once per frame. On a slow device most keys go down and up between two frames and would
+// be missed. Each frame therefore applies the changes in order, at most one per key.
 void Interface::pressKeys() {
   ImGuiIO& io = ImGui::GetIO();
   for (const KeyChange& change : window_.takeKeyChanges())
     if (change.key >= 0 && change.key < IM_ARRAYSIZE(io.KeysDown)) keyChanges_.push_back(change);
   std::set<int> waiting;
   for (const KeyChange& change : keyChanges_)
-    if (waiting.insert(change.key).second) io.KeysDown[change.key] = !change.down;  // as the frame before had it
+    if (waiting.insert(change.key).second) io.KeysDown[change.key] = !change.down;  // the state in the previous frame
   for (; !keyChanges_.empty() && waiting.erase(keyChanges_.front().key) > 0; keyChanges_.pop_front())
     io.KeysDown[keyChanges_.front().key] = keyChanges_.front().down;
   io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];

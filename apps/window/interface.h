@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dear ImGui in a window: its context and input. It is drawn by an InterfaceDrawer.
+// Dear ImGui in a window: its context and input. An InterfaceDrawer draws it.
 #pragma once
 
 #include <deque>
@@ -12,20 +12,20 @@ namespace ibr::app {
 
 class Interface {
  public:
-  /// `layout`: where panels' places are kept from one run to the next; empty: nowhere.
+  /// `layout`: file that stores the positions of panels between runs; empty: none.
   Interface(Window& window, const std::filesystem::path& layout);
   Interface(const Interface&) = delete;
   Interface& operator=(const Interface&) = delete;
   ~Interface();
 
-  /// Everything is drawn so much larger than at 96 dpi, letters from their outlines. Between frames of ImGui. Says
-  /// whether that is new: then a drawer that is there has the wrong letters.
+  /// Sets the size of fonts and panels relative to 96 dpi. Call between ImGui frames. Returns true if the scale
+  /// changed: the font texture of an existing InterfaceDrawer is then outdated.
   bool setScale(float scale);
 
-  /// A frame of ImGui; the drawer's has begun.
+  /// Begins an ImGui frame. Call InterfaceDrawer::beginFrame() first.
   void beginFrame();
 
-  /// Keys did more than one frame can show, such as down and up again: the next frame shows more of it.
+  /// Returns true if key changes are waiting for the next frame: one frame applies at most one change per key.
   bool keysWait() const noexcept { return !keyChanges_.empty(); }
 
  private:
@@ -33,7 +33,7 @@ class Interface {
 
   std::string layout_;
   Window& window_;
-  std::deque<KeyChange> keyChanges_;  // that no frame has shown
+  std::deque<KeyChange> keyChanges_;  // not yet applied to a frame
   float scale_ = 0;
 };
 

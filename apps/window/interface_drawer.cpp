@@ -34,7 +34,7 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, VkFormat format, std::uin
   const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkSubpassDescription subpass{
       .pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &reference};
-  // Between the transfer that brings the picture and the one that takes it to the window.
+  // Synchronises with the transfer that copies the picture in and with the transfer that copies it to the window.
   const VkPipelineStageFlags drawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
   const VkAccessFlags draws = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
   const std::array dependencies{VkSubpassDependency{.srcSubpass = VK_SUBPASS_EXTERNAL,
@@ -58,7 +58,7 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, VkFormat format, std::uin
                                                               .dependencyCount = std::uint32_t(dependencies.size()),
                                                               .pDependencies = dependencies.data()},
                                        "vkCreateRenderPass");
-  const std::uint32_t kept = std::max(framesInFlight, 2u);  // ImGui's least
+  const std::uint32_t kept = std::max(framesInFlight, 2u);  // ImGui's minimum
   ImGui_ImplVulkan_InitInfo info{};
   info.Instance = device.instance();
   info.PhysicalDevice = device.physicalDevice();

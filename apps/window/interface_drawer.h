@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Dear ImGui has shown, drawn by a device, which may be lost and made anew while ImGui's context stays.
+// Draws Dear ImGui's draw data with a Vulkan device. The device may be lost and replaced while ImGui's context stays.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,26 @@ namespace ibr::app {
 struct InterfaceTarget {
   VkImageView view;
   VkExtent2D extent;
-  std::uint64_t generation;  // above 0; another one where the view or the extent is another
+  std::uint64_t generation;  // above 0; changes with the view or the extent
 };
 
-/// Draws for the context of ImGui that is current when it is made; that one is current at each call, and as it goes.
+/// Draws for the ImGui context that is current at construction. The same context must be current in every later call.
 class InterfaceDrawer {
  public:
-  /// Into images of that format; ImGui's colours are display-encoded, so UNORM is right. A frame is recorded so many
-  /// times at most before the device has finished the first. Throws Error.
+  /// Draws into images of `format`; ImGui's colours are display-encoded, so use UNORM. At most `framesInFlight` frames
+  /// may be recorded before the device has finished the first of them. Throws Error.
   InterfaceDrawer(const Device& device, VkFormat format, std::uint32_t framesInFlight);
   InterfaceDrawer(const InterfaceDrawer&) = delete;
   InterfaceDrawer& operator=(const InterfaceDrawer&) = delete;
-  ~InterfaceDrawer();  // the device is idle
+  ~InterfaceDrawer();  // the device must be idle
 
-  /// How an image is before `record`, and after.
+  /// Uses of the image before and after `record`.
   static constexpr ImageUse kBefore = use::kTransferDestination, kAfter = use::kTransferSource;
 
-  /// Before ImGui::NewFrame.
+  /// Call before ImGui::NewFrame.
   void beginFrame();
-  /// Records what was shown since then (ImGui::Render has been called) over what the image holds. Where the target's
-  /// generation is another one, the device is idle.
+  /// Records the frame's draw data over the image's contents. Call ImGui::Render first. The device must be idle if the
+  /// target's generation has changed.
   void record(VkCommandBuffer commands, const InterfaceTarget& target);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Display-encoded values that go from one image to another bit by bit, whatever their formats make of them.
+// Copies display-encoded values between images bit by bit, without conversion between UNORM and SRGB.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -8,8 +8,8 @@
 
 namespace ibr::app {
 
-/// The format of the same bits whose values are as they are drawn: that itself for UNORM, UNORM for SRGB.
-/// VK_FORMAT_UNDEFINED for those that pictures are not shown in.
+/// Returns the UNORM format with the same bits: the format itself if UNORM, its counterpart if SRGB.
+/// VK_FORMAT_UNDEFINED for formats that the program does not show pictures in.
 constexpr VkFormat rawFormat(VkFormat format) noexcept {
   switch (format) {
     case VK_FORMAT_B8G8R8A8_UNORM:
@@ -30,15 +30,15 @@ constexpr VkFormat rawFormat(VkFormat format) noexcept {
   }
 }
 
-/// A part of an image.
+/// Image, offset and layer of one side of a copy.
 struct RawPart {
   VkImage image;
   VkOffset2D corner{0, 0};
   std::uint32_t layer = 0;
 };
 
-/// Between images of the same rawFormat: `from` is as use::kTransferSource says, `to` as use::kTransferDestination,
-/// also after it.
+/// Records a copy between images of the same rawFormat. `from` must be in use::kTransferSource, `to` in
+/// use::kTransferDestination; both keep their uses.
 inline void recordRawCopy(VkCommandBuffer commands, const RawPart& from, const RawPart& to,
                           VkExtent2D extent) noexcept {
   const VkImageCopy region{{VK_IMAGE_ASPECT_COLOR_BIT, 0, from.layer, 1},

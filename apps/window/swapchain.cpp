@@ -14,12 +14,12 @@
 namespace ibr::app {
 namespace {
 
-constexpr int kMostLosses = 3;                       // of the surface, one after the other
-constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never give one
+constexpr int kMostLosses = 3;                       // consecutive losses of the surface
+constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never provide one
 constexpr int kRest = 20;                            // calls of `begin`
 constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
 
-// What windows show: the better, the earlier.
+// Surface formats, best first.
 constexpr std::array kFormats{VK_FORMAT_B8G8R8A8_UNORM,
                               VK_FORMAT_R8G8B8A8_UNORM,
                               VK_FORMAT_A8B8G8R8_UNORM_PACK32,
@@ -64,7 +64,7 @@ SemaphoreHandle makeSemaphore(const Device& device) {
                                "vkCreateSemaphore");
 }
 
-// Opaque where that is a choice: our alpha says nothing about the desktop behind.
+// Prefers opaque: the picture's alpha has no meaning for the desktop behind the window.
 VkCompositeAlphaFlagBitsKHR compositeAlpha(VkCompositeAlphaFlagsKHR can) {
   for (const auto wanted : {VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR, VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR,
                             VK_COMPOSITE_ALPHA_POST_MULTIPLIED_BIT_KHR})
@@ -95,7 +95,7 @@ Swapchain::~Swapchain() {
   drop();
 }
 
-// Colours that are meant for sRGB go into any colour space rather than nowhere.
+// Prefers the sRGB colour space, but takes any other rather than fail.
 Swapchain::Format Swapchain::chosenFormat() const {
   const std::vector<VkSurfaceFormatKHR> formats = surfaceFormats(device_.physicalDevice(), surface_->get());
   for (const bool anySpace : {false, true})
@@ -108,7 +108,7 @@ Swapchain::Format Swapchain::chosenFormat() const {
        formats.size());
 }
 
-// FIFO is the one that always is there.
+// FIFO is the only mode that every surface supports.
 VkPresentModeKHR Swapchain::chosenMode() const {
   if (options_.pace == Pace::refresh) return VK_PRESENT_MODE_FIFO_KHR;
   const std::vector<VkPresentModeKHR> modes = presentModes(device_.physicalDevice(), surface_->get());
@@ -120,7 +120,7 @@ VkPresentModeKHR Swapchain::chosenMode() const {
 void Swapchain::makeSurface() {
   vk(waitIdle(device_), "vkDeviceWaitIdle");
   drop();
-  surface_.reset();  // first: a window has one
+  surface_.reset();  // first: a window can have only one surface
   surface_.emplace(device_.instance(), window_);
   VkBool32 shows = VK_FALSE;
   vk(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physicalDevice(), device_.queueFamily(), surface_->get(), &shows),
@@ -130,7 +130,7 @@ void Swapchain::makeSurface() {
   lost_ = false;
 }
 
-// Where that does not help, everything is made anew.
+// Creates the surface again. Reports a lost device if the new surface fails or has another format.
 void Swapchain::replaceSurface() try {
   const VkFormat before = format_.drawn;
   makeSurface();
@@ -145,7 +145,7 @@ void Swapchain::drop() noexcept {
   vkDestroySwapchainKHR(device_.handle(), std::exchange(swapchain_, VK_NULL_HANDLE), nullptr);
 }
 
-// Whether what was asked for has been done; what is wrong with images or surface is mended by the next frame.
+// Returns true if `call` succeeded. Lost surfaces and outdated images are replaced by the next frame.
 bool Swapchain::goesOn(VkResult result, const char* call) {
   if (result == VK_ERROR_SURFACE_LOST_KHR) {
     check(++losses_ <= kMostLosses, ErrorCode::deviceLost, "{}: the window's surface is lost again and again", call);
@@ -190,7 +190,7 @@ void Swapchain::makeImages() {
   vk(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, images.data()), "vkGetSwapchainImagesKHR");
   while (rendered_.size() < images.size()) rendered_.push_back(makeSemaphore(device_));
   ++generation_;
-  drawn_ = {};  // first, so that there is never memory for two
+  drawn_ = {};  // release first, so that two images are never allocated at once
   drawn_ = GpuImage(device_,
                     {.format = format_.drawn,
                      .extent = extent_,
@@ -212,7 +212,7 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
   if (wanted.width == 0 || wanted.height == 0) return std::nullopt;
   if (lost_) replaceSurface();
   const bool stale = outdated_ || !same(wanted, madeFor_), rested = rests(wanted);
-  // Making images waits for the device: not at each step of a window that is being resized, where nothing may wait.
+  // Creating images waits for the device. With Pace::whenever, wait for the window to keep its size for some calls.
   if (stale && !rested && options_.pace == Pace::whenever && generation_ > 0) return std::nullopt;
   if (stale) makeImages();
   if (images_.empty()) return std::nullopt;
@@ -237,7 +237,7 @@ std::optional<std::uint32_t> Swapchain::acquire(const Slot& slot) {
 
 void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
   constexpr ImageUse kAcquired{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
-  // The semaphore that showing waits for comes after all commands: the image's last change must be among them.
+  // Presentation waits for a semaphore signalled after all commands, so the last layout change must be among them.
   constexpr ImageUse kShown{VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_NONE};
   transition(commands, image, kAcquired, use::kTransferDestination);
   recordRawCopy(commands, {drawn_.get()}, {image}, extent_);
@@ -247,7 +247,7 @@ void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
 void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) const {
   const VkFence done = slot.done.get();
   vk(vkResetFences(device_.handle(), 1, &done), "vkResetFences");
-  // The copy alone needs the window's image; it also comes last.
+  // Only the copy at the end needs the window's image.
   const auto semaphore = [](VkSemaphore which) {
     return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                                  .semaphore = which,
@@ -271,7 +271,7 @@ void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) con
 
 bool Swapchain::end(const Frame& frame) {
   const Slot& slot = slots_[frame.slot];
-  // What the frame has recorded is done in any case: photographs that it uploads count as there.
+  // Submit the commands even without a window image: the streamer counts recorded uploads as resident.
   const std::optional<std::uint32_t> index = acquire(slot);
   if (index) recordCopy(frame.commands, images_[*index]);
   vk(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");

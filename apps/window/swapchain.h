@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window's images, and the frames that are in flight to them.
+// A window's swapchain and its frames in flight.
 //
-// A frame is drawn into one image of our own, of display-encoded values, and copied bit by bit into the window's at the
-// end. So it looks the same in every format that a window may have, those that would encode values again included, and
-// what draws knows one image. Images are made anew when the window changes its size or the surface says that they are
-// out of date, and the surface too where it is lost; until there is something to draw into (a minimised window has no
-// pixels) `begin` gives nothing. Frames use what they use until the device has finished them: `begin` waits for the
-// frame before the last, or gives nothing until it is done, as the pace says.
+// A frame is drawn into an intermediate image of display-encoded values, which is copied bit by bit into the window's
+// image at the end. Frames therefore look the same in every surface format, sRGB formats included. Images are created
+// again when the window changes its size or the surface reports them as out of date. A lost surface is created again,
+// too. A minimised window has no pixels, and `begin` returns nothing. A frame's resources stay in use until the device
+// has finished the frame. `begin` waits for the frame before the last, or returns nothing until then, depending on the
+// pace.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -29,7 +29,7 @@ using SemaphoreHandle = Handle<VkSemaphore, vkDestroySemaphore>;
 
 inline constexpr std::uint32_t kFramesInFlight = 2;
 
-/// Owns it.
+/// Owns a VkSurfaceKHR.
 class Surface {
  public:
   Surface(VkInstance instance, const Window& window) : instance_(instance), surface_(window.makeSurface(instance)) {}
@@ -43,59 +43,59 @@ class Surface {
   VkSurfaceKHR surface_;
 };
 
-/// What a frame waits for.
+/// Synchronisation of frames with the display.
 enum class Pace {
-  refresh,   // the display: each frame is shown, none is torn
-  whenever,  // nothing: what comes too soon is dropped, so that a window never holds up what else a program draws
+  refresh,   // waits for the display: every frame is shown, without tearing
+  whenever,  // never waits: frames that come too early are dropped, so the window never delays other rendering
 };
 
 struct SwapchainOptions {
   Pace pace = Pace::refresh;
-  bool onlySrgb = false;  // as if the window took such formats alone, for tests
+  bool onlySrgb = false;  // accepts sRGB surface formats only, for tests
 };
 
 class Swapchain {
  public:
-  /// The device has VK_KHR_swapchain and was made with Window::instanceExtensions. Throws Error{unsupported} where it
-  /// cannot show pictures in this window.
+  /// The device must have VK_KHR_swapchain and be created with Window::instanceExtensions. Throws Error{unsupported} if
+  /// the device cannot present to this window.
   Swapchain(const Device& device, const Window& window, const SwapchainOptions& options = {});
   Swapchain(const Swapchain&) = delete;
   Swapchain& operator=(const Swapchain&) = delete;
   ~Swapchain();  // waits for the device
 
   struct Frame {
-    VkCommandBuffer commands;  // begun
-    VkImage image;             // its contents are lost; transfers and colour attachments may write it
+    VkCommandBuffer commands;  // recording has begun
+    VkImage image;             // contents undefined; usable by transfers and as colour attachment
     VkImageView view;
-    std::uint32_t slot;  // 0 to kFramesInFlight − 1: what was used with it before is free again
+    std::uint32_t slot;  // 0 to kFramesInFlight − 1; the slot's previous frame has finished
     VkExtent2D extent;
   };
-  /// How the image is when `begin` gives it, and how `end` takes it.
+  /// Use of the image as returned by `begin`, and as `end` expects the image.
   static constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   static constexpr ImageUse kAfter = use::kTransferSource;
 
-  /// nullopt: not now. Waits for the device, at any pace, where the window has changed and images are made anew; where
-  /// the pace is `whenever`, that is once the window has rested for some calls. Throws Error: outOfMemory; deviceLost,
-  /// also where the surface is lost again and again.
+  /// Returns nullopt if no frame can be drawn yet. Waits for the device, at any pace, when images are created again;
+  /// Pace::whenever delays that until the window has kept its size for some calls. Throws Error: outOfMemory;
+  /// deviceLost, also if the surface cannot be replaced or is lost more than three times in a row.
   std::optional<Frame> begin();
-  /// Submits and shows it. Says whether it is shown: the window may have changed or be hidden meanwhile, or have no
-  /// image free where the pace is `whenever`.
+  /// Submits and presents the frame. Returns false if the frame is not shown: the window has changed or is hidden, or
+  /// has no free image (Pace::whenever).
   bool end(const Frame& frame);
   /// Ends the commands without submitting them.
   void abandon(const Frame& frame) noexcept;
 
   VkFormat format() const noexcept { return format_.drawn; }  // of Frame::image; UNORM
-  /// Raised whenever the image is another one: what was made for it is of no use, and the device is idle then.
+  /// Increases whenever the image is replaced. The device is idle then; framebuffers of the old image are invalid.
   std::uint64_t generation() const noexcept { return generation_; }
 
-  /// As if the surface were lost, or had no image free, when the frame is to be shown; for tests.
+  /// Simulates a lost surface, or no free image, at the next `end`; for tests.
   void loseSurface() noexcept { acquires_ = VK_ERROR_SURFACE_LOST_KHR; }
   void keepImages() noexcept { acquires_ = VK_NOT_READY; }
 
  private:
   struct Format {
-    VkFormat drawn;            // by us
-    VkSurfaceFormatKHR shown;  // by the window
+    VkFormat drawn;            // of the intermediate image
+    VkSurfaceFormatKHR shown;  // of the window's images
   };
   struct Slot : FrameSlot {
     SemaphoreHandle acquired;
@@ -118,9 +118,9 @@ class Swapchain {
   std::optional<Surface> surface_;
   Format format_{};
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
-  VkExtent2D madeFor_{0, 0};  // when the images were made
-  VkExtent2D wanted_{0, 0};   // by the window, at the last call of `begin`
-  int rested_ = 0;            // such calls since it has changed
+  VkExtent2D madeFor_{0, 0};  // window size when the images were created
+  VkExtent2D wanted_{0, 0};   // window size at the last call of `begin`
+  int rested_ = 0;            // calls of `begin` since the window size changed
   VkExtent2D extent_{0, 0};   // of the images
   std::vector<VkImage> images_;
   std::vector<SemaphoreHandle> rendered_;  // by image
@@ -128,9 +128,9 @@ class Swapchain {
   std::array<Slot, kFramesInFlight> slots_;
   std::uint32_t slot_ = 0;
   std::uint64_t generation_ = 0;
-  VkResult acquires_ = VK_SUCCESS;  // what the next acquisition says, where it is not asked
+  VkResult acquires_ = VK_SUCCESS;  // simulated result of the next acquisition, for tests; VK_SUCCESS: none
   bool outdated_ = true, lost_ = false;
-  int losses_ = 0;  // of the surface, since something was shown
+  int losses_ = 0;  // of the surface, since the last shown frame
 };
 
 }  // namespace ibr::app

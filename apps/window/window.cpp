@@ -26,7 +26,7 @@ Window& of(GLFWwindow* window) {
 }  // namespace
 
 Window::Window(const std::string& title, int width, int height) {
-  const bool begun = glfwInit() == GLFW_TRUE;  // first: a call's arguments come in any order
+  const bool begun = glfwInit() == GLFW_TRUE;  // first: the evaluation order of arguments is unspecified
   check(begun, ErrorCode::unsupported, "no window can be opened: {}", lastError());
   try {
     check(glfwVulkanSupported() == GLFW_TRUE, ErrorCode::unsupported, "Vulkan cannot draw into windows here");
@@ -38,7 +38,7 @@ Window::Window(const std::string& title, int width, int height) {
     throw;
   }
   glfwSetWindowUserPointer(window_, this);
-  // Whatever happens is a reason to draw: the callbacks of the interface are chained to these.
+  // Any event requests a redraw. ImGui's backend chains its callbacks to these.
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
     of(w).dropped_.insert(of(w).dropped_.end(), paths, paths + count);
     of(w).touched_ = true;
@@ -57,7 +57,7 @@ Window::Window(const std::string& title, int width, int height) {
     if (action != GLFW_REPEAT) of(w).keyChanges_.push_back({key, action == GLFW_PRESS});
     if (action != GLFW_PRESS) return;
     of(w).keys_.push_back({key, key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
-    // Where a letter stands on this keyboard is another matter.
+    // Shortcuts follow the letter printed on the key, not the key's position.
     const char* name = glfwGetKeyName(key, scancode);
     if (!name || name[1] != 0) return;
     int& meant = of(w).keys_.back().key;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window by GLFW, and what happens to it. One thread, the one that runs main().
+// A GLFW window and its events. Threading: only the thread that runs main().
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -12,14 +12,14 @@ struct GLFWwindow;
 
 namespace ibr::app {
 
-/// A key that was pressed, however briefly; GLFW's numbers. Letters are those of the user's keyboard layout.
+/// A key press, also one shorter than a frame; GLFW key codes. Letters follow the user's keyboard layout.
 struct KeyPress {
   int key = 0;
-  int place = 0;  // on the keyboard: the key that has this place on an American one
+  int place = 0;  // key code of this position on a US keyboard
   bool control = false, shift = false;
 };
 
-/// A key that went down or up; GLFW's number.
+/// A key that went down or up; GLFW key code, by position on a US keyboard.
 struct KeyChange {
   int key = 0;
   bool down = false;
@@ -27,7 +27,7 @@ struct KeyChange {
 
 class Window {
  public:
-  /// Throws Error{unsupported} where there is no display or no Vulkan for it.
+  /// Throws Error{unsupported} without a display, or if Vulkan cannot present to windows.
   Window(const std::string& title, int width, int height);
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -35,28 +35,28 @@ class Window {
 
   GLFWwindow* handle() const noexcept { return window_; }
 
-  /// Instance extensions that a surface of any window needs.
+  /// Instance extensions that the surface of a window needs.
   static std::vector<std::string> instanceExtensions();
-  /// The caller destroys it before the instance. Throws Error.
+  /// The caller must destroy the surface before the instance. Throws Error.
   VkSurfaceKHR makeSurface(VkInstance instance) const;
 
-  VkExtent2D pixels() const noexcept;    // 0 × 0 while it is minimised
-  float scale() const noexcept;          // of what is drawn for people, 1 at 96 dpi; the monitor's
-  float pixelsPerUnit() const noexcept;  // 1 but where the system scales windows itself
+  VkExtent2D pixels() const noexcept;    // 0 × 0 while the window is minimised
+  float scale() const noexcept;          // recommended scale of the interface, 1 at 96 dpi; of the monitor
+  float pixelsPerUnit() const noexcept;  // 1 unless the system scales windows
 
   bool closing() const noexcept;
   void close() noexcept;
   void setTitle(const std::string& title);
 
-  /// Handles what has happened; waits for something first, for at most so long, where `seconds` is not 0. Says whether
-  /// something has.
+  /// Handles pending events. If `seconds` is positive, waits for an event first, for at most this time. Returns true if
+  /// an event occurred.
   bool handleEvents(double seconds);
-  /// Files and folders dropped on it since the last call.
+  /// Files and folders dropped onto the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
   /// Keys pressed since the last call, in order.
   std::vector<KeyPress> takeKeys();
-  /// What keys did since the last call, in order.
+  /// Keys that went down or up since the last call, in order.
   std::vector<KeyChange> takeKeyChanges();
 
   std::string clipboard() const;
@@ -71,7 +71,7 @@ class Window {
   std::vector<KeyChange> keyChanges_;
 };
 
-/// Ends a wait of handleEvents, from any thread.
+/// Wakes handleEvents from a wait. May be called from any thread.
 void wakeWindow() noexcept;
 
 }  // namespace ibr::app

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One sun, a sky above and the ground below.
+// Lighting by a sun, a sky above and the ground below.
 layout(location = 0) in vec3 inNormal;
 
 layout(push_constant) uniform Constants {

@@ -5,7 +5,7 @@ layout(location = 1) in vec3 inNormal;
 
 layout(push_constant) uniform Constants {
   mat4 toClip;     // of the model
-  vec3 baseColour;  // linear, as glTF has them
+  vec3 baseColour;  // linear, as in glTF
   float unused;
   vec3 emissive;
 };

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A small square in the corner of a view that gl_InstanceIndex names, in a colour of view and square; 4 is a triangle
-// behind them all that is larger than the view and must be clipped.
+// Draws a small square in a corner of a view; gl_InstanceIndex selects the corner, view and square give the colour.
+// Instance 4 is a triangle behind all squares, larger than the view, which must be clipped.
 #extension GL_EXT_multiview : require
 
 layout(location = 0) flat out vec2 outColour;

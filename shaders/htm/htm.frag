@@ -1,11 +1,11 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A pixel's colour ([H] Algorithm 9, eq. 7): photographs read at their harmonised coordinates, blended by the weights of
-// eq. 5 over the cameras that see the point.
+// Colour of a pixel ([H] Algorithm 9, eq. 7): photographs are read at their harmonised coordinates, and blended by the
+// weights of eq. 5 over the cameras that see the point.
 //
-// Departures: visibility is soft, and the depth test is the renderer's own; the projection is exact at each pixel, only
-// what is added to it is interpolated over the triangle. Where no camera is left, those that take part at the corners
-// count though they may not see the point.
+// Departures: visibility is soft, and the renderer does its own depth test. The projection is exact at each pixel; only
+// its displacement is interpolated over the triangle. If no camera sees the point, all cameras that are members at the
+// corners count.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_project.glsl"

@@ -1,12 +1,12 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// What the fragment stage reads photographs by.
+// Passes position, barycentric shares and triangle to htm.frag.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_corner.glsl"
 
 layout(location = 0) out vec3 outPosition;
-layout(location = 1) out vec2 outShare;  // of the second and third corner
+layout(location = 1) out vec2 outShare;  // shares of the second and third corner
 layout(location = 2) flat out uint outTriangle;
 
 void main() {

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// View-dependent vertex colours (VDVBM, what [H] §4.2 compares with): the mean over a vertex's cameras of the pixel
-// where it is projected, weighted by eq. 5 and by whether they see it, as in htm.frag. A thread a vertex.
+// View-dependent vertex colours (VDVBM, the comparison method of [H] §4.2). One thread per vertex. A vertex gets the
+// mean of the pixels at its projections, weighted by eq. 5 and by visibility, as in htm.frag.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_project.glsl"

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Vertex colours, interpolated over a triangle; vertices without one (0, 0, 0, 0) take no part.
+// Interpolates vertex colours over a triangle; vertices without a colour (0, 0, 0, 0) do not count.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/htm.h"

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A vertex's own colour.
+// Passes a vertex's colour to htm_colours.frag.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_corner.glsl"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A corner of a triangle of the mesh, fetched: into the view, or into a camera's picture.
+// Buffers from which a vertex stage fetches the corners of the mesh's triangles, for the view or a camera's image.
 #include "shared/htm.h"
 
 layout(set = 0, binding = kBindingHtmPositions, scalar) readonly buffer Positions {
@@ -12,4 +12,4 @@ layout(push_constant, scalar) uniform Frame {
   HtmFrame frame;
 };
 
-invariant gl_Position;  // depth is drawn first, then tested for equality
+invariant gl_Position;  // a depth pass comes first; the colour pass tests for equality

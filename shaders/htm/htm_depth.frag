@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// What a camera sees, as inverse depth along its axis: linear in the picture over a plane, so that it may be filtered.
+// Inverse depth along a camera's axis. Over a plane it is linear in the image, so it may be filtered.
 
 layout(location = 0) out float outInverseDepth;
 

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Where the mesh is, and nothing else.
+// Position of a corner of the mesh in the camera's image, without further outputs.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_corner.glsl"

@@ -1,9 +1,9 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Harmonised texture coordinates ([H] eq. 6): for vertex v and camera i the mean over the vertex's cameras j of the
-// complement v̂^{i←j} − o^i, weighted by eq. 5. A vertex without members is not displaced.
+// Harmonised texture coordinates ([H] eq. 6). For vertex v and camera i: the mean of the complements v̂^{i←j} − o^i
+// over the vertex's cameras j, weighted by eq. 5. A vertex without members is not displaced.
 //
-// A thread a vertex, a row of groups a planned camera i: threads beside each other read complements beside each other.
+// One thread per vertex, one row of groups per planned camera i: neighbouring threads read neighbouring complements.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/htm.h"

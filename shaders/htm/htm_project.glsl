@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a planned camera shows a point of the mesh, and whether it sees it there: the same for pixels and for vertices.
-// A point of the surface lies as deep as what is drawn there, so the depth test needs its tolerance in both.
+// Projects a point of the mesh into a planned camera and tests its visibility, for pixels and vertices alike. The depth
+// image contains the point's own surface, so both tests need the depth tolerance.
 #include "shared/htm.h"
 
 layout(set = 0, binding = kBindingHtmRanked, scalar) readonly buffer Ranked {
@@ -18,22 +18,22 @@ layout(push_constant, scalar) uniform Frame {
 struct HtmProjected {
   vec2 at;        // px
   float depth;    // along the camera's axis
-  float inFront;  // the same, but what lies nearer than the mesh can is held off: > 0
+  float inFront;  // depth, at least half the mesh's nearest distance: > 0
 };
 
 HtmProjected htmProject(uint k, vec4 position) {
   const float depth = dot(cameras[k].depthOf, position);
-  const float inFront = max(depth, 0.5 * cameras[k].nearDistance);  // nothing of the mesh lies between them
+  const float inFront = max(depth, 0.5 * cameras[k].nearDistance);  // the mesh has no point between the two
   return HtmProjected(vec2(dot(cameras[k].column, position), dot(cameras[k].row, position)) / inFront, depth, inFront);
 }
 
-// 1 where a picture is read at a pixel of its own, 0 outside and behind it. To its last half pixel it counts in full.
+// Returns 1 inside the image, 0 outside and behind the camera; fades within the last half pixel at the border.
 float htmInside(uint k, HtmProjected projected, vec2 read) {
   const vec2 border = 2.0 * min(read, cameras[k].size - read);
   return projected.depth == projected.inFront ? clamp(min(border.x, border.y), 0.0, 1.0) : 0.0;
 }
 
-// 1 where nothing of the mesh lies before the point, 0 where something lies clearly before it. texel: of a layer.
+// Returns 1 if the mesh does not hide the point, 0 if it clearly does. texel: 1 / size of a layer.
 float htmInView(uint k, HtmProjected projected, vec2 texel) {
   const float inverse = textureLod(depths, vec3(projected.at * texel, cameras[k].camera), 0.0).r;
   const float nearest = 1.0 / max(inverse, 1e-30);

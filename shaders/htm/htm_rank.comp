@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Members of a vertex in the order of the plan, so that loops over them go best first and skip all others. A thread a
-// vertex.
+// Sorts the members of each vertex into the order of the plan, so that loops visit the best camera first and no
+// unplanned one. One thread per vertex.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/htm.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which vertex a thread of a compute shader is for: groups along x, and rows of them along z where a device has too few
-// in one.
+// Vertex of a thread in a compute shader: groups run along x; further rows of groups lie along z if the device allows
+// too few groups along x.
 
 uint htmVertex() {
   return (gl_WorkGroupID.z * gl_NumWorkGroups.x + gl_WorkGroupID.x) * kHtmGroupSize + gl_LocalInvocationID.x;

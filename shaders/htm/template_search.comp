@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A workgroup finds where a template lies in a picture ([H] Alg. 3): its lanes try displacements. All sums are whole
-// numbers, so absolute differences and what they choose are the same on every device; as ibr/template_search.h says.
+// Finds the best position of a template in an image ([H] Alg. 3): one workgroup per template, whose lanes try
+// displacements. All sums are integers, so absolute differences are identical on every device (ibr/template_search.h).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/template_search.h"
@@ -27,7 +27,7 @@ layout(push_constant, scalar) uniform Step {
   SearchStep todo;
 };
 
-shared uvec3 best[kTemplateGroup];  // cost, squared distance from the start, displacement: the least one wins
+shared uvec3 best[kTemplateGroup];  // cost, squared distance from the start, displacement: the smallest wins
 
 uvec3 colourOf(uint texel) {
   return uvec3(texel, texel >> 8, texel >> 16) & 0xffu;
@@ -51,7 +51,7 @@ uint differences(SearchTask task, SearchPicture picture, ivec2 displacement) {
   return sum.r + sum.g + sum.b;
 }
 
-// Whole numbers of 64 bits, low and high half.
+// 64-bit integers: low and high half.
 uvec2 product(uint a, uint b) {
   uvec2 wide;
   umulExtended(a, b, wide.y, wide.x);
@@ -77,7 +77,7 @@ uvec2 dotProduct(uvec3 a, uvec3 b) {
   return plus(plus(product(a.r, b.r), product(a.g, b.g)), product(a.b, b.b));
 }
 
-// n²-fold variance of all colours, each about its own mean.
+// Returns n² times the variance of all colours, each channel about its own mean.
 float variance(uint count, uint squares, uvec3 sum) {
   return rounded(minus(product(count, squares), dotProduct(sum, sum)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the candidates of a point stand and which of them may be taken, as libibr/src/optimise/star_mesh.cpp has it.
+// Positions of a point's candidates, and which of them are valid. Reference: libibr/src/optimise/star_mesh.cpp.
 layout(binding = kBindingKeptFirst, scalar) readonly buffer KeptFirst { uint keptFirst[]; };
 layout(binding = kBindingKeptEdges, scalar) readonly buffer KeptEdges { uvec3 keptEdges[]; };
 layout(binding = kBindingBorder, scalar) readonly buffer Borders { uvec3 borders[]; };

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Moves the points of one class in one picture, each to the best of its candidates ([T] §3.6–3.7); a workgroup is a point,
-// a lane a candidate. Points of a class share no triangle, so nothing that a workgroup reads is written by another.
+// Moves the points of one class in one image, each to its best candidate ([T] §3.6–3.7). One workgroup per point, one
+// lane per candidate. Points of a class share no triangle: no workgroup reads data that another one writes.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
@@ -19,9 +19,9 @@ shared int reach;
 shared uint instanceCount;
 shared EccScore firstScore;
 shared EccScore scores[kAlignmentInstances];
-shared uint chosen[kAlignmentInstances];  // candidates to be judged whole, the first one left out
+shared uint chosen[kAlignmentInstances];  // candidates to be scored in full, without candidate 0
 shared uint chosenCount;
-shared bool left[kAlignmentInstances];  // by pruning
+shared bool left[kAlignmentInstances];  // kept by pruning
 shared EccScore bestScores[kAlignmentGroup];
 shared uint bestInstances[kAlignmentGroup];
 shared uint judgedBy[kAlignmentGroup];
@@ -37,13 +37,13 @@ EccScore judgedScore(uint member, uint point, uint instance, int step, int phase
   return scoreOf(sums, todo.definition, todo.floor, toll);
 }
 
-// Whether candidate a comes before b: greater, or not less and earlier.
+// True if candidate a precedes b: a greater score, or an equal score and a smaller index.
 bool comesBefore(EccScore a, uint instanceA, EccScore b, uint instanceB) {
   if (eccGreater(a, b)) return true;
   return instanceA < instanceB && !eccGreater(b, a);
 }
 
-// Candidates that fit, of which pruning leaves the best; in `chosen`, ascending.
+// Finds the candidates that fit, and keeps the best if pruning is on; `chosen` is ascending.
 void choose(uint member, uint point, uint lane, inout uint judged, inout int64_t pixels) {
   const uint seed = eccPointSeed(todo.seed, member, point);
   for (uint m = lane; m < instanceCount; m += kAlignmentGroup)
@@ -56,7 +56,7 @@ void choose(uint member, uint point, uint lane, inout uint judged, inout int64_t
   }
   barrier();
   if (todo.prune == 0u || chosenCount <= kAlignmentLeft) return;
-  // The first is looked at, too, as the processor's way does, so that both count the same work.
+  // Candidate 0 is scored too, as in the CPU implementation, so that both count the same work.
   if (lane == 0u)
     judgedScore(member, point, 0u, int(kAlignmentRows), int(seed % kAlignmentRows), judged, pixels);
   for (uint i = lane; i < chosenCount; i += kAlignmentGroup)

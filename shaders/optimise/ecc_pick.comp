@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's second pass ([T] §3.6): sums become ECCs, the point moves to the best candidate, and how far it moved goes
-// back to the host.
+// Second pass of the paper's method ([T] §3.6): computes ECCs from the sums, moves the point to the best candidate, and
+// reports its offset to the host.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

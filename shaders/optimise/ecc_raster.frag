@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's pass ([T] §3.6): a fragment adds its samples of both photographs to its candidate's sums.
-// Departure: values have eight more bits and sums 64 instead of shifting what would overflow (NUMERICS T1–T3).
+// First pass of the paper's method ([T] §3.6): a fragment adds samples of both photographs to its candidate's sums.
+// Departure: values have eight more bits, and sums are 64 bits wide instead of shifting values to avoid an overflow.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

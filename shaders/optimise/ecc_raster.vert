@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's pass ([T] §3.6): an instance is a candidate, the star is drawn at the mean of source and target. The
-// viewport is 2¹⁴ px wide and high, so that positions in 2⁻⁸ px come through exactly.
+// First pass of the paper's method ([T] §3.6): one instance per candidate draws the star at the mean of source and
+// target. The viewport is 2¹⁴ px wide and high, which represents positions in 2⁻⁸ px exactly.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mesh that is aligned, in the buffers of shared/alignment.h.
+// Buffers of the mesh that is being aligned (shared/alignment.h).
 #include "shared/alignment.h"
 
 #ifdef POSITIONS_ARE_READ
@@ -22,7 +22,7 @@ ivec2 sumOfPositions(uint point) {
   return sum;
 }
 
-/// From where the match began to the candidate.
+/// Returns the vector from the point's initial match to the candidate.
 ivec2 wayOf(uint member, uint point, ivec2 offset) {
   return positionIn(member, point) + offset - starts[member * mesh.points + point];
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The star of a point at one of its candidates ([T] §3.6), as libibr/src/optimise/judge.cpp and star_mesh.cpp have it.
+// Scores the star of a point at a candidate ([T] §3.6). Reference: libibr/src/optimise/judge.cpp and star_mesh.cpp.
 #include "optimise/mesh.glsl"
 
 layout(binding = kBindingTexels, scalar) readonly buffer Texels { uint texels[]; };
@@ -15,7 +15,7 @@ struct PairMaps {
   ivec2 origin;
 };
 
-ivec3 sampled(int texel, int stride, int x, int y) {  // coordinates along a run
+ivec3 sampled(int texel, int stride, int x, int y) {  // coordinates relative to the start of the run
   const int upper = texel + (y >> kEccRunBits) * stride + (x >> kEccRunBits), lower = upper + stride;
   const int dropped = kEccRunBits - kEccWeightBits, mask = (1 << kEccWeightBits) - 1;
   return eccSample(texels[upper], texels[upper + 1], texels[lower], texels[lower + 1], (x >> dropped) & mask,
@@ -43,7 +43,7 @@ void addRun(PairMaps maps, int column, int row, int pixels, inout EccTarget sums
     const ivec3 x = sampled(aTexel, int(a.stride), aX, aY), y = sampled(bTexel, int(b.stride), bX, bY);
     sumX += x;
     sumY += y;
-    // A product is below 2³⁰, two of them below 2³¹, three below 2³² without their sign.
+    // A product is below 2³⁰, the sum of two below 2³¹, of three unsigned ones below 2³².
     const ivec3 xy = x * y;
     const ivec3 xx = x * x, yy = y * y;
     sums.xx += int64_t(uint(xx.x) + uint(xx.y) + uint(xx.z));
@@ -63,12 +63,12 @@ void addRun(PairMaps maps, int column, int row, int pixels, inout EccTarget sums
   sums.y2 += int64_t(sumY.z);
 }
 
-// The rows of the edge top–bottom, which the edge first–last spans, too.
+// Adds the rows between the ends of the edge top–bottom; the edge first–last spans these rows too.
 void addRows(PairMaps maps, ivec2 top, ivec2 bottom, ivec2 first, ivec2 last, int step, int phase,
              inout EccTarget sums) {
   const int behind = eccFirstRow(bottom.y);
   int row = eccFirstRow(top.y);
-  const int rest = (row + step - phase) % step;  // rows are not negative, and remainders of what is are not defined
+  const int rest = (row + step - phase) % step;  // % is defined for non-negative values only
   row += rest == 0 ? 0 : step - rest;
   if (row >= behind) return;
   EccEdge near = eccEdge(top, bottom, row, step), far = eccEdge(first, last, row, step);
@@ -81,7 +81,7 @@ void addRows(PairMaps maps, ivec2 top, ivec2 bottom, ivec2 first, ivec2 last, in
   }
 }
 
-// Corners a, b, c; false where the triangle cannot be judged.
+// Adds triangle a, b, c; returns false if the triangle cannot be scored.
 bool addTriangle(uint member, uint other, ivec2 sa, ivec2 sb, ivec2 sc, ivec2 ta, ivec2 tb, ivec2 tc, int step,
                  int phase, inout EccTarget sums) {
   const ivec2 a = sa + ta, b = sb + tb, c = sc + tc;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a pixel beside its colour: BufferTargets in ibr/target.h.
+// Writes a cell pixel's depth, weights and confidence: BufferTargets in ibr/target.h.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_colour.glsl"
@@ -43,7 +43,7 @@ void main() {
   float variance = 0.0;
   for (int i = 0; i < kMembers; ++i)
     if (weights[i] > 0.0) variance += weights[i] * dot(colours[i] - mean, colours[i] - mean) / 3.0;
-  // ρ shares the vertex's scale with clip space, so that ρ / w is the inverse depth.
+  // ρ and clip space have the same scale per vertex, so ρ / w is the inverse depth.
   const float inverseDepth = inInverseDistance * gl_FragCoord.w;
   outSurface = vec4(1.0 / max(inverseDepth, 0.0), 0.0, rank, extrapolation);
   outWeights = weights;

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of a cell's members at a fragment, blended ([T] eq. 6), dithered (eq. 7), or the mean of both: what every
-// fragment stage that draws cells begins with.
+// Colours of a cell's members at a fragment, blended ([T] eq. 6), dithered (eq. 7), or the mean of both. Included by
+// every fragment stage that draws cells.
 //
-// Texture coordinates come from interpolated values alone: a buffer read gives 0 in the helper pixels of some devices
-// (lavapipe), and gradients would be wrong along every edge.
+// Texture coordinates depend on interpolated values alone: on some devices (lavapipe) helper invocations read 0 from
+// buffers, which would give wrong gradients along every edge.
 #include "render/cubic.glsl"
 #include "shared/cell.h"
 #include "shared/panorama.h"
 
 layout(constant_id = 0) const int kMembers = 4;
-layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one image, sampled alike
-layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: pixels are left to what lies behind
+layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one array, one sampler
+layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: some pixels are left to surfaces behind
 
-// Bit i: member i is a panorama. A constant of the pipeline rather than of the cell's data: a scene of pinholes pays
-// nothing, in a mixed cell no fragment branches, and it holds in helper pixels. A scene has few such combinations.
+// Bit i: member i is a panorama. A specialisation constant, so that a scene of pinholes pays nothing, fragments of a
+// mixed cell do not branch, and helper invocations know the value. A scene has few such combinations.
 layout(constant_id = 3) const int kPanoramas = 0;
 
-// How colours become one: a constant, because some devices (lavapipe) run both sides of every branch.
+// Blend mode; a constant, because some devices (lavapipe) execute both sides of every branch.
 layout(constant_id = 4) const uint kBlending = kBlend;
 
-layout(constant_id = 9) const bool kCubic = false;  // sharper where a photograph is magnified
+layout(constant_id = 9) const bool kCubic = false;  // bicubic filter where a photograph is magnified
 
 layout(constant_id = 11) const bool kExposed = false;  // photographs have gains
 layout(constant_id = 12) const bool kMasked = false;  // a member's photograph has a mask: the alpha of its texture
@@ -36,8 +36,8 @@ layout(set = kSetCell, binding = 1) uniform sampler2DArray photograph1;
 layout(set = kSetCell, binding = 2) uniform sampler2DArray photograph2;
 layout(set = kSetCell, binding = 3) uniform sampler2DArray photograph3;
 
-// Gradients come from outside: implicit ones would measure the parallax between members wherever the choice of a member
-// changes from one pixel to the next. Samplers are not indexed, since not every device can.
+// Gradients are passed explicitly: implicit ones would measure the parallax between members where neighbouring pixels
+// choose different members. Samplers are not indexed, since not every device supports dynamic indexing.
 vec4 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
   if (slot == 0) return textureGrad(photograph0, coordinate, dx, dy);
   if (slot == 1) return textureGrad(photograph1, coordinate, dx, dy);
@@ -84,7 +84,7 @@ struct Sampling {
   float spacing, reach;  // of a panorama's taps: PanoramaFootprint
 };
 
-/// `detail`: gradients are multiplied by it.
+/// `detail`: factor on the gradients.
 Sampling sampling(int member, float detail) {
   Sampling s;
   if (isPanorama(member)) {
@@ -110,12 +110,12 @@ vec3 exposed(int member, vec3 colour) {
   return exposedColour(colour, exposures[inCell].member[member].gain, exposures[inCell].member[member].slope);
 }
 
-// Share of tap k, −reach to reach, in what `member` shows, by the sampler in `slot`. All of a pinhole is tap 0.
+// Returns the contribution of tap k, −reach to reach, to the colour of `member`, read through `slot`; pinhole: k = 0.
 vec4 tap(int slot, int member, Sampling s, float k) {
   const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
   const vec3 coordinate = vec3(s.at.x + k * s.spacing, s.at.y, float(cells[inCell].member[member].layer));
   vec4 colour = photograph(slot, coordinate, s.dx, s.dy);
-  if (kCubic) {  // as far as the finest level shows
+  if (kCubic) {  // replaces the linear colour as far as the finest level counts
     const vec2 size = photographSize(slot);
     const float coarser = log2(max(max(length(s.dx * size), length(s.dy * size)), 1.0));
     if (coarser < 1.0) {
@@ -134,10 +134,10 @@ float noise(uvec2 pixel) {
 
 bool isDissolved(uvec2 pixel) { return noise(pixel + kDissolveOffset) >= cells[inCell].opacity; }
 
-// Where photographs have masks: what the members show, and how much each weighs in that.
+// Colours of the members and their weights, for scenes with masks.
 struct Shown {
   vec3 colour[kMaxMembers];
-  vec4 weights;  // sum 1, or all 0: nothing is left of any member
+  vec4 weights;  // sum 1, or all 0: every member is masked
 };
 
 Shown shownMembers(Sampling samplings[kMaxMembers], vec4 weights) {
@@ -156,7 +156,7 @@ Shown shownMembers(Sampling samplings[kMaxMembers], vec4 weights) {
   return shown;
 }
 
-// The same as cellColour goes on to. What lies behind shows where nothing is left.
+// Blends like the rest of cellColour. Discards the fragment if every member is masked.
 vec3 maskedColour(uvec2 pixel, Sampling samplings[kMaxMembers], vec4 weights) {
   const Shown shown = shownMembers(samplings, weights);
   if (shown.weights == vec4(0.0)) discard;
@@ -169,8 +169,8 @@ vec3 maskedColour(uvec2 pixel, Sampling samplings[kMaxMembers], vec4 weights) {
   return kBlending == kBlend ? blended : (kBlending == kDither ? dithered : 0.5 * (blended + dithered));
 }
 
-/// Discards what is dissolved, and what masks leave nothing of. `pixel`: of the picture, for the noise; `more`: of the
-/// texture's detail, 1 as the picture's size asks for, less for more of it.
+/// Discards dissolved fragments, and fragments with all members masked. `pixel`: of the image, for the noise. `more`:
+/// factor on the gradients; 1 for the detail of the image's size, less for finer detail.
 vec3 cellColour(uvec2 pixel, float more) {
   const float detail = more * inDetail;
   Sampling samplings[kMaxMembers];
@@ -185,7 +185,7 @@ vec3 cellColour(uvec2 pixel, float more) {
   if (kMasked) return maskedColour(pixel, samplings, weights);
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
   const int chosen = kBlending != kBlend ? ditherMember(weights, noise(pixel)) : 0;
-  // One loop for all members, each of which is dear; without a panorama there is none.
+  // Sampling a member is expensive, so one loop serves all members. Pinhole cells run it once.
   const float last = ceil(reach);
   float k = -last;
   do {

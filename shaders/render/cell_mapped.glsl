@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cell's colour, through its colour table where colours are mapped.
+// Colour of a cell, mapped through its colour table if kMapped.
 #include "render/cell_colour.glsl"
 #include "shared/colour_map.h"
 

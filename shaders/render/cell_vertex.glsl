@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Morphs a vertex ([T] §2.5.1 eq. 4; ARCHITECTURE §5 "The morph, one formula"): what every vertex stage of cells does.
+// Morphs a vertex ([T] §2.5.1 eq. 4), for all vertex stages of cells:
 //   D = Σ λ_i R_i q_i + ρ t,  q_i = a_i r_i,  t = Σ λ_i c_i − p
-// A pinhole projects q_i to a homogeneous texture coordinate; a panorama's q_i goes on as it is ([T] fig. 1). Both share
-// the vertex's scale with (D, ρ), so that they are projectively exact inside a triangle.
+// A pinhole projects q_i to a homogeneous texture coordinate; a panorama passes q_i on unchanged ([T] fig. 1). Both
+// share the vertex's scale with (D, ρ), so perspective interpolation is exact inside a triangle.
 // (D, ρ) is the vertex in homogeneous coordinates of the virtual camera, so ρ = 0 is infinity.
 #include "shared/cell.h"
 
@@ -11,11 +11,11 @@ layout(constant_id = 3) const int kPanoramas = 0;  // bit i: member i is a panor
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
 
-layout(location = 0) out vec3 outTexture[kMaxMembers];  // pinhole: homogeneous texture coordinate in member i; panorama: q_i
+layout(location = 0) out vec3 outTexture[kMaxMembers];  // homogeneous texture coordinate in member i; panorama: q_i
 layout(location = 4) flat out uint outCell;
 layout(location = 5) flat out float outDetail;
 
-/// `points`: q_i, those beyond kMembers do not matter. Returns ρ as it is drawn with.
+/// `points`: q_i; entries beyond kMembers are ignored. Returns ρ with which the vertex is drawn.
 float placeVertex(vec3 points[kMaxMembers], float storedInverseDistance, uint cell) {
   const bool unitRays = cells[cell].unitRays != 0;
   const float inverseDistance = unitRays ? 0.0 : storedInverseDistance;

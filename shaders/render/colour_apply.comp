@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's mapping application over all pixels ([T] §2.5.3, 3): what is still to be mapped goes through the table of
-// the cell drawn last and is final.
+// Applies a colour table to all pixels, as in the paper ([T] §2.5.3, 3). Pending pixels go through the table of the
+// cell that was drawn last, and become final.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/colour_map.h"

@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Counts the proxy's colours (ARCHITECTURE §5 "Colour tables, in parallel"): a pixel belongs to the best cell that covers
-// it; every other cell k that covers it adds its colour to M[k] and the owner's to H[k][owner]. One mask for both, so both
-// histograms are of the same pixels (NUMERICS T17).
+// Counts the proxy's colours. A pixel belongs to the best cell that covers the pixel, its owner. Every other covering
+// cell k adds its own colour to M[k] and the owner's colour to H[k][owner]. One mask selects pixels for both
+// histograms, so they count the same pixels.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/cell.h"
@@ -13,7 +13,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = kBindingColourFrame, scalar) readonly buffer Frame { ColourFrame frame; };
 layout(binding = kBindingCounters, scalar) buffer Counters { uint counters[]; };
 layout(binding = kBindingColourNoise, scalar) readonly buffer Noise { uint noiseRank[]; };
-layout(binding = kBindingPicture) uniform sampler2D proxy;  // a tile a cell
+layout(binding = kBindingPicture) uniform sampler2D proxy;  // one tile per cell
 
 void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy, cell = pixel % uint(kNoiseSize);

@@ -1,8 +1,8 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's histogram acquisition ([T] §2.5.3, 1): where the framebuffer holds a colour already, this colour and the
-// cell's are counted, the same pixels in both histograms (NUMERICS T17); where it is empty, the cell's is written, still
-// to be mapped.
+// Counts histograms as in the paper ([T] §2.5.3, 1). If the framebuffer has a colour at the pixel, that colour and the
+// cell's colour are counted: the same pixels in both histograms. An empty pixel gets the cell's colour and is pending
+// until a table is applied.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_colour.glsl"

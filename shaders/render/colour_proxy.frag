@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A cell's raw colour in its tile of the proxy: fewer pixels than the picture has, each as detailed as the picture's,
-// because averages would lose the tails that the tables need.
+// Writes a cell's raw colour into its tile of the proxy. The proxy has fewer pixels than the image, each with the
+// image's detail: averages would lose the tails of the histograms that the tables need.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_colour.glsl"
@@ -9,7 +9,7 @@
 
 layout(push_constant) uniform Tile {
   uvec2 origin;
-  float detail;  // 1 / pixels of the picture between pixels of the proxy
+  float detail;  // 1 / distance of the proxy's pixels, px of the image
 };
 
 layout(location = 0) out vec4 outColour;

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's mapping application by redraw of the mesh ([T] §2.5.3, 3): the cell's colour through its table, wherever the
-// framebuffer was empty before the cell.
+// Applies a colour table by drawing the mesh again, as in the paper ([T] §2.5.3, 3). Writes the cell's mapped colour at
+// pixels that were empty before the cell.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_colour.glsl"

@@ -1,10 +1,10 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Histograms → colour tables ([T] §2.5.3, eqs 8–18), cell after cell, main cell first, in one workgroup.
+// Makes colour tables from histograms ([T] §2.5.3, eqs 8–18), cell by cell, main cell first, in one workgroup.
 //
-// With joint histograms H[k][j] (ARCHITECTURE §5 "Colour tables, in parallel") the reference histogram of cell k is the
-// sum over the owners j of H[k][j] pushed through table j as it is shown: what the paper's sequence would have found in
-// the framebuffer. Thread i stands for level i.
+// Ours has joint histograms H[k][j]. The reference histogram of cell k is the sum over owners j of H[k][j], mapped
+// through the table that cell j shows: the colours that the paper's sequence would find in the framebuffer. Thread i
+// computes level i.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/colour_map.h"
@@ -14,7 +14,7 @@ layout(local_size_x = kLevels) in;
 layout(binding = kBindingColourFrame, scalar) readonly buffer Frame { ColourFrame frame; };
 layout(binding = kBindingCounters, scalar) readonly buffer Counters { uint counters[]; };
 layout(binding = kBindingSlots, scalar) buffer Slots { ColourSlot slots[]; };
-layout(binding = kBindingTables, scalar) coherent buffer Tables { uint tables[]; };  // one thread's is another's next
+layout(binding = kBindingTables, scalar) coherent buffer Tables { uint tables[]; };  // read by other threads
 
 layout(push_constant) uniform Range { uint first, last; };  // cells
 
@@ -120,6 +120,6 @@ void main() {
     tables[s * uint(kLevels) + i] = packLevels(level.r, level.g, level.b);
     memoryBarrierBuffer();
     barrier();
-    if (i == 0u) slots[s].owner = frame.owner[k];  // after all threads have read it
+    if (i == 0u) slots[s].owner = frame.owner[k];  // after all threads have read the owner
   }
 }

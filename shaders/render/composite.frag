@@ -1,29 +1,29 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Canvas → target: background and guiding floor where nothing was drawn, and the transfer function that the target's
-// format undoes. Constants say what there is to be read: some devices (lavapipe) run both sides of every branch.
+// Composes the canvas into the target: background and floor where nothing is drawn, and the transfer function for the
+// target's format. Constants disable unused inputs: some devices (lavapipe) execute both sides of every branch.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/floor.h"
 #include "shared/hidden_area.h"
 
 layout(constant_id = 0) const bool kEncodedByTarget = false;  // an SRGB format
-layout(constant_id = 1) const bool kFormer = false;           // a switch is being mixed
+layout(constant_id = 1) const bool kFormer = false;           // two draw orders are cross-faded
 layout(constant_id = 2) const bool kFill = false;
-layout(constant_id = 3) const bool kScaled = false;  // the canvas's picture has another size than the target
+layout(constant_id = 3) const bool kScaled = false;  // the image in the canvas has another size than the target
 layout(constant_id = 4) const bool kFloor = false;
 layout(constant_id = 5) const bool kHidden = false;  // there is a hidden area
 
 layout(set = 0, binding = 0) uniform sampler2D canvas;
-layout(set = 0, binding = 1) uniform sampler2D formerCanvas;  // the picture of the order before a switch
-layout(set = 0, binding = 2) uniform sampler2D fill;          // half the canvas's size, filtered
+layout(set = 0, binding = 1) uniform sampler2D formerCanvas;  // image of the previous draw order
+layout(set = 0, binding = 2) uniform sampler2D fill;          // half the canvas's size, linear filter
 layout(push_constant, scalar) uniform Constants {
   vec3 background;     // display-encoded
   uint keepTier;       // 1: alpha is the canvas's tier code, 0: alpha is 1
   vec2 fillExtent;     // texels of `fill` in use
   vec2 canvasExtent;   // texels of the canvas in use
   vec2 targetExtent;
-  float formerWeight;
+  float previousWeight;
   FloorConstants plane;
 };
 
@@ -35,7 +35,7 @@ vec3 decode(vec3 encoded) {  // IEC 61966-2-1
 
 const float kFilled = 63.0 / 255.0;  // tier code of tier 3
 
-// What shows where a canvas is empty, and its tier code. `at`: of the canvas.
+// Returns the colour behind the canvas's empty pixels, and its tier code. `at`: px of the canvas.
 vec4 behind(vec2 at) {
   vec4 shown = vec4(background, 0.0);
   if (kFill) {
@@ -52,14 +52,14 @@ vec4 texel(sampler2D image, ivec2 pixel, vec4 back) {
   return drawn.a == 0.0 ? back : drawn;
 }
 
-// Of both pictures; where the former one is empty it cannot be mixed, and the new one is all there is.
+// Cross-fades both images. A pixel that is empty in the previous image shows the current one alone.
 vec4 shownAt(ivec2 pixel, vec4 back) {
   const vec4 now = texel(canvas, pixel, back);
-  return kFormer ? vec4(mix(now.rgb, texel(formerCanvas, pixel, now).rgb, formerWeight), now.a) : now;
+  return kFormer ? vec4(mix(now.rgb, texel(formerCanvas, pixel, now).rgb, previousWeight), now.a) : now;
 }
 
-// Colours are interpolated, what is empty between them too, but nothing that is hidden; a tier code is the nearest
-// pixel's.
+// Interpolates colours, also of empty pixels in between, but not of hidden ones. The tier code is that of the nearest
+// pixel.
 vec4 picture(vec2 at, vec4 back) {
   if (kHidden && isHidden(texelFetch(canvas, ivec2(at), 0).a)) return vec4(background, 0.0);
   vec4 shown = shownAt(ivec2(at), back);

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One level of pulling: shared/fill.h. The finest source is the canvas, where alpha is a tier code and 0 means empty;
-// what is hidden counts as empty.
+// Computes one coarser level (pull, shared/fill.h). The finest source is the canvas, whose alpha is a tier code, 0
+// where empty. Hidden pixels count as empty.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/fill.h"
 #include "shared/hidden_area.h"

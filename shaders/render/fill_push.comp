@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One level of pushing, in place: shared/fill.h. Only texels in use are read; images may be larger.
+// Fills one finer level in place (push, shared/fill.h). Reads only texels in use; the images may be larger.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/fill.h"
 
@@ -24,6 +24,6 @@ void main() {
   const vec2 t = at - vec2(corner);
   const vec3 above = mix(coarseTexel(corner), coarseTexel(corner + ivec2(1, 0)), t.x);
   const vec3 below = mix(coarseTexel(corner + ivec2(0, 1)), coarseTexel(corner + ivec2(1, 1)), t.x);
-  const float any = texelFetch(coarser, ivec2(0), 0).a > 0.0 ? 1.0 : 0.0;  // 0: the whole picture is empty
+  const float any = texelFetch(coarser, ivec2(0), 0).a > 0.0 ? 1.0 : 0.0;  // 0: the whole image is empty
   imageStore(finer, pixel, vec4(mix(mix(above, below, t.y), value.rgb, value.a), any));
 }

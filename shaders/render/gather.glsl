@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pixel's colour from the photographs that see its surfaces: what the fragment stages of the gather share.
+// Computes a pixel's colour from the photographs that see its surfaces. Shared by the fragment stages of the gather.
 #include "render/cubic.glsl"
 #include "render/gather_view.glsl"
 #include "shared/cell.h"
@@ -8,20 +8,20 @@
 layout(constant_id = 0) const int kCandidates = 12;
 layout(constant_id = 1) const int kLayers = 2;
 layout(constant_id = 2) const int kColours = 4;
-layout(constant_id = 3) const int kSlots = 1;       // texture arrays of photographs that are bound
-layout(constant_id = 4) const int kDepthSlots = 1;  // of depths
-layout(constant_id = 5) const bool kPanoramas = false;  // a photograph may be one
+layout(constant_id = 3) const int kSlots = 1;       // bound texture arrays of photographs
+layout(constant_id = 4) const int kDepthSlots = 1;  // bound texture arrays of depths
+layout(constant_id = 5) const bool kPanoramas = false;  // a photograph may be a panorama
 layout(constant_id = 6) const bool kExposed = false;    // photographs have gains
 layout(constant_id = 7) const bool kMasked = false;     // photographs have masks
-layout(constant_id = 8) const bool kCubic = false;      // sharper where a photograph is magnified
+layout(constant_id = 8) const bool kCubic = false;      // bicubic filter where a photograph is magnified
 
 layout(set = kSetGatherView, binding = kBindingGatherVoted) uniform sampler2D voted;
 layout(set = kSetGatherView, binding = kBindingGatherHoles) uniform sampler2D holes;
 layout(set = kSetGatherTextures, binding = kBindingGatherPhotographs) uniform texture2DArray photographs[kMaxGathered];
 layout(set = kSetGatherTextures, binding = kBindingGatherDepths) uniform texture2DArray depths[kMaxGathered];
-layout(set = kSetGatherTextures, binding = kBindingGatherSamplers) uniform sampler samplers[2];  // ends, wraps
+layout(set = kSetGatherTextures, binding = kBindingGatherSamplers) uniform sampler samplers[2];  // clamping, wrapping
 
-// Texture arrays are not indexed, since not every device can. OF(s) is an expression of slot s.
+// Texture arrays are not indexed, since not every device supports it. OF(s) is an expression for slot s.
 #define IF_SLOT(count, OF, s) \
   if (count == s + 1 || slot == uint(s)) return OF(s);
 #define OF_SLOTS(count, OF)                                                                              \
@@ -61,10 +61,10 @@ vec3 cubicPhotographAt(uint slot, vec3 coordinate, bool around) {
 
 bool goesAround(int k) { return kPanoramas && views[c.view].candidate[k].panorama != 0u; }
 
-/// Where a candidate sees a point, and how well.
+/// Projection of a point into a candidate, with weight and mip level.
 struct Sight {
   vec2 at;       // texture coordinate
-  float weight;  // 0: not at all
+  float weight;  // 0: the candidate does not see the point
   float lod;     // mip level
 };
 
@@ -91,7 +91,7 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
     border = min(least / kGatherBorder, 1.0);
     here = rho / -direction.z;
   }
-  // The angle at the point between the two rays; the cross product of the near parallel is taken from the shift.
+  // Angle at the point between the two rays. The cross product uses the shift: it is precise for nearly parallel rays.
   const float angle = atan(rho * length(cross(turned, shift)), dot(turned, direction));
   const float beyond = angle + views[v].candidate[k].distanceCost;
   const float finer = views[v].candidate[k].focalPx * length(ray) / (views[v].focalPx * distance);
@@ -125,7 +125,7 @@ vec3 colourOf(int k, vec2 at, float lod) {
   const vec3 coordinate = vec3(at, float(views[v].candidate[k].layer));
   const bool around = goesAround(k);
   vec3 colour = photographAt(slot, coordinate, lod, around).rgb;
-  if (kCubic && lod < 1.0) {  // as far as the finest level shows
+  if (kCubic && lod < 1.0) {  // replaces the linear colour as far as the finest level counts
     const vec3 linear = photographAt(slot, coordinate, 0.0, around).rgb;
     colour += (1.0 - lod) * (cubicPhotographAt(slot, coordinate, around) - linear);
   }
@@ -136,11 +136,11 @@ vec3 colourOf(int k, vec2 at, float lod) {
 struct Gathered {
   vec3 colour;
   float variance;  // 8-bit levels², mean over the channels; negative: no photograph sees the surface
-  vec4 shares;     // of the four photographs that weigh most, best first
+  vec4 shares;     // of the four photographs of largest weight, best first
 };
 
 Gathered gather(vec3 ray, float rho, float uncertainty) {
-  // The best, by weight; the one after the N best is what these are compared to.
+  // Best photographs by weight. The weight of number N + 1 is subtracted from the N best, so that ranks fade.
   float weight[kMaxGatheredColours + 1], lod[kMaxGatheredColours + 1];
   int who[kMaxGatheredColours + 1];
   vec2 at[kMaxGatheredColours + 1];
@@ -187,14 +187,14 @@ Gathered gather(vec3 ray, float rho, float uncertainty) {
   return result;
 }
 
-/// What the vote says of a pixel, holes filled.
+/// Result of the vote at a pixel, with holes filled.
 struct Surfaces {
   float rho[2];
-  float uncertainty[2];  // of ρ, a share of it
+  float uncertainty[2];  // of ρ, as a share of ρ
   int tier[2];
-  float opacity;  // of the first, before the second
+  float opacity;  // of the first surface, in front of the second
   float spread;   // of the hypotheses about the nearest surface that hides at least half, a share of its ρ
-  int count;      // 0: nothing at all
+  int count;      // number of surfaces; 0: none
 };
 
 Surfaces surfacesAt(vec2 pixel) {
@@ -211,7 +211,7 @@ Surfaces surfacesAt(vec2 pixel) {
   }
   s.count = vote.y >= 0.0 ? 2 : 1;
   s.spread = gatherSpread(code);
-  if (gatherIsHole(code)) {  // pushed down from the level of half the size
+  if (gatherIsHole(code)) {  // interpolated from the level of half the size
     const ivec2 last = ivec2(c.voteExtent + 1u) / 2 - 1;
     const vec2 half_ = 0.5 * (vec2(at) + 0.5) - 0.5;
     const ivec2 corner = ivec2(floor(half_));
@@ -227,12 +227,12 @@ Surfaces surfacesAt(vec2 pixel) {
   return s;
 }
 
-/// A pixel of the image.
+/// A gathered pixel.
 struct Pixel {
   vec3 colour;
-  int tier;        // −1: nothing shows
-  float rho;       // of the nearest surface that hides at least half of what is behind
-  float variance;  // of the surface that counts most, as its tier and shares
+  int tier;        // −1: nothing is shown
+  float rho;       // of the nearest surface that hides at least half of the surfaces behind
+  float variance;  // of the surface with the largest weight, like tier and shares
   vec4 shares;
   float sigma;  // one standard deviation of ρ
 };
@@ -260,7 +260,7 @@ Pixel gatheredPixel() {
       pixel.shares = gathered.shares;
     }
   }
-  if (!(sum > 0.0) || pixel.tier > views[c.view].lowestTier)
+  if (!(sum > 0.0) || pixel.tier > views[c.view].maxTier)
     pixel.tier = -1;
   else
     pixel.colour /= sum;

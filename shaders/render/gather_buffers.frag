@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Values of a gathered pixel beside its colour: BufferTargets in ibr/target.h.
+// Writes a gathered pixel's depth, weights and confidence: BufferTargets in ibr/target.h.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/gather.glsl"

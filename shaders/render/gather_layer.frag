@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A candidate's hypothesis for a pixel of the vote: ρ along the view's axis, trust and consensus. Zeros: none.
+// Writes a candidate's hypothesis for a pixel of the vote: ρ along the view's axis, trust, consensus. Zeros: none.
 #extension GL_GOOGLE_include_directive : require
 
 layout(location = 0) in vec3 inHypothesis;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A vertex of a candidate's mesh: a morph with one member (cell_vertex.glsl). The instance is the candidate.
+// Morphs a vertex of a candidate's mesh with one member (cell_vertex.glsl). The instance is the candidate.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/gather_view.glsl"

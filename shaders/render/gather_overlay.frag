@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A gathered pixel's colour with something over it, or what is known of it in its place (shared/overlay.h).
+// Draws an overlay over, or in place of, a gathered pixel's colour (shared/overlay.h).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/gather.glsl"
@@ -15,7 +15,7 @@ vec3 colourOf(Pixel pixel) {
   if (kOverlay == kOverlayDepth) return depthColour(pixel.rho, views[c.view].nearDistance);
   if (kOverlay == kOverlayConfidence) return confidenceColour(pixel.rho, pixel.sigma);
   if (kOverlay == kOverlayAgreement) return unknownColour();
-  if (kOverlay != kOverlayWeights) return pixel.colour;  // a wireframe is of cells
+  if (kOverlay != kOverlayWeights) return pixel.colour;  // the wireframe shows cells alone
   vec3 shares = vec3(0.0);
   for (int i = 0; i < 4; ++i) shares += pixel.shares[i] * memberColour(i);
   return tinted(shares, pixel.colour);

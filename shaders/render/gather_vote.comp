@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The surfaces of a pixel: the hypotheses of the candidates' depths that show most, nearest first.
+// Votes for a pixel's surfaces: selects the hypotheses that show most, nearest first.
 //   target: ρ of the first surface, of the second (−1: there is none), opacity of the first, gatherCode
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -13,17 +13,17 @@ layout(set = kSetGatherView, binding = kBindingGatherAtlas) uniform usampler2D a
 layout(set = kSetGatherView, binding = kBindingGatherVote, rgba32f) uniform writeonly image2D target;
 
 float rho[kCandidates], weight[kCandidates], consensus[kCandidates], trust[kCandidates], support[kCandidates];
-float presence[kCandidates];  // 0: no surface of its own
+float presence[kCandidates];  // 0: not a surface of its own
 
 struct Shown {
-  int who;      // hypothesis; −1: none
+  int who;      // index of a hypothesis; −1: none
   float share;  // of the pixel
 };
 
 void readHypotheses(uvec2 pixel) {
   for (int i = 0; i < kCandidates; ++i) {
     const uvec2 tile = c.tile * uvec2(i % kGatherColumns, i / kGatherColumns);
-    // Tiles beyond the candidates were not drawn: what lies there may be no number.
+    // Tiles beyond the candidates are not drawn, and may contain NaN.
     const uvec2 hypothesis = i < int(views[c.view].count) ? texelFetch(atlas, ivec2(tile + pixel), 0).rg : uvec2(0u);
     const vec2 evidence = unpackHalf2x16(hypothesis.y);
     rho[i] = uintBitsToFloat(hypothesis.x);
@@ -50,7 +50,7 @@ void findPresences(float step) {
   }
 }
 
-// Means over the hypotheses around one: ρ, consensus, share that was completed.
+// Returns means over the hypotheses around one: ρ, consensus, share of completed depth.
 vec3 surfaceAt(int peak, float step) {
   float sum = 0.0;
   vec3 mean = vec3(0.0);
@@ -62,7 +62,7 @@ vec3 surfaceAt(int peak, float step) {
   return mean / sum;
 }
 
-// From front to back. The last surface hides nothing that is known, and shows whole.
+// Composites from front to back. The last surface has nothing behind it, so it counts as opaque.
 Shown[2] mostShown(float step) {
   Shown most[2] = Shown[2](Shown(-1, 0.0), Shown(-1, 0.0));
   uint left = 0u;
@@ -90,7 +90,7 @@ Shown[2] mostShown(float step) {
   return most;
 }
 
-// Of all hypotheses about a surface: root of their mean square, a share of its ρ.
+// Root mean square of all hypotheses' distance from a surface, as a share of its ρ.
 float spreadAbout(float surface) {
   float sum = 0.0, square = 0.0;
   int count = 0;

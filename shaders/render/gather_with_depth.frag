@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// As gather.frag, with the canvas's depth, for targets that have one.
+// As gather.frag, and writes the canvas's depth, for targets with a DepthTarget.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/gather.glsl"

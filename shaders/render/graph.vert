@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A line of the image graph as a strip of pixels' width: an instance is a line, its six vertices two triangles.
+// Expands a line of the image graph to a strip of constant width in pixels: one instance, two triangles, per line.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/graph.h"
@@ -20,7 +20,7 @@ void main() {
   const float near = 1e-3 * constants.fade;
   vec3 ends[2] = {constants.toView * (inFrom + constants.shift), constants.toView * (inTo + constants.shift)};
   const vec2 depth = vec2(-ends[0].z, -ends[1].z);
-  gl_Position = vec4(2.0, 2.0, 0.0, 1.0);  // beyond the picture, a point
+  gl_Position = vec4(2.0, 2.0, 0.0, 1.0);  // degenerate and outside the image
   outAcross = outFade = 0.0;
   if (max(depth.x, depth.y) <= near) return;
   const vec3 along = ends[1] - ends[0];

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A corner of what a view never shows, in a pass for that view.
+// Corner of a hidden area, in a render pass of one view.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/hidden_area_corner.glsl"

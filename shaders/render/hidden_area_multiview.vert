@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The same in a pass for both eyes: what is the other's lies outside.
+// Corner of a hidden area, in a render pass of both eyes. Corners of the other view are moved outside.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_multiview : require

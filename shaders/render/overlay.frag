@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A cell's colour with something over it, or what is known of the pixel in its place (shared/overlay.h). Which of them
-// is a constant of the pipeline, so each pays for itself alone.
+// Draws an overlay over, or in place of, a cell's colour (shared/overlay.h). A specialisation constant selects the
+// overlay, so that each costs only its own work.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_mapped.glsl"
@@ -17,12 +17,12 @@ layout(location = 0) out vec4 outColour;
 
 vec3 edges() {
   const vec3 slope = sqrt(dFdx(inCorner) * dFdx(inCorner) + dFdy(inCorner) * dFdy(inCorner));
-  const vec3 pixels = inCorner / max(slope, 1e-9);  // to each edge
+  const vec3 pixels = inCorner / max(slope, 1e-9);  // distance to each edge
   const float edge = edgeShare(min(pixels.x, min(pixels.y, pixels.z)));
   return mix(mappedCellColour(), rankColour(constants.rank, constants.ranks), edge);
 }
 
-// Of the members; all 0 where masks leave nothing of any.
+// Returns the members' weights; all 0 if every member is masked.
 vec4 weightsHere() {
   vec4 weights = vec4(0.0);
   Sampling samplings[kMaxMembers];
@@ -34,7 +34,7 @@ vec4 weightsHere() {
   return weights;
 }
 
-// Of the members, each as much as its photograph is shown.
+// Returns the blend of the members' colours, each with the weight at which its photograph is shown.
 vec3 weightsColour() {
   const vec4 weights = weightsHere();
   vec4 one = vec4(0.0);
@@ -45,8 +45,8 @@ vec3 weightsColour() {
   return colour;
 }
 
-// Of a member beside the pixel, with the pixel's own gradients. Derivatives are taken of what a triangle interpolates,
-// so a window lies on the plane of its middle's triangle.
+// Luminance of a member beside the pixel, with the pixel's own gradients. The window extrapolates interpolated values
+// linearly, so it lies in the plane of the triangle at its middle.
 float luminanceAt(int member, Sampling here, vec3 coordinate) {
   const vec2 at = isPanorama(member) ? panoramaCoordinate(normalize(coordinate)) : coordinate.xy / coordinate.z;
   const vec3 colour = photograph(member, vec3(at, float(cells[inCell].member[member].layer)), here.dx, here.dy).rgb;
@@ -56,7 +56,7 @@ float luminanceAt(int member, Sampling here, vec3 coordinate) {
 float agreement() {
   Sampling samplings[kMaxMembers];
   vec3 dx[kMaxMembers], dy[kMaxMembers];
-  vec4 middle = vec4(0.0);  // taken off, since sums of squares lose digits
+  vec4 middle = vec4(0.0);  // subtracted first, since sums of squares lose precision
   for (int i = 0; i < kMembers; ++i) {
     samplings[i] = sampling(i, inDetail);
     dx[i] = dFdx(inTexture[i]);
@@ -81,7 +81,7 @@ vec3 colourHere() {
   if (kOverlay == kOverlayTiers) return tinted(tierColour(0u), mappedCellColour());
   if (kOverlay == kOverlayWeights) return tinted(weightsColour(), mappedCellColour());
   vec3 colour = constants.counted != 0u ? overlapStep() : vec3(0.0);
-  // ρ shares the vertex's scale with clip space, so that ρ / w is the inverse depth.
+  // ρ and clip space have the same scale per vertex, so ρ / w is the inverse depth.
   if (kOverlay == kOverlayDepth)
     colour = depthColour(inInverseDistance.x * gl_FragCoord.w, cells[inCell].nearDistance);
   if (kOverlay == kOverlayConfidence) colour = confidenceColour(inInverseDistance.x, inInverseDistance.y);

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// A corner of a triangle that knows which corner it is: vertices are fetched here, since an indexed vertex is a
-// different corner of each of its triangles.
+// Corner of a triangle with its barycentric coordinates. Fetches vertices from buffers, since an indexed vertex is a
+// different corner in each of its triangles.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_vertex.glsl"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour mapping by histogram specification ([T] §2.5.3, eqs 8–18) in integers, for GLSL and C++: the same table, bit for
-// bit, on every device. Also how tables move over time, and what the passes share in memory.
+// Colour mapping by histogram specification ([T] §2.5.3, eqs 8–18) in integers, for GLSL and C++: bit-identical tables
+// on all devices. Also the movement of tables over time, and the data that the passes share.
 //
-// Departures: eq. 15 with i_top = i_bot has slope 1 (NUMERICS T15); floors and ceilings are integer divisions (T16);
-// between the least number of samples and twice that a table fades from the identity, so that nothing snaps; the state
-// of a pixel is told from alpha in steps far apart (T14).
+// Departures: eq. 15 with i_top = i_bot has slope 1. Floors and ceilings are integer divisions. Between the minimum
+// number of samples and twice that number, a table is blended with the identity, to avoid jumps. Alpha codes of pixel
+// states are far apart, so that rounding does not change a state.
 #ifndef IBR_SHARED_COLOUR_MAP_H
 #define IBR_SHARED_COLOUR_MAP_H
 
@@ -13,16 +13,16 @@
 IBR_SHARED_BEGIN
 
 IBR_CONSTANT int kLevels = 256;  // d of the paper
-IBR_CONSTANT uint kColourFresh = 1u;   // nothing is remembered, the target is shown at once
+IBR_CONSTANT uint kColourFresh = 1u;   // no table is remembered: the target is shown at once
 IBR_CONSTANT uint kColourUnseen = 2u;  // not measured in this frame: the remembered target stays
 IBR_CONSTANT int kCounters = 3 * kLevels;  // of one histogram: red, green, blue
 
-// How a table goes on beyond the observed range.
+// Continuation of a table beyond the observed range.
 IBR_CONSTANT uint kMapNaive = 0u;       // eq. 10
 IBR_CONSTANT uint kMapStrict = 1u;      // eq. 16
 IBR_CONSTANT uint kMapPreserving = 2u;  // eq. 18
 
-/// Of one channel's modify histogram (eqs 11, 12), with f_naive at both ends.
+/// Observed range of one channel's modify histogram (eqs 11, 12), with f_naive at both ends.
 struct ObservedRange {
   int bottom, top;            // i_bot, i_top
   int bottomLevel, topLevel;  // f_naive(i_bot), f_naive(i_top)
@@ -34,14 +34,14 @@ IBR_FUNCTION int floorDivide(int a, int b) {  // b > 0
 
 IBR_FUNCTION int clampLevel(int level) { return level < 0 ? 0 : (level > kLevels - 1 ? kLevels - 1 : level); }
 
-/// Eqs 15, 16 outside the observed range.
+/// Eqs 15, 16, for levels outside the observed range.
 IBR_FUNCTION int strictLevel(ObservedRange range, int i) {
   const int width = range.top - range.bottom;
   const int rise = width > 0 ? range.topLevel - range.bottomLevel : 1;
   return clampLevel(floorDivide(rise * (i - range.bottom), width > 0 ? width : 1) + range.bottomLevel);
 }
 
-/// Eq. 18 outside the observed range.
+/// Eq. 18, for levels outside the observed range.
 IBR_FUNCTION int preservingLevel(ObservedRange range, int i) {
   const int strict = strictLevel(range, i);
   if (i < range.bottom) {
@@ -53,13 +53,13 @@ IBR_FUNCTION int preservingLevel(ObservedRange range, int i) {
   return strict < mixed ? strict : mixed;
 }
 
-/// f(i); `naive` is f_naive(i).
+/// Returns f(i); `naive` is f_naive(i).
 IBR_FUNCTION int specifiedLevel(ObservedRange range, int i, int naive, uint method) {
   if (method == kMapNaive || (range.bottom <= i && i <= range.top)) return naive;
   return method == kMapStrict ? strictLevel(range, i) : preservingLevel(range, i);
 }
 
-/// Below `least` samples the identity, from 2·least on the table, between them a mixture, rounded. least < 2²³.
+/// Blends a table with the identity: below `least` samples the identity, from 2·least on the table. least < 2²³.
 IBR_FUNCTION int trustedLevel(int level, int i, uint samples, uint least) {
   if (samples < least || samples == 0u) return i;
   if (samples >= 2u * least) return level;
@@ -67,12 +67,12 @@ IBR_FUNCTION int trustedLevel(int level, int i, uint samples, uint least) {
   return (i * (256 - share) + level * share + 128) / 256;
 }
 
-// Tables move in 1/256 of a level: `shown` is what a table holds, `target` what it should hold.
+// Tables move in units of 1/256 level: `shown` is a table's current value, `target` its final value.
 IBR_CONSTANT uint kFine = 256u;
 IBR_CONSTANT uint kWhole = 65536u;  // a share of 1
 
-/// Goes share / kWhole of the way, at least one step while there is any, at most `largestStep`. Increasing in `shown` and
-/// in `target`, so a table stays monotone; arrives exactly.
+/// Moves by share / kWhole of the way: at least one unit until the target is reached, at most `largestStep`. Monotone
+/// in `shown` and `target`, so a table stays monotone. Reaches the target exactly.
 IBR_FUNCTION uint approach(uint shown, uint target, uint share, uint largestStep) {
   const uint way = target > shown ? target - shown : shown - target;
   uint part = (way * share + (kWhole - 1u)) / kWhole;  // way <= 255·256, so the product is below 2³²
@@ -83,20 +83,20 @@ IBR_FUNCTION uint approach(uint shown, uint target, uint share, uint largestStep
 
 IBR_FUNCTION uint roundedLevel(uint fine) { return (fine + kFine / 2u) / kFine; }
 
-/// Entry i of a table as the passes read it: the level of each channel at level i.
+/// Packs entry i of a table for the passes: the levels of the three channels at level i.
 IBR_FUNCTION uint packLevels(uint red, uint green, uint blue) { return red | green << 8 | blue << 16; }
 IBR_FUNCTION uint packedLevel(uint entry, uint channel) { return entry >> (8u * channel) & 255u; }
 
-/// A colour of 0 … 1 as the 8 bits that are counted and mapped.
+/// Converts a colour of 0 … 1 to the 8-bit levels that are counted and mapped.
 IBR_FUNCTION uvec3 levelsOf(vec3 colour) { return uvec3(colour * 255.0f + 0.5f); }
 
-/// Of the entries at a colour's three levels.
+/// Returns the mapped colour from the entries at the colour's three levels.
 IBR_FUNCTION vec3 mappedColour(uint red, uint green, uint blue) {
   return vec3(float(packedLevel(red, 0u)), float(packedLevel(green, 1u)), float(packedLevel(blue, 2u))) / 255.0f;
 }
 
-// Alpha of the canvas in the paper's sequence, of 255: 0 where nothing was drawn, 255 − 64·tier where the colour is final,
-// 32 less where it is still to be mapped.
+// Alpha of the canvas in the paper's sequence, of 255: 0 for empty pixels, 255 − 64·tier for final colours, 32 less
+// for colours that are not mapped yet.
 IBR_CONSTANT float kPendingStep = 32.0f / 255.0f;
 IBR_CONSTANT uint kPixelEmpty = 0u;
 IBR_CONSTANT uint kPixelPending = 1u;
@@ -108,7 +108,7 @@ IBR_FUNCTION uint pixelState(float alpha) {
   return ((code - 16u) / 32u & 1u) == 0u ? kPixelPending : kPixelFinal;
 }
 
-// Histograms: M[k] of cell k of the n, then joint ones H[k][j], j < k (ours), or reference histograms R[k] (paper's).
+// Histograms: M[k] of cell k of n, then joint ones H[k][j], j < k (ours), or reference histograms R[k] (paper).
 IBR_CONSTANT int kLargestMapped = 64;  // cells
 IBR_FUNCTION uint modifyOffset(uint k) { return k * uint(kCounters); }
 IBR_FUNCTION uint jointOffset(uint n, uint k, uint j) { return (n + k * (k - 1u) / 2u + j) * uint(kCounters); }
@@ -117,24 +117,24 @@ IBR_FUNCTION uint counterCount(uint n, bool joint) {
   return (n + (joint ? n * (n - 1u) / 2u : n)) * uint(kCounters);
 }
 
-/// A cell's table between frames.
+/// State of a cell's table between frames.
 struct ColourSlot {
-  uint owner;              // cell + 1; 0: nobody's
+  uint owner;              // cell + 1; 0: free
   uint shown[kCounters];   // 1/256 levels: red, green, blue
   uint target[kLevels];    // packed
 };
 
-/// What a frame asks of the tables. Cells best first.
+/// A frame's parameters of the colour tables. Cells best first.
 struct ColourFrame {
-  uint count;        // of cells
+  uint count;        // number of cells
   uint joint;        // 1: joint histograms (ours), 0: reference histograms (the paper's)
   uint method;       // kMapNaive …
-  uint least;        // samples
-  uint kept;         // of the 64² ranks of the noise: pixels that are counted
-  uint measured;     // 1: the histograms are of this frame, 0: targets stay as they are
-  uint mainShare;    // of the way to the identity, of kWhole
-  uint share;        // of the way of all other tables
-  uint largestStep;  // 1/256 levels
+  uint least;        // minimum number of samples
+  uint kept;         // pixels with a noise rank below this, of 64², are counted
+  uint measured;     // 1: the histograms are of this frame; 0: targets stay
+  uint mainShare;    // share of the main table's way to the identity, of kWhole
+  uint share;        // share of the other tables' ways
+  uint largestStep;  // per frame, 1/256 levels
   uint tileColumns;  // of the proxy
   uint tileWidth, tileHeight;
   uint slot[kLargestMapped];
@@ -142,12 +142,12 @@ struct ColourFrame {
   uint fresh[kLargestMapped];  // kColourFresh, kColourUnseen
 };
 
-// Descriptor bindings of the passes' own set.
-IBR_CONSTANT int kSetColour = 2;  // beside those of cells, in graphics
+// Descriptor bindings of the set of these passes.
+IBR_CONSTANT int kSetColour = 2;  // in graphics pipelines, after the sets of cells
 IBR_CONSTANT int kBindingColourFrame = 0;
 IBR_CONSTANT int kBindingCounters = 1;
 IBR_CONSTANT int kBindingSlots = 2;
-IBR_CONSTANT int kBindingTables = 3;      // packed, kLevels a slot
+IBR_CONSTANT int kBindingTables = 3;      // packed, kLevels per slot
 IBR_CONSTANT int kBindingColourNoise = 4;
 IBR_CONSTANT int kBindingPicture = 5;     // proxy, or copy of the framebuffer
 IBR_CONSTANT int kBindingCanvas = 6;      // storage image

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a star is judged ([T] §3.5–3.6) in whole numbers, for GLSL and C++: the same samples, sums and winner, bit for
-// bit, on every device.
+// Scoring of a star, the triangles around a point ([T] §3.5–3.6), in integers for GLSL and C++. Samples, sums and the
+// winner are bit-identical on all devices.
 //
-// Positions are whole numbers of 2⁻⁷ px; the mean of two of them is their sum in 2⁻⁸ px. A pixel belongs to a triangle
-// by the rasteriser's rule (its centre, top and left edges in, bottom and right out), found row by row with exact
-// divisions. Texture coordinates run in 2⁻²⁴ px, weights in 2⁻¹⁴, values in 2⁻⁸ grey levels about mid-grey.
+// Positions are integers in 2⁻⁷ px; the mean of two positions is their sum in 2⁻⁸ px. Coverage follows the rasteriser's
+// rule (a pixel's centre counts; top and left edges in, bottom and right out), row by row with exact divisions.
+// Texture coordinates have a resolution of 2⁻²⁴ px, weights of 2⁻¹⁴, values of 2⁻⁸ grey levels about mid-grey.
 //
-// Departures: sums are 64 bits wide instead of shifted right (NUMERICS T1–T3); what is compared are centred sums, exact
-// to 2⁻¹⁶ grey² each, in 256-bit products (T4); no transcendental function draws the candidates (T7); a candidate's way
-// ends before the *line* of an opposing edge, in the picture, in the means of two pictures and of all (T8).
+// Departures: sums have 64 bits instead of a right shift. Scores compare centred sums, exact to 2⁻¹⁶ grey² each, in
+// 256-bit products. Candidates are drawn without transcendental functions. A candidate's displacement ends before the
+// *line* of an opposing edge: in the image, in the means of two images, and in the mean of all.
 #ifndef IBR_SHARED_ECC_H
 #define IBR_SHARED_ECC_H
 
@@ -30,39 +30,39 @@ using std::uint64_t;
 
 IBR_SHARED_BEGIN
 
-IBR_CONSTANT int kEccPixel = 256;  // of a mean, in its units
+IBR_CONSTANT int kEccPixel = 256;  // one pixel, in units of the mean
 IBR_CONSTANT int kEccCoordinateBits = 24;
-IBR_CONSTANT int kEccRunBits = 22;  // of texture coordinates along a run
-IBR_CONSTANT int kEccRun = 64;      // most pixels of a run; then coordinates are taken anew
+IBR_CONSTANT int kEccRunBits = 22;  // fraction bits of texture coordinates along a run
+IBR_CONSTANT int kEccRun = 64;      // maximum number of pixels of a run; the next run starts from exact coordinates
 IBR_CONSTANT int kEccWeightBits = 14;
 IBR_CONSTANT int kEccLongest = 262144;  // longest side of a triangle's box, in units of the mean: 1024 px
-IBR_CONSTANT int kEccSteepest = 4;      // largest step of a texture coordinate from pixel to pixel, px
+IBR_CONSTANT int kEccSteepest = 4;      // largest change of a texture coordinate from pixel to pixel, px
 
 IBR_FUNCTION int64_t eccFloorDivide(int64_t a, int64_t b) {  // b > 0
   const int64_t quotient = a / b;
   return a - quotient * b < int64_t(0) ? quotient - int64_t(1) : quotient;
 }
 
-/// (b − a) × (c − a): twice the signed area.
+/// Returns (b − a) × (c − a): twice the signed area.
 IBR_FUNCTION int64_t eccArea(ivec2 a, ivec2 b, ivec2 c) {
   return int64_t(b.x - a.x) * int64_t(c.y - a.y) - int64_t(b.y - a.y) * int64_t(c.x - a.x);
 }
 
 // --- Coverage ---
 
-/// First row whose centre is not above y (units of the mean): the first of a shape that begins there, and one past the
-/// last of a shape that ends there.
+/// Returns the first row whose centre is not above y (units of the mean): the first row of a shape that begins at y,
+/// and one past the last row of a shape that ends at y.
 IBR_FUNCTION int eccFirstRow(int y) {
   return (y + (kEccPixel / 2 - 1)) >> 8;
 }
 
-/// Where an edge crosses the rows' centres: the first column whose centre is not left of it.
+/// Crossing of an edge with the rows' centres: the first column whose centre is not left of the edge.
 struct EccEdge {
-  int64_t column, rest;  // of the present row
+  int64_t column, rest;  // of the current row
   int64_t columnStep, restStep, whole;
 };
 
-/// `from` lies above `to`; at row `row`, for steps of `rows` rows.
+/// `from` lies above `to`. The edge starts at row `row` and advances by `rows` rows.
 IBR_FUNCTION EccEdge eccEdge(ivec2 from, ivec2 to, int row, int rows) {
   const int64_t dx = int64_t(to.x - from.x), dy = int64_t(to.y - from.y);
   EccEdge edge;
@@ -89,14 +89,14 @@ IBR_FUNCTION void eccNextRow(IBR_INOUT(EccEdge) edge) {
 
 // --- Samples ---
 
-/// The affine map from pixels of the mean to one photograph, in a triangle: 2⁻²⁴ px, from the centre of the first
+/// Affine map from pixels of the mean to one photograph, for one triangle: 2⁻²⁴ px, from the centre of the first
 /// texel.
 struct EccMap {
   int64_t originX, originY;        // at corner a of the mean
-  int64_t xByX, xByY, yByX, yByY;  // change of x with x, of x with y, …, from pixel to pixel
+  int64_t xByX, xByY, yByX, yByY;  // change per pixel: of x with x, of x with y, …
 };
 
-/// m: corners in the mean, t: in the photograph; `area` = eccArea of m, > 0.
+/// m: corners in the mean; t: corners in the photograph; `area` = eccArea of m, > 0.
 IBR_FUNCTION EccMap eccMap(ivec2 ma, ivec2 mb, ivec2 mc, ivec2 ta, ivec2 tb, ivec2 tc, int64_t area) {
   const int64_t bx = int64_t(mb.x - ma.x), by = int64_t(mb.y - ma.y), cx = int64_t(mc.x - ma.x),
                 cy = int64_t(mc.y - ma.y);
@@ -104,7 +104,7 @@ IBR_FUNCTION EccMap eccMap(ivec2 ma, ivec2 mb, ivec2 mc, ivec2 ta, ivec2 tb, ive
                 vy = int64_t(tc.y - ta.y);
   const int64_t scale = int64_t(1) << (kEccCoordinateBits + 1);
   EccMap map;
-  // To the centre of the first texel, and half a weight on, so that weights are rounded where bits are dropped.
+  // Shifts to the centre of the first texel, plus half a unit of the weights, so that dropping bits rounds.
   const int64_t shift = (int64_t(1) << (kEccCoordinateBits - kEccWeightBits - 1)) -
                         (int64_t(1) << (kEccCoordinateBits - 1));
   map.originX = (int64_t(ta.x) << (kEccCoordinateBits - 7)) + shift;
@@ -132,19 +132,19 @@ IBR_FUNCTION bool eccSmall(ivec2 a, ivec2 b, ivec2 c) {
   return width <= kEccLongest && height <= kEccLongest;
 }
 
-/// Coordinates at the centre of pixel (column, row) of the mean, whose corner a is at `ma`.
+/// Returns a coordinate at the centre of pixel (column, row) of the mean, whose corner a is at `ma`.
 IBR_FUNCTION int64_t eccAt(int64_t origin, int64_t byX, int64_t byY, ivec2 ma, int column, int row) {
   const int64_t x = int64_t(column) * int64_t(kEccPixel) + int64_t(kEccPixel / 2 - ma.x);
   const int64_t y = int64_t(row) * int64_t(kEccPixel) + int64_t(kEccPixel / 2 - ma.y);
   return origin + ((byX * x + byY * y) >> 8);
 }
 
-/// A texel is three signed bytes, red lowest: a level less 128.
+/// Unpacks a texel: three signed bytes, red lowest, each a level minus 128.
 IBR_FUNCTION ivec3 eccTexel(uint texel) {
   return ivec3(int(texel << 24) >> 24, int(texel << 16) >> 24, int(texel << 8) >> 24);
 }
 
-/// Bilinear, in 2⁻⁸ levels; weights of the right and lower neighbours in 2⁻¹⁴. Within ±32767.
+/// Interpolates bilinearly, in 2⁻⁸ levels; weights of the right and lower neighbours in 2⁻¹⁴. Within ±32767.
 IBR_FUNCTION int eccMixed(int t00, int t10, int t01, int t11, int wx, int wy) {
   const int whole = 1 << kEccWeightBits;
   const int upper = (t00 * (whole - wx) + t10 * wx + 32) >> 6;
@@ -161,30 +161,30 @@ IBR_FUNCTION ivec3 eccSample(uint t00, uint t10, uint t01, uint t11, int wx, int
 
 // --- Sums and scores ---
 
-/// Of one target; x is the source. Means are a channel's, products are summed over channels.
+/// Sums over the samples of one target; x is the source. x and y per channel, products summed over the channels.
 struct EccTarget {
   int64_t n;
   int64_t x0, x1, x2, y0, y1, y2;
   int64_t xx, yy, xy;
 };
 
-/// Σ(x − x̄)(y − ȳ) from Σxy, Σx, Σy over n > 0 samples, rounded up to a whole number by less than 1: x̄ and ȳ are split
-/// into quotient and rest, so that nothing leaves 64 bits.
+/// Returns Σ(x − x̄)(y − ȳ) from Σxy, Σx, Σy over n > 0 samples, rounded up by less than 1. x̄ and ȳ are split into
+/// quotient and remainder, so that nothing exceeds 64 bits.
 IBR_FUNCTION int64_t eccCentred(int64_t xy, int64_t x, int64_t y, int64_t n) {
   const int64_t ax = eccFloorDivide(x, n), ay = eccFloorDivide(y, n);
   const int64_t rx = x - ax * n, ry = y - ay * n;
   return xy - (ax * ay * n + ax * ry + ay * rx + rx * ry / n);
 }
 
-/// ECC = covariance / √(varianceX · varianceY), sums in 2⁻¹⁶ grey². Undefined where a variance is 0.
+/// ECC = covariance / √(varianceX · varianceY), sums in 2⁻¹⁶ grey². Undefined if a variance is 0.
 struct EccScore {
   int64_t covariance, varianceX, varianceY;
 };
 
-IBR_CONSTANT uint kEccChannels = 0u;      // a mean a channel and target, with a floor
+IBR_CONSTANT uint kEccChannels = 0u;      // one mean per channel and target, with a variance floor
 IBR_CONSTANT uint kEccConcatenated = 1u;  // [T] eqs 1–3
 
-/// Of `channels`: a target's part.
+/// Adds a target's sums to a score of definition kEccChannels.
 IBR_FUNCTION EccScore eccPlus(EccScore score, EccTarget t) {
   if (t.n == int64_t(0)) return score;
   const int64_t none = int64_t(0);
@@ -197,20 +197,20 @@ IBR_FUNCTION EccScore eccPlus(EccScore score, EccTarget t) {
   return score;
 }
 
-/// What standing `way` (1/128 px) from where the match began costs, 2⁻¹⁶ grey² a sample and channel; `rigidity` is that of
-/// one px.
+/// Returns the cost of a displacement `way` (1/128 px) from the initial match, 2⁻¹⁶ grey² per sample and channel.
+/// `rigidity`: the cost of one px.
 IBR_FUNCTION int64_t eccCost(ivec2 way, int64_t rigidity) {
   const int64_t square = int64_t(way.x) * int64_t(way.x) + int64_t(way.y) * int64_t(way.y);
   return min((min(square, int64_t(1) << 30) * rigidity) >> 14, int64_t(1) << 30);
 }
 
-/// What going there costs: as much as that place costs more than where the point stands. Going back is free, not rewarded,
-/// so that a move that wins never lowers the ECC itself.
+/// Returns the additional cost of a move: the cost there less the cost here, at least 0. Moving back is free, but not
+/// rewarded, so that a move that wins never lowers the ECC itself.
 IBR_FUNCTION int64_t eccToll(ivec2 wayThere, ivec2 wayHere, int64_t rigidity) {
   return max(eccCost(wayThere, rigidity) - eccCost(wayHere, rigidity), int64_t(0));
 }
 
-/// `all`: sums over the targets; `floor` and `cost` in 2⁻¹⁶ grey², a sample and channel.
+/// `all`: sums over the targets. `floor` and `cost`: 2⁻¹⁶ grey², per sample and channel.
 IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definition, int64_t floor, int64_t cost) {
   EccScore score = channels;
   if (definition == kEccConcatenated) {
@@ -245,12 +245,12 @@ IBR_FUNCTION bool eccDefined(EccScore s) {
   return s.varianceX > int64_t(0) && s.varianceY > int64_t(0);
 }
 
-/// 256 bits, lowest first.
+/// 256-bit integer, lowest limb first.
 struct EccWide {
   uint limb[8];
 };
 
-/// a² · b · c, all >= 0.
+/// Returns a² · b · c; all arguments >= 0.
 IBR_FUNCTION EccWide eccProduct(int64_t a, int64_t b, int64_t c) {
   uint factors[8];
   factors[0] = factors[2] = uint(a);
@@ -263,14 +263,14 @@ IBR_FUNCTION EccWide eccProduct(int64_t a, int64_t b, int64_t c) {
   for (int i = 0; i < 8; ++i) product.limb[i] = 0u;
   product.limb[0] = factors[0];
   product.limb[1] = factors[1];
-  for (int f = 1; f < 4; ++f) {  // product · factor, from the top limb down
+  for (int f = 1; f < 4; ++f) {  // product · factor, limb by limb from the lowest
     const uint64_t low = uint64_t(factors[2 * f]), high = uint64_t(factors[2 * f + 1]);
     EccWide next;
     uint64_t carry = uint64_t(0);
     uint64_t before = uint64_t(0);
     for (int i = 0; i < 8; ++i) {
       const uint64_t here = uint64_t(product.limb[i]);
-      const uint64_t p = here * low, q = before * high;  // each < 2⁶⁴; they are added half by half
+      const uint64_t p = here * low, q = before * high;  // each < 2⁶⁴; the halves are added separately
       const uint64_t sum = (p & uint64_t(0xffffffffu)) + (q & uint64_t(0xffffffffu)) + (carry & uint64_t(0xffffffffu));
       next.limb[i] = uint(sum);
       carry = (carry >> 32) + (p >> 32) + (q >> 32) + (sum >> 32);
@@ -287,7 +287,7 @@ IBR_FUNCTION int eccCompare(EccWide a, EccWide b) {
   return 0;
 }
 
-/// Whether a's ECC is truly greater than b's. What is undefined is less than all that is defined.
+/// Returns true if a's ECC is greater than b's, exactly. An undefined ECC is less than any defined one.
 IBR_FUNCTION bool eccGreater(EccScore a, EccScore b) {
   const int64_t none = int64_t(0);
   if (!eccDefined(a)) return false;
@@ -301,14 +301,14 @@ IBR_FUNCTION bool eccGreater(EccScore a, EccScore b) {
   return signA > 0 ? order > 0 : (signA < 0 && order < 0);
 }
 
-/// Whether a candidate is to be preferred to where the point stands; an undefined ECC there counts as 0.
+/// Returns true if a candidate beats the current position; an undefined ECC there counts as 0.
 IBR_FUNCTION bool eccWins(EccScore candidate, EccScore standing) {
   return eccGreater(candidate, standing) && (eccDefined(standing) || candidate.covariance > int64_t(0));
 }
 
 // --- Candidates ---
 
-/// One word from two, all bits of both in all of its bits (an invertible mixing of the kind of PCG, O'Neill 2014).
+/// Hashes two words to one; every bit depends on all input bits (invertible mixing like PCG, O'Neill 2014).
 IBR_FUNCTION uint eccHash(uint a, uint b) {
   uint h = a * 747796405u + (b ^ 2891336453u) * 277803737u;
   h = (h ^ (h >> 16)) * 2246822519u;
@@ -316,12 +316,12 @@ IBR_FUNCTION uint eccHash(uint a, uint b) {
   return h ^ (h >> 16);
 }
 
-/// Of a point in one step: seeds of its candidates are eccHash(this, instance).
+/// Returns the seed of a point in one step; the seeds of its candidates are eccHash(seed, instance).
 IBR_FUNCTION uint eccPointSeed(uint cycleSeed, uint member, uint point) {
   return eccHash(eccHash(cycleSeed, member), point);
 }
 
-/// ⌈√v⌉.
+/// Returns ⌈√v⌉.
 IBR_FUNCTION int64_t eccRootUp(int64_t v) {  // 0 <= v < 2⁵⁰
   int64_t root = int64_t(0);
   for (int bit = 24; bit >= 0; --bit) {
@@ -331,7 +331,7 @@ IBR_FUNCTION int64_t eccRootUp(int64_t v) {  // 0 <= v < 2⁵⁰
   return root * root < v ? root + int64_t(1) : root;
 }
 
-/// How far p may go, (1 − 2⁻¹⁰) of the way to the line through a and b; 0 where they lie on a line or p behind it.
+/// Returns the largest displacement of p: (1 − 2⁻¹⁰) of its distance to the line a–b; 0 if p is on or behind the line.
 IBR_FUNCTION int eccReach(ivec2 p, ivec2 a, ivec2 b) {
   const int64_t area = eccArea(p, a, b);
   const int64_t dx = int64_t(b.x - a.x), dy = int64_t(b.y - a.y);
@@ -342,13 +342,13 @@ IBR_FUNCTION int eccReach(ivec2 p, ivec2 a, ivec2 b) {
   return int(min(less, int64_t(1) << 20));
 }
 
-/// M′ = M·r²/R², at least 8 ([T] §3.7); r <= R.
+/// Returns M′ = M·r²/R², at least 8 ([T] §3.7); r <= R.
 IBR_FUNCTION uint eccInstances(uint instances, int radius, int most) {
   const int64_t scaled = int64_t(instances) * int64_t(radius) * int64_t(radius) / (int64_t(most) * int64_t(most));
   return min(instances, max(8u, uint(scaled)));
 }
 
-/// A point of the disc of this radius, uniformly; `seed` is the candidate's own.
+/// Returns a uniformly distributed point of the disc with this radius; `seed` is the candidate's.
 IBR_FUNCTION ivec2 eccInDisc(uint seed, int radius) {
   uint h = seed;
   for (int attempt = 0; attempt < 16; ++attempt) {
@@ -360,7 +360,7 @@ IBR_FUNCTION ivec2 eccInDisc(uint seed, int radius) {
   return ivec2(0, 0);
 }
 
-/// A point of the way of at most `radius` either way along `chord`, rounded towards 0.
+/// Returns a uniformly distributed displacement of at most `radius` along `chord`, rounded towards 0.
 IBR_FUNCTION ivec2 eccAlong(uint seed, int radius, ivec2 chord) {
   const uint h = eccHash(seed, 0u);
   const int64_t way = int64_t(int(((h & 0xffffu) * uint(2 * radius + 1)) >> 16) - radius);

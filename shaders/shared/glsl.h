@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets one header serve GLSL and C++. In C++ the declarations live in namespace ibr::shader and use GLM's types; layout
-// is scalar on both sides (GL_EXT_scalar_block_layout), so a struct means the same bytes.
+// Lets one header serve GLSL and C++. In C++ the declarations are in namespace ibr::shader and use GLM's types. Layout
+// is scalar on both sides (GL_EXT_scalar_block_layout), so a struct has the same bytes.
 #ifndef IBR_SHARED_GLSL_H
 #define IBR_SHARED_GLSL_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels that nobody sees, such as a headset's lenses leave out: nothing is drawn, filled or interpolated there, and the
+// Pixels that nobody sees, for example outside a headset's lenses. Nothing is drawn, filled or interpolated there; the
 // background shows.
 #ifndef IBR_SHARED_HIDDEN_AREA_H
 #define IBR_SHARED_HIDDEN_AREA_H
@@ -8,12 +8,12 @@
 
 IBR_SHARED_BEGIN
 
-/// Their alpha in the canvas, where tier codes are 255, 191, 127 and 63 of 255, and 0 is what nothing shows.
+/// Alpha of hidden pixels in the canvas. Tier codes are 255, 191, 127 and 63 of 255; 0 is an empty pixel.
 IBR_CONSTANT float kHiddenAlpha = 1.0f / 255.0f;
 
 IBR_FUNCTION bool isHidden(float alpha) { return alpha > 0.5f / 255.0f && alpha < 1.5f / 255.0f; }
 
-/// Whether something was drawn there.
+/// True if something was drawn at a pixel with this alpha.
 IBR_FUNCTION bool isDrawn(float alpha) { return alpha > 1.5f / 255.0f; }
 
 struct HiddenAreaConstants {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of what is shown over a picture or in its place (Overlay in ibr/renderer.h), for GLSL and C++: what a shader
-// draws is what a legend shows.
+// Colours of overlays over or in place of an image (Overlay in ibr/render_settings.h), for GLSL and C++: shaders and
+// legends use the same functions.
 //
-// Everything that is measured goes through one ramp from dark violet to light yellow, whose lightness (CIE L*) rises
-// evenly, also for those who see two colours. Everything that is named has a colour of Okabe and Ito's palette.
+// Measured values use one ramp from dark violet to light yellow. Its lightness (CIE L*) rises evenly, also for
+// colour-blind viewers. Categories use colours of Okabe and Ito's palette.
 #ifndef IBR_SHARED_OVERLAY_H
 #define IBR_SHARED_OVERLAY_H
 
@@ -14,7 +14,7 @@ IBR_SHARED_BEGIN
 
 IBR_CONSTANT int kSetMeshes = 2;  // descriptor set
 
-IBR_CONSTANT uint kOverlayWireframe = 1u;  // Overlay's values
+IBR_CONSTANT uint kOverlayWireframe = 1u;  // values of Overlay
 IBR_CONSTANT uint kOverlayTiers = 2u;
 IBR_CONSTANT uint kOverlayWeights = 3u;
 IBR_CONSTANT uint kOverlayConfidence = 4u;
@@ -25,13 +25,13 @@ IBR_CONSTANT uint kOverlayAgreement = 7u;
 struct OverlayConstants {
   uint firstIndex;        // of the cell
   uint firstFloat;        // of the mesh's vertices
-  uint firstUncertainty;  // likewise
-  float rank;             // 0 best
-  float ranks;            // how many there are
-  uint counted;  // 1: the cell is one of those whose overlap is counted
+  uint firstUncertainty;  // of the cell
+  float rank;             // 0: best
+  float ranks;            // number of ranks
+  uint counted;  // 1: the overlap counts this cell
 };
 
-/// A colour from dark (0) to light (1).
+/// Returns a colour of the ramp from dark (0) to light (1).
 IBR_FUNCTION vec3 rampColour(float share) {
   const float x = 4.0f * clamp(share, 0.0f, 1.0f);
   const vec3 violet = vec3(0.23f, 0.02f, 0.35f), blue = vec3(0.21f, 0.29f, 0.57f), teal = vec3(0.11f, 0.54f, 0.55f),
@@ -40,21 +40,21 @@ IBR_FUNCTION vec3 rampColour(float share) {
          clamp(x - 2.0f, 0.0f, 1.0f) * (green - teal) + clamp(x - 3.0f, 0.0f, 1.0f) * (yellow - green);
 }
 
-/// Of what has no value; no colour of the ramp.
+/// Colour for missing values; not a colour of the ramp.
 IBR_FUNCTION vec3 unknownColour() { return vec3(0.8f); }
 
-/// The picture's lights and shadows in another colour: bright where it is bright, and never so dark that the colour
-/// cannot be told.
+/// Returns the image's brightness in another colour: bright where the image is bright, and never so dark that the
+/// colour is not recognisable.
 IBR_FUNCTION vec3 tinted(vec3 colour, vec3 picture) {
   const float light = 0.299f * picture.x + 0.587f * picture.y + 0.114f * picture.z;
   return (0.3f + 0.7f * light) * colour;
 }
 
-/// Share of an edge in a pixel whose centre is so many pixels from it: a line of a pixel and a half, half of it in each
-/// of the two triangles that share the edge.
+/// Returns an edge's share of a pixel whose centre has this distance from the edge, px. The line is 1.5 px wide, half
+/// of the width in each of the two triangles that share the edge.
 IBR_FUNCTION float edgeShare(float pixels) { return clamp(1.25f - pixels, 0.0f, 1.0f); }
 
-/// A heat colour of a cell's rank ([T] fig. 4), from light yellow, the main cell, through orange and red to dark blue.
+/// Returns a heat colour of a cell's rank ([T] fig. 4): light yellow for the main cell, then orange, red, dark blue.
 IBR_FUNCTION vec3 rankColour(float rank, float ranks) {
   const float heat = ranks > 1.0f ? 3.0f * clamp(rank / (ranks - 1.0f), 0.0f, 1.0f) : 0.0f;
   const vec3 yellow = vec3(1.0f, 0.98f, 0.6f), orange = vec3(1.0f, 0.55f, 0.1f), red = vec3(0.8f, 0.1f, 0.2f),
@@ -64,15 +64,15 @@ IBR_FUNCTION vec3 rankColour(float rank, float ranks) {
   return colour;
 }
 
-/// Tier 0 is grey, so that what stands out is what photographs do not agree on; a hole has the colour of tier 3,
-/// which covers it evenly.
+/// Tier 0 is grey, so that pixels on which photographs do not agree stand out. A hole has the colour of tier 3, which
+/// covers the hole evenly.
 IBR_FUNCTION vec3 tierColour(uint tier) {
   if (tier == 0u) return vec3(1.0f);
   if (tier == 2u) return vec3(0.337f, 0.706f, 0.914f);  // sky blue
   return vec3(0.941f, 0.894f, 0.259f);  // yellow
 }
 
-/// Of a cell's member; of a gathered pixel's photographs, best first.
+/// Colour of a cell's member, or of one of a gathered pixel's photographs, best first.
 IBR_FUNCTION vec3 memberColour(int member) {
   if (member == 0) return vec3(0.0f, 0.447f, 0.698f);  // blue
   if (member == 1) return vec3(0.941f, 0.894f, 0.259f);  // yellow
@@ -80,47 +80,47 @@ IBR_FUNCTION vec3 memberColour(int member) {
   return vec3(0.8f, 0.475f, 0.655f);  // reddish purple
 }
 
-// Uncertainty of depth, σ / ρ: light is certain. Equal steps are equal factors.
+// Uncertainty of depth, σ / ρ: light is certain. The scale is logarithmic.
 IBR_CONSTANT float kLeastUncertainty = 0.001f;
 IBR_CONSTANT float kLargestUncertainty = 1.0f;
 
-/// What has no depth (ρ = 0) is as uncertain as can be.
+/// Points without depth (ρ = 0) have the largest uncertainty.
 IBR_FUNCTION vec3 confidenceColour(float inverseDistance, float uncertainty) {
   if (!(inverseDistance > 0.0f)) return rampColour(0.0f);
   const float certain = kLargestUncertainty / max(uncertainty / inverseDistance, kLeastUncertainty);
   return rampColour(log2(certain) / log2(kLargestUncertainty / kLeastUncertainty));
 }
 
-// Depth along the viewing axis, in FramePlan::nearDistance: light is near. Equal steps are equal factors.
+// Depth along the viewing axis, in units of FramePlan::nearDistance: light is near. The scale is logarithmic.
 IBR_CONSTANT float kNearestDepth = 8.0f;
 IBR_CONSTANT float kFarthestDepth = 2048.0f;
 
-/// `inverseDepth`: 1 / depth, 0 where it is unknown or infinite.
+/// `inverseDepth`: 1 / depth; 0: unknown or infinite.
 IBR_FUNCTION vec3 depthColour(float inverseDepth, float nearDistance) {
   const float closeness = kFarthestDepth * max(inverseDepth * nearDistance, 0.0f);
   return rampColour(log2(max(closeness, 1.0f)) / log2(kFarthestDepth / kNearestDepth));
 }
 
-/// How many cells show a pixel: each adds this, which fills first blue, then green, then red: black, blue, white.
+/// Number of cells that show a pixel. Each adds this colour, which saturates blue, then green, then red.
 IBR_FUNCTION vec3 overlapStep() { return vec3(12.0f, 32.0f, 85.0f) / 255.0f; }
 IBR_FUNCTION vec3 overlapColour(int cells) {
   const vec3 sum = float(cells) * overlapStep();
   return vec3(min(sum.x, 1.0f), min(sum.y, 1.0f), min(sum.z, 1.0f));
 }
 
-// Agreement of photographs: zero-mean normalised correlation of their luminances in a window of the picture's pixels,
-// the mean over pairs of members.
+// Agreement of photographs: zero-mean normalised correlation of their luminances in a window of the image, mean over
+// the pairs of members.
 IBR_CONSTANT int kAgreementReach = 3;               // pixels to each side
-IBR_CONSTANT float kLeastContrast = 2.0f / 255.0f;  // standard deviation of a window below which it is flat: no value
+IBR_CONSTANT float kLeastContrast = 2.0f / 255.0f;  // standard deviation below which a window is flat: no value
 
-/// What is added up over a window: v of four members, and their products.
+/// Sums over a window: values v of four members, and their products.
 struct WindowSums {
   float count;
   vec4 sum;
   mat4 products;
 };
 
-/// The mean correlation of the pairs of members that both have contrast, −1 to 1; 2 where there is no such pair.
+/// Returns the mean correlation over pairs of members that both have contrast, −1 to 1; 2: there is no such pair.
 IBR_FUNCTION float agreementOf(WindowSums sums, int members) {
   float total = 0.0f, pairs = 0.0f;
   const float least = sums.count * kLeastContrast * kLeastContrast;
@@ -135,7 +135,7 @@ IBR_FUNCTION float agreementOf(WindowSums sums, int members) {
   return pairs > 0.0f ? total / pairs : 2.0f;
 }
 
-/// Light agrees; what does not correlate, or the wrong way round, is dark.
+/// Light: agreement. Dark: no correlation, or a negative one.
 IBR_FUNCTION vec3 agreementColour(float agreement) {
   return agreement > 1.5f ? unknownColour() : rampColour(agreement);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Equirectangular panoramas ([T] §2.5.1, fig. 1; axes of ibr/conventions.h), for GLSL and C++.
 //
-// Departures from [T] eq. 5: longitude starts behind the camera, so that forward is in the middle of the picture, and
-// the zenith is +y. The angle functions are our own, since a driver's may be off by 1.5e-3 rad (2 px of 8192).
+// Departures from [T] eq. 5: longitude starts behind the camera, so that forward is in the middle of the image, and
+// the zenith is +y. Angle functions are implemented here: a driver's may be wrong by 1.5e-3 rad (2 px of 8192).
 #ifndef IBR_SHARED_PANORAMA_H
 #define IBR_SHARED_PANORAMA_H
 
@@ -13,7 +13,7 @@ IBR_SHARED_BEGIN
 IBR_CONSTANT float kHalfPi = 1.57079633f;
 IBR_CONSTANT float kLargestPanoramaReach = 8.0f;
 
-/// atan2(y, x) to 3e-7 rad; 0 for (0, 0).
+/// Returns atan2(y, x), accurate to 3e-7 rad; 0 for (0, 0).
 IBR_FUNCTION float angleOf(float y, float x) {
   const float across = abs(x), up = abs(y);
   const float low = min(across, up), high = max(across, up);
@@ -28,29 +28,29 @@ IBR_FUNCTION float angleOf(float y, float x) {
   return y < 0.0f ? -angle : angle;
 }
 
-/// Texture coordinate (0 to 1, v down) at which a direction of any length is seen.
+/// Returns the texture coordinate (0 to 1, v down) of a direction of any length.
 IBR_FUNCTION vec2 panoramaCoordinate(vec3 direction) {
   const float across = sqrt(direction.x * direction.x + direction.z * direction.z);
   return vec2(angleOf(direction.x, -direction.z) / (4.0f * kHalfPi) + 0.5f,
               0.5f - angleOf(direction.y, across) / (2.0f * kHalfPi));
 }
 
-/// How a pixel samples a panorama: the weighted mean of taps at u + k·spacing. The middle has weight 1, the pair ±k has
-/// clamp(reach − k + 1, 0, 1) each: a box whose width varies without a step.
+/// Samples of a panorama for one pixel: the weighted mean of taps at u + k·spacing. The middle tap has weight 1, each
+/// tap ±k has weight clamp(reach − k + 1, 0, 1): a box filter of continuously varying width.
 struct PanoramaFootprint {
-  float texels;   // size of the pixel in texels of the equator: what the mip level follows
+  float texels;   // size of the pixel in texels of the equator; selects the mip level
   float spacing;  // texture coordinate
   float reach;    // 0 to kLargestPanoramaReach; 0: one tap
 };
 
-/// `ray`: unit; `dx`, `dy`: its differences to the neighbouring pixels; `size`: of the panorama, texels.
+/// `ray`: unit. `dx`, `dy`: its differences to the neighbouring pixels. `size`: of the panorama, texels.
 ///
-/// No difference of texture coordinates is taken: u jumps at the seam and turns around a pole within one pixel. Rays do
-/// neither, and by their differences the level of detail is the same wherever on the sphere something is seen. Towards
-/// a pole texels crowd along u, so that a pixel is wider there than the filter of its level: it takes several taps.
+/// Differences of texture coordinates are not used: u jumps at the seam, and turns around a pole within one pixel.
+/// Differences of rays are smooth, and give the same level of detail everywhere on the sphere. Near a pole, texels are
+/// dense along u: a pixel is wider there than the filter of its mip level, and needs several taps.
 IBR_FUNCTION PanoramaFootprint panoramaFootprint(vec3 ray, vec3 dx, vec3 dy, vec2 size) {
   const float across = sqrt(ray.x * ray.x + ray.z * ray.z);  // cosine of the latitude
-  const bool pole = across < 1e-15f;                         // where any longitude will do
+  const bool pole = across < 1e-15f;                         // any longitude is valid at the pole
   const float sine = pole ? 0.0f : ray.x / across, cosine = pole ? 1.0f : -ray.z / across;  // of the longitude
   const float perEast = size.x / (4.0f * kHalfPi), perNorth = size.y / (2.0f * kHalfPi);
   const float eastX = perEast * (cosine * dx.x + sine * dx.z), eastY = perEast * (cosine * dy.x + sine * dy.z);
@@ -58,8 +58,8 @@ IBR_FUNCTION PanoramaFootprint panoramaFootprint(vec3 ray, vec3 dx, vec3 dy, vec
   const float northY = perNorth * (across * dy.y - ray.y * (sine * dy.x - cosine * dy.z));
   PanoramaFootprint result;
   result.texels = sqrt(max(eastX * eastX + northX * northX, eastY * eastY + northY * northY));
-  // The level's filter joins taps that are so many texels apart without a gap, and one alone is as wide as a pixel and
-  // a half.
+  // The mip level's filter connects taps at this distance (in texels) without gaps; a single tap covers one and a half
+  // pixels.
   const float apart = max(result.texels, 1.0f);
   const float width = min(sqrt(eastX * eastX + eastY * eastY) / max(across, 1e-6f), size.x);
   const float wanted = 0.5f * max(width / apart - 1.5f, 0.0f);

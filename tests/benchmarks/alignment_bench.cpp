@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast candidates are judged: the paper's way, ours on the device and on the processor, with and without pruning,
-// and OpenCV's computeECC on patches of a star's size. All judge the same candidates where the same mesh stands (a
-// guard refuses every move), in turns; a line is the median over the turns. Then how often pruning picks another
-// candidate than the whole would, from radius to radius.
+// Throughput of candidate evaluation: the paper's method, ours on the device and on the CPU, with and without
+// pruning, and OpenCV's computeECC on patches of a star's size. All judge the same candidates of an unchanged mesh
+// (a guard refuses every move), in turns; a line is the median over the turns. Then prints how often pruning selects
+// another candidate than the full evaluation, by radius.
 //
 //   cmake --build build --target ibr_alignment_bench && build/tests/benchmarks/ibr_alignment_bench [turns] [side]
 //   [cells]
@@ -32,7 +32,7 @@ struct Way {
   const char* name;
   AlignmentMethod method;
   bool prune;
-  std::vector<double> rate;  // 10⁶ pixel pairs of the whole work a second
+  std::vector<double> rate;  // 10⁶ pixel pairs a second, counting those of the unpruned evaluation
 };
 
 double median(std::vector<double> values) {
@@ -40,7 +40,7 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : values[values.size() / 2];
 }
 
-// Where points would have moved: a point with its match in all pictures.
+// Selected moves: a point with its match in all images.
 using Picks = std::vector<std::pair<std::uint32_t, std::vector<std::array<int, 2>>>>;
 
 AlignmentCycle cycleOf(const Way& way, Alignment& alignment, const Device& device, double radiusPx = 5,
@@ -49,7 +49,7 @@ AlignmentCycle cycleOf(const Way& way, Alignment& alignment, const Device& devic
   options.radiusPx = radiusPx;
   options.method = way.method;
   options.prune = way.prune;
-  options.mostCycles = 1;
+  options.maxCycles = 1;
   options.scaledInstances = false;
   options.guard = [&](std::uint32_t point, std::span<const glm::ivec2> match) {
     if (!picks) return false;
@@ -60,7 +60,7 @@ AlignmentCycle cycleOf(const Way& way, Alignment& alignment, const Device& devic
   return align(alignment, options, &device).cycles.at(0);
 }
 
-// A warp of a patch and computeECC, as a user of OpenCV would judge a candidate; 10⁶ pixels a second.
+// Speed of warping a patch and computeECC, as an OpenCV user evaluates a candidate; 10⁶ pixels a second.
 double openCvRate(const Image8& picture, int patch, int repeats) {
   const cv::Mat image(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
   cv::Mat warped, grey, reference, referenceGrey;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] table 1: what a frame of a harmonised model takes, stage by stage, at XGA with 15 photographs of XGA and about
-// 5,000 triangles. Views go round between the photographs; a line is the median over them.
+// [H] table 1: time of a harmonised model's frame, stage by stage, at XGA with 15 XGA photographs and about 5,000
+// triangles. The views orbit between the photographs; a line is the median over the views.
 //
 //   cmake --build build --target ibr_htm_bench && build/tests/benchmarks/ibr_htm_bench [cameras] [share] [views]
 //
-// share: of the picture that the object covers, about.
+// share: approximate share of the image that the object covers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ int main(int count, char** words) {
   const GpuHtmModel model(device, bumpy.model, bumpy.source());
   const HtmBounds bounds = htmBounds(bumpy.model);
   const VkExtent2D extent{1024, 768};
-  const HtmRenderer renderer(device, model, {.largest = extent});
+  const HtmRenderer renderer(device, model, {.maxExtent = extent});
   Offscreen offscreen(device, extent);
   ScopeTimer timer(device, 2);
   fmt::print("{}: {} triangles, {} vertices, {} cameras\n", device.name(), bumpy.model.surface.mesh.triangles.size(),
@@ -57,7 +57,7 @@ int main(int count, char** words) {
         std::pair{"vertex colours", HtmMethod::vertexColours}}) {
     std::vector<double> weights, coordinates, rasterisation, frames;
     double covered = 0;
-    for (int v = -3; v < views; ++v) {  // the first three warm up
+    for (int v = -3; v < views; ++v) {  // the first three are warm-up
       test::BumpyOptions around = bumpy.options;
       around.distance *= std::sqrt(0.39 / share);
       Camera view = test::ringCamera(around, 2 * std::numbers::pi * (v + 0.37) / views, 0.1);

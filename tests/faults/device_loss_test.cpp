@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device that is lost stays lost: from then on every call that hands it work or waits for it throws deviceLost. The
-// Scene is untouched: what is made anew of it shows the same.
+// A lost device stays lost: every later call that submits work or waits throws deviceLost. The Scene is unaffected: a
+// GpuScene made from it on a new device shows the same images.
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <optional>
@@ -67,15 +67,15 @@ TEST_CASE("lost at any time, a device stays so for every call, and the scene com
       CHECK_THAT(error.what(), Catch::Contains(failedCall()));
     }
     CHECK(device.isLost());
-    // Whatever is asked of it from now on.
+    // All later requests to the lost device fail.
     expectLost("open", [&] { place.open(device); });
     if (offscreen) expectLost("show again", [&] { show(renderer, offscreen); });
-    if (device.counts64Bits())
+    if (device.supportsInt64())
       expectLost("align", [&] {
         Planted planted = test::planted(2, 40, 2, 2.0, 11);
-        align(planted.alignment, {.method = AlignmentMethod::compute, .instances = 8, .mostCycles = 1}, &device);
+        align(planted.alignment, {.method = AlignmentMethod::compute, .instances = 8, .maxCycles = 1}, &device);
       });
-    // Also what only makes objects.
+    // Functions that only create objects fail as well.
     expectLost("offscreen", [&] { Offscreen(device, VkExtent2D{8, 8}); });
     if (scene) expectLost("renderer", [&] { Renderer(device, *scene, optionsFor({}, {48, 36})); });
     expectLost("harmonised model", [&] {
@@ -87,7 +87,7 @@ TEST_CASE("lost at any time, a device stays so for every call, and the scene com
       const Image8* const pictures[] = {&picture};
       deviceTemplateSearch(device)(pictures);
     });
-    // The lost device goes, with all that was made from it, and another one takes its place.
+    // The lost device is destroyed with all its objects, and a new device replaces it.
     offscreen.reset();
     renderer.reset();
     scene.reset();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The N-th call of Vulkan fails, N = 1, 2, … until none is left, in whatever uses a device. The device's end, with
-// validation, tells of what was not destroyed.
+// Fails the N-th Vulkan call, N = 1, 2, … until none is left, in every use of a device. The validation layer reports
+// leaks when the device is destroyed.
 #include <catch2/catch.hpp>
 #include <cstdio>
 
@@ -23,7 +23,7 @@ Device newDevice() {
   return Device::create({.validation = true, .log = testLog()});
 }
 
-/// Says how many calls failed (libibr/docs/faults.md), with --success too.
+/// Prints the number of failed calls (libibr/docs/faults.md); shown with --success.
 void tell(const char* what, WalkedFaults walked) {
   std::printf("%s: %d calls failed, %d made good\n", what, walked.failures, walked.madeGood);
 }
@@ -36,7 +36,7 @@ WalkedFaults outOfMemory(const char* what, Call call, bool mayMakeGood = false, 
   return walked;
 }
 
-/// Of values that are made first: Catch's CHECK would keep what is thrown meanwhile.
+/// Compares without Catch's expression decomposition, because CHECK would retain exceptions thrown by the operands.
 template <class T>
 void expectSame(const T& made, const T& expected) {
   CHECK((made == expected));
@@ -45,7 +45,7 @@ void expectSame(const T& made, const T& expected) {
 struct Look {
   const char* name;
   RenderSettings settings;
-  int step = 7;  // its pipelines take long to compile, again for each failure behind them
+  int step = 7;  // its pipelines compile slowly, and again for each failure behind them
   std::uint32_t views = 1;
 };
 
@@ -61,7 +61,7 @@ std::vector<Look> looks() {
                         {"gathered where cells leave holes", {}, 17, 2},
                         {"overlay of what is gathered", {}, 17}};
   for (Look& look : all) {
-    look.settings.lowestTier = kTierCompleted;
+    look.settings.maxTier = kTierCompleted;
     look.settings.switchSeconds = 0;
   }
   all[1].settings.colourMapping = ColourMapping::ours;
@@ -69,7 +69,7 @@ std::vector<Look> looks() {
   all[3].settings.colourMapping = ColourMapping::paperRedraw;
   all[4].settings.overlay = Overlay::confidence;
   all[4].settings.floor = Floor{.height = -1};
-  all[5].settings.lowestTier = kTierFilled;
+  all[5].settings.maxTier = kTierFilled;
   all[5].settings.switchSeconds = 0.25;
   all[5].settings.blend = BlendMode::dither;
   all[7].settings.composition = Composition::gathered;
@@ -112,7 +112,7 @@ TEST_CASE("buffers of a picture are made and read, whichever call fails") {
   const FramePlan plan = place.plan({});
   const auto show = [&] {
     RendererOptions options = optionsFor(plan.settings, {48, 36});
-    options.buffers = &place.scene();
+    options.bufferScene = &place.scene();
     const Renderer renderer(device, scene, options);
     OffscreenBuffers buffers(device, {48, 36});
     return buffers
@@ -178,7 +178,7 @@ TEST_CASE("photographs are streamed, whichever call fails, and arrive in the end
     return picture;
   };
   const Image8 expected = show();
-  // What fails while photographs stream lowers the budget, and stand-ins may stay.
+  // A failure while photographs stream lowers the budget, and stand-ins may remain.
   const WalkedFaults walked = outOfMemory(
       "stream",
       [&] {
@@ -213,8 +213,8 @@ TEST_CASE("a budget holds in bytes that are allocated, staging apart", "[P10]") 
 TEST_CASE("matches are aligned on a device, whichever call fails, or stay as they were") {
   const auto method = GENERATE(AlignmentMethod::compute, AlignmentMethod::raster);
   const Device device = newDevice();
-  if (!(method == AlignmentMethod::compute ? device.counts64Bits() : device.countsTogether64Bits())) return;
-  const AlignmentOptions options{.method = method, .instances = 8, .mostCycles = 1};
+  if (!(method == AlignmentMethod::compute ? device.supportsInt64() : device.supportsInt64Atomics())) return;
+  const AlignmentOptions options{.method = method, .instances = 8, .maxCycles = 1};
   Planted exact = planted(2, 40, 2, 2.0, 11);
   const auto before = exact.alignment.position;
   align(exact.alignment, options, &device);
@@ -245,7 +245,7 @@ TEST_CASE("a harmonised model is opened, shown and replaced, whichever call fail
   const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
   const auto show = [&] {
     GpuHtmModel model(device, bumpy.model, bumpy.source());
-    HtmRenderer renderer(device, model, {.largest = extent});
+    HtmRenderer renderer(device, model, {.maxExtent = extent});
     Offscreen offscreen(device, extent);
     const auto record = [&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); };
     const Image8 first = offscreen.render(record);

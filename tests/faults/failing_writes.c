@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded into a program (LD_PRELOAD): the N-th call that makes or writes a file fails as on a full disk, N from the
-// environment's IBR_FAIL_WRITE, 0 first. Counted are calls on paths below IBR_FAIL_BELOW, and their descriptors:
-// opening for writing, write, close of what was written, rename, mkdir. Once one has failed, "failed CALL PATH" stands
-// in the file IBR_FAIL_TOLD.
+// Library for LD_PRELOAD: the N-th call that creates or writes a file fails as on a full disk. N comes from the
+// environment variable IBR_FAIL_WRITE and starts at 0. Counted calls use paths below IBR_FAIL_BELOW or their
+// descriptors: open for writing, write, close after writing, rename, mkdir. After a failure, the file IBR_FAIL_TOLD
+// contains "failed CALL PATH".
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small scene and pictures of it by every pass, made anew at each call, so that any of its calls can fail.
+// A small scene and its images from every pass, recreated at each call, so that any call can fail.
 #pragma once
 
 #include <vector>
@@ -33,18 +33,18 @@ class SmallPlace {
     return planFrame(place_.scene, bounds_, {cameras, settings});
   }
 
-  /// With a renderer for no more than it needs.
+  /// Renders with a renderer of minimum size.
   std::vector<Image8> pictures(Device& device, const GpuScene& scene, const FramePlan& plan) const {
     const Intrinsics& k = plan.views[0].intrinsics;
     const VkExtent2D extent{std::uint32_t(k.width), std::uint32_t(k.height)};
     RendererOptions options = optionsFor(plan.settings, extent);
-    options.views = std::uint32_t(plan.views.size());
-    options.uncertainties = &place_.scene;
+    options.maxViews = std::uint32_t(plan.views.size());
+    options.uncertaintyScene = &place_.scene;
     if (plan.settings.overlay != Overlay::none) options.hiddenArea[0] = {{-1, -1}, {-0.5, -1}, {-1, -0.5}};
     const Renderer renderer(device, scene, options);
     std::vector<Offscreen> offscreens;
     std::vector<Target> targets;
-    for (std::uint32_t v = 0; v < options.views; ++v)
+    for (std::uint32_t v = 0; v < options.maxViews; ++v)
       targets.push_back(offscreens.emplace_back(device, extent).target());
     std::vector<Image8> made;
     for (Offscreen& offscreen : offscreens)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The N-th call that makes or writes a file fails as on a full disk, N = 0, 1, … until none is left, in the commands
-// that write (failing_writes.c). Then the exit code is 2, the message names a file, no draft is left, what is there is
-// whole, and the same command succeeds.
+// Fails the N-th call that creates or writes a file, as on a full disk, N = 0, 1, … until none is left, in all commands
+// that write (failing_writes.c). Afterwards the exit code is 2, the message names a file, no temporary file remains,
+// existing files are complete, and the same command succeeds.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -19,7 +19,7 @@ using namespace ibr::test;
 
 namespace {
 
-/// What failed, empty: nothing.
+/// Returns the failed call; empty if no call failed.
 std::string failWrite(int n, const fs::path& below, const std::vector<std::string>& command, Outcome& outcome) {
   const TemporaryFolder notes;
   RunOptions options;
@@ -38,8 +38,8 @@ void expectNoDraft(const fs::path& folder) {
   }
 }
 
-/// `command` writes below `out` only. Every `step`-th write fails, each one where the environment has IBR_EVERY_FAULT;
-/// `madeGood`: what is kept for later only may be lost.
+/// `command` writes only below `out`. Every `step`-th write fails, or every write if IBR_EVERY_FAULT is set. A failure
+/// may be ignored (`madeGood`) only if the file is a cache.
 int walk(const char* name, const fs::path& out, const std::vector<std::string>& command, int step) {
   if (std::getenv("IBR_EVERY_FAULT")) step = 1;
   int failures = 0, madeGood = 0;

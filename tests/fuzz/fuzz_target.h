@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a fuzz target has: `LLVMFuzzerTestOneInput`, which reads one input as a file of its format and lets only
-// ibr::Error pass, and `seeds`, good files to begin with, made by writers so that they stay true.
+// Interface of a fuzz target: `LLVMFuzzerTestOneInput` reads one input as a file of its format and accepts only
+// ibr::Error. `seeds` returns valid files, which the writers create so that the seeds follow the formats.
 #pragma once
 
 #include <cstddef>
@@ -24,12 +24,12 @@ inline std::string_view textOf(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Written in place: that inputs come one by one takes no drafts.
+/// Writes in place: inputs are processed one by one and need no temporary file.
 inline void put(const std::filesystem::path& file, std::string_view bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc).write(bytes.data(), std::streamsize(bytes.size()));
 }
 
-/// Of inputs that stand for one file of several: the first byte chooses it, the rest is what is in it.
+/// Input that represents one file of several: the first byte selects the file, the rest is its content.
 struct Chosen {
   std::size_t file;
   std::string_view bytes;
@@ -42,7 +42,7 @@ inline std::string seedOf(std::size_t file, const std::filesystem::path& path) {
   return char(file) + readTextFile(path);
 }
 
-/// Reads as `read` does; an Error is an answer.
+/// Calls `read`; an Error is a valid outcome.
 template <class Read>
 int answers(Read read) {
   try {
@@ -52,7 +52,7 @@ int answers(Read read) {
   return 0;
 }
 
-/// Faults that only a wrong result shows.
+/// Traps if `right` is false, for faults visible only as a wrong result.
 inline void demand(bool right) {
   if (!right) __builtin_trap();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// model.gltf, or its buffer, or the index of a sequence of models.
+// Fuzz target for model.gltf, its buffer, and the index of a sequence of models.
 #include "fuzz_target.h"
 #include "ibr/htm_sequence.h"
 #include "robustness/example_model.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles from PLY, OBJ and glTF.
+// Fuzz target for triangle meshes from PLY, OBJ and glTF.
 #include "author/surface/triangle_mesh_file.h"
 #include "fuzz_target.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside the pixels: an EXIF block, an ICC profile. Neither ever makes a photograph unreadable.
+// Fuzz target for metadata of an image: an EXIF block, an ICC profile. Neither makes a photograph unreadable.
 #include <lcms2.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::string> ibr::test::seeds() {
-  // An orientation as makers write it: one entry, little-endian; and a profile of a camera's gamut.
+  // An orientation as cameras write it: one entry, little-endian. Also a profile with a camera's gamut.
   std::string exif("\0II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0", 27);
   const cmsCIExyY white{0.3127, 0.3290, 1};
   const cmsCIExyYTRIPLE primaries{{0.68, 0.32, 1}, {0.265, 0.69, 1}, {0.15, 0.06, 1}};

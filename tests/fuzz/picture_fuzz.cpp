@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JPEG, PNG and TIFF by their content, with EXIF, profiles and texts; as photographs, masks and OpenEXR.
+// Fuzz target for JPEG, PNG and TIFF with EXIF, profiles and texts; read as photographs, masks and OpenEXR.
 #include <tiffio.h>
 
 #include "fuzz_target.h"
@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-/// Colours that compress badly, so that every part of a file matters.
+/// Values that compress badly, so that every part of a file matters.
 Image8 noise(int channels) {
   Image8 picture(17, 9, channels);
   std::uint32_t state = 1;
@@ -34,7 +34,7 @@ Image8 noise(int channels) {
   return picture;
 }
 
-/// Behind the first two bytes of a JPEG: an orientation.
+/// Inserts an EXIF orientation after the first two bytes of a JPEG.
 std::string withExif(std::string jpeg) {
   const std::string block(
       "\xff\xe1\0\x22"

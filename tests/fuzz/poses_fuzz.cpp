@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses: each file of a COLMAP model as text and as COLMAP writes it, transforms.json, panoramas.json.
+// Fuzz target for poses: each file of a COLMAP model as text and as binary, transforms.json, panoramas.json.
 #include "fuzz_target.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 using namespace ibr;
 using namespace ibr::test;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fuzz target without a fuzzer: the seeds, each cut at up to 200 places and with up to 400 times one to three bytes
-// or bits changed, the same each time, and the files of folders that are given (inputs that once did harm). Afterwards
-// no input took more than 10 s and all of them not more memory
-// than IBR_FUZZ_MIB, 600 without it.
+// Runs a fuzz target without a fuzzer: the seeds, the seeds cut at up to 200 positions, and the seeds with up to
+// 400 deterministic changes of one to three bytes or bits. Also replays files of given folders (inputs that once
+// failed). Finally checks that no input took more than 10 s and that memory stayed below IBR_FUZZ_MIB (default
+// 600).
 //
 //   ibr_fuzz_NAME [FOLDER …]            replays
-//   ibr_fuzz_NAME --write FOLDER        writes the seeds there, for libFuzzer
-//   IBR_FUZZ_ROUNDS=N                   changes N times instead of 400
+//   ibr_fuzz_NAME --write FOLDER        writes the seeds into FOLDER, for libFuzzer
+//   IBR_FUZZ_ROUNDS=N                   makes N changes instead of 400
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene.gltf, or the buffer of the first cell beside it.
+// Fuzz target for scene.gltf and the buffer of its first cell.
 #include "fuzz_target.h"
 #include "ibr/scene.h"
 #include "robustness/example_scene.h"

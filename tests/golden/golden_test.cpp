@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A few small pictures that must not change unnoticed. What they show is proved elsewhere (tests/reference); these
-// catch what nobody thought of.
+// A few small images that must not change unnoticed. Other tests prove their content (tests/reference); golden images
+// catch unforeseen changes.
 //
-// On a difference the picture and the difference are written into the build folder (golden/actual); look at them. With
-// IBR_UPDATE_GOLDEN=1 in the environment the expected pictures are replaced instead.
+// If an image differs, the image and the difference are written into the build folder (golden/actual) for inspection.
+// With IBR_UPDATE_GOLDEN=1 in the environment, the expected images are replaced instead.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -27,7 +27,7 @@ Image8 withoutAlpha(const Image8& rgba) {
   return rgb;
 }
 
-// Other devices filter and round otherwise: 4 levels on all but a few pixels, which lie on edges.
+// Tolerance for other devices' filtering and rounding: 4 levels, except for a few pixels on edges.
 void compare(const std::string& name, const Image8& rgba) {
   const fs::path expectedFile = fs::path(IBR_GOLDEN_EXPECTED) / (name + ".png");
   const Image8 actual = withoutAlpha(rgba);

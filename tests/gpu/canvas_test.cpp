@@ -118,11 +118,11 @@ TEST_CASE("one canvas serves frames in flight without further barriers") {
     commands.submit(i, [&](VkCommandBuffer frame) {
       red.recordCanvas(frame, extent);
       red.recordComposition(frame, targets[i].target());
-      red.recordCanvas(frame, extent);  // and twice in one
+      red.recordCanvas(frame, extent);  // twice in one command buffer
       red.recordComposition(frame, targets[i].target());
     });
   CHECK(vkQueueWaitIdle(testDevice().queue()) == VK_SUCCESS);
-  const auto last = readImage(testDevice(), targets[2].target().image, extent, 4, targets[2].target().after);
+  const auto last = readImage(testDevice(), targets[2].target().image, extent, 4, targets[2].target().finalUse);
   CHECK(pixel(last, 0) == Pixel{255, 0, 0, 255});
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("a compute pass reads and writes a buffer") {
                                          .specialisation = {entries, std::as_bytes(std::span(&factor, 1))},
                                          .layout = layout.get()});
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
-    const std::uint32_t push[]{count - 1, summand};  // the last value is left alone
+    const std::uint32_t push[]{count - 1, summand};  // the last value stays unchanged
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout.get(), 0, 1, &set, 0, nullptr);
     vkCmdPushConstants(commands, layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(push), push);

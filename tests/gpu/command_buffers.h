@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command buffers that are submitted and not waited for, as a program with frames in flight does it.
+// Command buffers submitted without waiting, like those of a program with frames in flight.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,7 +13,7 @@
 
 namespace ibr::test {
 
-/// The user waits before one is recorded again and before they go.
+/// The caller waits before recording a buffer again and before destruction.
 class CommandBuffers {
  public:
   CommandBuffers(const Device& device, std::uint32_t count) : queue_(device.queue()), commands_(count) {

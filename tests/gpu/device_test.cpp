@@ -26,7 +26,7 @@ using test::testLog;
 
 namespace {
 
-/// Sets an environment variable while it lives.
+/// Sets an environment variable for its lifetime.
 class Environment {
  public:
   Environment(const char* name, const std::string& value) : name_(name) {
@@ -44,7 +44,7 @@ class Environment {
   bool had_;
 };
 
-/// The message of the Error{code} that `call` must throw.
+/// Returns the message of the Error{code} that `call` must throw.
 template <class Call>
 std::string errorOf(ErrorCode code, Call call) {
   try {
@@ -110,7 +110,7 @@ TEST_CASE("a device is chosen by index, by part of its name, by option before en
   REQUIRE(Device::preferred(name));
   CHECK(Device::preferred(name)->name == name);
   CHECK(kindOf(Device::preferred(name)->type) == testDevice().kind());
-  CHECK_FALSE(Device::preferred());  // as IBR_DEVICE has it
+  CHECK_FALSE(Device::preferred());  // IBR_DEVICE decides
   CHECK(Device::create({.device = std::to_string(index)}).properties().deviceName == name);
   CHECK_THAT(Device::create({.device = upper}).name(), Contains(name.substr(0, 4)));
   const Environment right("IBR_DEVICE", name);
@@ -154,13 +154,13 @@ TEST_CASE("discrete before integrated before virtual before software, whatever t
                                          {.name = "card B", .type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU}};
   if (GENERATE(false, true)) std::reverse(devices.begin(), devices.end());
   const auto chosen = [&](const std::string& option) { return devices[choose(devices, option)].name; };
-  CHECK(chosen("") == (devices[0].name == "unknown" ? "card A" : "card B"));  // the first of equals
+  CHECK(chosen("") == (devices[0].name == "unknown" ? "card A" : "card B"));  // the first of equal devices
   for (DeviceDescription& device : devices)
     if (device.type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) device.lacking = {"depthClamp", "scalarBlockLayout"};
   CHECK(chosen("") == "laptop");
   CHECK(chosen("soft") == "software");
   CHECK(chosen("3") == devices[3].name);
-  devices[2].name = "17";  // no index, but a name
+  devices[2].name = "17";  // a name, not an index
   CHECK(chosen("17") == "17");
   CHECK_THAT(errorOf(ErrorCode::unsupported, [&] { chosen("CARD"); }),
              Contains("'card A' lacks depthClamp, scalarBlockLayout") && Contains("'card B' lacks") &&
@@ -205,7 +205,7 @@ TEST_CASE("requirements are linked as Vulkan reads them") {
 TEST_CASE("what is disabled is neither enabled nor used, and nothing else is", "[mask]") {
   const Environment none("IBR_DISABLE_FEATURES", "");
   const auto uses = [](const Device& d) {
-    return std::array{d.counts64Bits(), d.countsTogether64Bits(), d.samplesBlocks(), d.drawsViewsTogether()};
+    return std::array{d.supportsInt64(), d.supportsInt64Atomics(), d.supportsBlockCompression(), d.supportsMultiview()};
   };
   const auto names = Device::optionalFeatureNames();
   REQUIRE(names == std::vector<std::string>{"int64", "int64-atomics", "bc", "multiview"});
@@ -213,16 +213,16 @@ TEST_CASE("what is disabled is neither enabled nor used, and nothing else is", "
   for (std::size_t i = 0; i < names.size(); ++i) {
     auto expected = uses(whole);
     expected[i] = false;
-    if (i == 0) expected[1] = false;  // sums of 64 bits want numbers of 64 bits
+    if (i == 0) expected[1] = false;  // 64-bit atomics require 64-bit integers
     INFO(names[i]);
     CHECK(uses(Device::create({.validation = true, .log = testLog(), .disabledFeatures = names[i]})) == expected);
     const Environment masked("IBR_DISABLE_FEATURES", names[i]);
     CHECK(uses(Device::create({.validation = true, .log = testLog()})) == expected);
     const Device one = Device::create({.validation = true, .log = testLog(), .disabledFeatures = "bc"});
-    CHECK(uses(one) == std::array{uses(whole)[0], uses(whole)[1], false, uses(whole)[3]});  // the option before it
+    CHECK(uses(one) == std::array{uses(whole)[0], uses(whole)[1], false, uses(whole)[3]});  // the option has priority
     test::HandmadeDevice handmade;
     DeviceHandles handles = handmade.handles();
-    handles.optionalFeatures = Device::requirements().optionalFeatures;  // as if all were on
+    handles.optionalFeatures = Device::requirements().optionalFeatures;  // reports all features as enabled
     auto adopted = std::array{true, true, true, true};
     adopted[i] = false;
     if (i == 0) adopted[1] = false;
@@ -338,7 +338,7 @@ TEST_CASE("devices move") {
   Device b = std::move(a);
   CHECK(b.handle() == handle);
   Device c = Device::create(options);
-  c = std::move(b);  // destroys what c had
+  c = std::move(b);  // destroys the previous device of c
   CHECK(c.handle() == handle);
   CHECK(test::samplePicture(c) == test::expectedPicture());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory that is not there: by asking for too much, and by letting the N-th call of Vulkan fail.
+// Out of memory: excessive requests, and failures of the N-th Vulkan call.
 #include <catch2/catch.hpp>
 #include <string>
 #include <utility>
@@ -79,15 +79,14 @@ TEST_CASE("images beyond the device's limits are refused with the limit") {
 }
 
 TEST_CASE("whichever call fails, it is an error, nothing leaks and the next picture is right", "[P2][P10]") {
-  const auto [result, code] =
-      GENERATE(std::pair(VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::outOfMemory),
-               std::pair(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory),
-               std::pair(VK_ERROR_UNKNOWN, ErrorCode::vulkan));                        // a loss stays: device_loss_test
-  const Device device = Device::create({.validation = true, .log = test::testLog()});  // its end tells of leaks
+  const auto [result, code] = GENERATE(std::pair(VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::outOfMemory),
+                                       std::pair(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory),
+                                       std::pair(VK_ERROR_UNKNOWN, ErrorCode::vulkan));  // loss: device_loss_test
+  const Device device = Device::create({.validation = true, .log = test::testLog()});    // its destructor reports leaks
   Image8 picture;
   const int failures = failEachCall(result, code, [&] { picture = test::samplePicture(device); }).failures;
   CHECK(picture == test::expectedPicture());
-  CHECK(failures > 40);  // or the calls are not ours
+  CHECK(failures > 40);  // otherwise the calls are not intercepted
 }
 
 TEST_CASE("whichever call fails, a device is made whole or not at all", "[P10]") {
@@ -98,7 +97,7 @@ TEST_CASE("whichever call fails, a device is made whole or not at all", "[P10]")
 }
 
 TEST_CASE("drivers that find no device are no fault of the list's") {
-  // Of the second call, which asks for the devices.
+  // Fails the second call, which enumerates the devices.
   const auto fail = [] { test::failCall(1, VK_ERROR_INITIALIZATION_FAILED); };
   fail();
   CHECK(Device::list().empty());

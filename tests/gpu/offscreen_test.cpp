@@ -14,15 +14,15 @@ using test::testDevice;
 
 namespace {
 
-/// Fills the target with one colour by a transfer, as a caller of a kind of its own would.
+/// Fills the target with one colour by a transfer, as a caller with own commands does.
 Image8 cleared(Offscreen& offscreen, const std::array<float, 4>& rgba) {
   return offscreen.render([&](VkCommandBuffer commands) {
     const Target target = offscreen.target();
-    transition(commands, target.image, target.before, use::kTransferDestination);
+    transition(commands, target.image, target.initialUse, use::kTransferDestination);
     const VkClearColorValue value{{rgba[0], rgba[1], rgba[2], rgba[3]}};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands, target.image, use::kTransferDestination.layout, &value, 1, &range);
-    transition(commands, target.image, use::kTransferDestination, target.after);
+    transition(commands, target.image, use::kTransferDestination, target.finalUse);
   });
 }
 
@@ -42,7 +42,7 @@ ErrorCode codeOf(VkExtent2D extent, VkFormat format, const char* text) {
 TEST_CASE("pictures are RGBA as stored in every format") {
   struct Case {
     VkFormat format;
-    int half;  // 0.5 as stored
+    int half;  // stored value of 0.5
   };
   const auto [format, half] = GENERATE(Case{VK_FORMAT_R8G8B8A8_UNORM, 128}, Case{VK_FORMAT_B8G8R8A8_UNORM, 128},
                                        Case{VK_FORMAT_R8G8B8A8_SRGB, 188}, Case{VK_FORMAT_B8G8R8A8_SRGB, 188});

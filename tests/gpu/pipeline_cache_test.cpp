@@ -16,13 +16,13 @@ using Bytes = std::vector<std::byte>;
 
 namespace {
 
-constexpr std::size_t kHead = 16;  // of the file, before Vulkan's data
+constexpr std::size_t kHead = 16;  // bytes of the file before Vulkan's data
 
 struct Told {
   std::string debug, info, warnings;
 };
 
-/// Makes a device with a cache file, draws with it and lets it go.
+/// Creates a device with a cache file, draws, and destroys the device.
 Told drawWith(const std::filesystem::path& file) {
   Told told;
   {
@@ -56,7 +56,7 @@ TEST_CASE("compiled pipelines are kept in a file for the next device") {
   CHECK_THAT(second.debug, Contains(file.string()) && Contains("bytes of compiled pipelines"));
   CHECK((first.warnings + second.warnings).empty());
   CHECK(isWhole(file));
-  // Nothing but the file is left.
+  // Only the cache file remains.
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("another device's pipelines are ignored") {
   const auto file = folder / "pipelines";
   drawWith(file);
   const Bytes whole = readFile(file);
-  // Version, vendor, device, and the driver's identity.
+  // Bytes of the version, the vendor, the device, and the driver's identity.
   for (const std::size_t at : {4, 8, 12, 16, 31}) {
     Bytes data(whole.begin() + kHead, whole.end());
     data[at] ^= std::byte(1);
@@ -108,7 +108,7 @@ TEST_CASE("a place where no pipelines can be kept is told of") {
   CHECK_THAT(drawWith(folder / "none" / "pipelines").warnings, Contains("cannot be written"));
   CHECK_FALSE(std::filesystem::exists(folder / "none"));
   CHECK_THAT(drawWith(folder.path()).warnings, Contains("is not a regular file"));
-  // What the log throws as the device goes ends nothing.
+  // An exception from the log callback during destruction of the device is ignored.
   const Device device = Device::create({.log =
                                             [](LogLevel level, std::string_view) {
                                               if (level == LogLevel::warning) throw 1;

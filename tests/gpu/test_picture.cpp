@@ -85,14 +85,14 @@ void PicturePasses::recordCanvas(VkCommandBuffer commands, VkExtent2D extent) co
 }
 
 void PicturePasses::recordComposition(VkCommandBuffer commands, const Target& target) const noexcept {
-  transition(commands, target.image, target.before, use::kColourAttachment);
+  transition(commands, target.image, target.initialUse, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);
   beginRendering(commands, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, composition_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, compositionLayout_.get(), 0, 1, &set_, 0, nullptr);
   vkCmdDraw(commands, 3, 1, 0, 0);
   vkCmdEndRendering(commands);
-  transition(commands, target.image, use::kColourAttachment, target.after);
+  transition(commands, target.image, use::kColourAttachment, target.finalUse);
 }
 
 Image8 samplePicture(const Device& device) {

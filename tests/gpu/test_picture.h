@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A little of everything: vertices are uploaded, drawn into a canvas with depth, and composed into an offscreen image.
+// Test image with most basic operations: vertex upload, a canvas with depth, and composition into an offscreen image.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -16,11 +16,11 @@
 namespace ibr::test {
 
 struct Vertex {
-  glm::vec3 position;  // in clip space, w = 1
+  glm::vec3 position;  // clip space, w = 1
   glm::vec3 colour;
 };
 
-/// Both triangles of a square of one colour that covers [low, high] × [−1, 1] of clip space at depth z.
+/// Two triangles of a one-colour rectangle that covers [low, high] × [−1, 1] of clip space at depth z.
 std::vector<Vertex> square(float low, float high, float z, glm::vec3 colour);
 
 class PicturePasses {
@@ -34,9 +34,9 @@ class PicturePasses {
   PicturePasses(const Device& device, VkExtent2D largest, const std::vector<Vertex>& vertices,
                 const Settings& settings);
 
-  /// Clears to (0.2, 0.4, 0.6, 0.8) and draws into the corner `extent` of the canvas.
+  /// Clears to (0.2, 0.4, 0.6, 0.8) and draws into the region `extent` at the canvas's corner.
   void recordCanvas(VkCommandBuffer commands, VkExtent2D extent) const noexcept;
-  /// Copies the canvas' corner into the target.
+  /// Copies the canvas's corner into the target.
   void recordComposition(VkCommandBuffer commands, const Target& target) const noexcept;
 
   const Canvas& canvas() const { return canvas_; }
@@ -55,10 +55,10 @@ class PicturePasses {
   PipelineHandle composition_;
 };
 
-/// 16 × 8: the left half red at depth 0.25, the middle half green behind it, the rest as cleared.
+/// 16 × 8 px: the left half red at depth 0.25, the middle half green behind red, the rest in the clear colour.
 Image8 samplePicture(const Device& device);
 
-/// What samplePicture must return, by hand.
+/// Expected result of samplePicture, computed by hand.
 Image8 expectedPicture();
 
 }  // namespace ibr::test

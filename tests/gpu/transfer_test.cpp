@@ -22,7 +22,7 @@ constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUF
 constexpr VkImageUsageFlags kTexture =
     VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
 
-/// Bytes in which every place differs from its neighbours, other ones for every seed.
+/// Bytes that differ from their neighbours everywhere, and between seeds.
 Bytes pattern(std::size_t count, unsigned seed) {
   Bytes bytes(count);
   unsigned state = 747796405u * seed + 2891336453u;
@@ -89,10 +89,10 @@ TEST_CASE("a part of a buffer is replaced, the rest stays") {
 TEST_CASE("uploads larger than the staging buffer arrive whole") {
   const Bytes bytes = pattern((std::size_t(5) << 20) + 13, 3);
   const Buffer buffer = deviceBuffer(bytes.size());
-  const VkExtent2D extent{701, 1001};  // 2.7 MiB: three pieces, none a divisor
+  const VkExtent2D extent{701, 1001};  // 2.7 MiB: three pieces, none of a divisor's size
   const Bytes pixels = pattern(std::size_t(4) * extent.width * extent.height, 4);
   const GpuImage image = texture(VK_FORMAT_R8G8B8A8_UNORM, extent);
-  Uploader uploader(testDevice(), 1);  // raised to the least that works
+  Uploader uploader(testDevice(), 1);  // raised to the minimum
   uploader.buffer(buffer, 0, bytes);
   uploader.image(image, 0, 0, extent, pixels);
   uploader.flush();
@@ -213,7 +213,7 @@ TEST_CASE("buffers and images move") {
   Buffer b = std::move(a);
   CHECK(a.get() == VK_NULL_HANDLE);
   Buffer c = deviceBuffer(32);
-  c = std::move(b);  // what c had is destroyed, or the layer tells at the end
+  c = std::move(b);  // destroys the previous buffer of c; otherwise the validation layer reports a leak
   CHECK(c.get() == handle);
   CHECK(c.size() == 64);
   CHECK(readBuffer(testDevice(), c) == bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests of the tester: faults put in on purpose must be reported, or a silent layer would pass for a clean program.
+// Tests of the validation setup: deliberate errors must be reported, so that silence means a correct program.
 #include <catch2/catch.hpp>
 #include <cstddef>
 #include <new>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr VkBufferUsageFlags kCopied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
-/// A device of its own, so that the count of testDevice() stays at 0.
+/// A separate device, so that the message count of testDevice() stays at 0.
 Device validatedDevice() {
   return Device::create({.validation = true, .log = test::testLog()});
 }
@@ -78,7 +78,7 @@ TEST_CASE("a missing barrier between submissions is reported") {
   CHECK(containing(messages, "SYNC-HAZARD-READ-AFTER-WRITE") >= 1);
 }
 
-#ifndef __SANITIZE_ADDRESS__  // which would, rightly, report the leak that is made here
+#ifndef __SANITIZE_ADDRESS__  // which would report the deliberate leak
 TEST_CASE("an object that is never destroyed is reported with its name") {
   const test::ExpectedMessages messages;
   {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The optimiser on a device against the processor's way: the same mesh, sums and counts, bit for bit.
+// The optimiser on a device against the CPU method: equal meshes, sums and counts, bit for bit.
 #include <catch2/catch.hpp>
 
 #include "gpu/transfer/submit.h"
@@ -20,10 +20,10 @@ AlignmentSummary alignedBy(AlignmentMethod method, AlignmentOptions options, Ali
   return align(alignment, options, &testDevice());
 }
 
-// Where the device does not count as the method wants it, that is said and nothing moves; then there is no more to see.
+// Returns true on a device without the method's integer support. Checks that this is reported and nothing moves.
 bool refuses(AlignmentMethod method) {
   const bool raster = method == AlignmentMethod::raster;
-  if (raster ? testDevice().countsTogether64Bits() : testDevice().counts64Bits()) return false;
+  if (raster ? testDevice().supportsInt64Atomics() : testDevice().supportsInt64()) return false;
   Planted planted = test::planted(2, 72, 3, 2.0, 11);
   const auto before = planted.alignment.position;
   const Error error = errorOf([&] { alignedBy(method, {}, planted.alignment); });
@@ -59,7 +59,7 @@ TEST_CASE("compute and cpu make the same mesh", "[N3][T7][int64]") {
   options.instances = GENERATE(16, 100);
   options.prune = GENERATE(false, true);
   options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
-  options.mostCycles = 2;
+  options.maxCycles = 2;
   options.rigidity = options.instances == 16 ? 30 : 0;
   const int members = options.instances == 16 ? 3 : 2;
   Planted onCpu = planted(members, 72, 3, 2.0, 11), onDevice = planted(members, 72, 3, 2.0, 11);
@@ -74,7 +74,7 @@ TEST_CASE("a guard is asked by compute as by cpu, and what it refuses is taken b
   if (refuses(AlignmentMethod::compute)) return;
   AlignmentOptions options;
   options.instances = 24;
-  options.mostCycles = 2;
+  options.maxCycles = 2;
   options.guard = [](std::uint32_t point, std::span<const glm::ivec2> match) {
     return point % 2 == 0 && (match[0].x & 3) != 1;
   };
@@ -93,15 +93,15 @@ TEST_CASE("the paper's pass covers the pixels that the other methods cover", "[N
   if (refuses(AlignmentMethod::raster)) return;
   AlignmentOptions options;
   options.instances = 12;
-  options.mostCycles = 1;
+  options.maxCycles = 1;
   options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
-  options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };  // so that all judge the same
+  options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };  // refuses all moves
   Planted planted = test::planted(3, 72, 3, 2.0, 13);
   const AlignmentSummary cpu = alignedBy(AlignmentMethod::cpu, options, planted.alignment);
   const AlignmentSummary raster = alignedBy(AlignmentMethod::raster, options, planted.alignment);
   CHECK(raster.cycles[0].mutations == cpu.cycles[0].mutations);
   CHECK(raster.cycles[0].pixels == cpu.cycles[0].pixels);
-  // Samplers have weights of eight bits: now and then another candidate is a hair better.
+  // Samplers have 8-bit weights, so another candidate is sometimes minimally better.
   CHECK(double(raster.cycles[0].refused) == Approx(double(cpu.cycles[0].refused)).margin(3));
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("the paper's pass finds planted shifts, by either definition", "[N3][i
   AlignmentOptions options;
   options.decay = 0.6;
   options.threshold = 1e-5;
-  options.mostCycles = 9;
+  options.maxCycles = 9;
   options.instances = 32;
   options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
   Planted planted = test::planted(2, 72, 3, 2.0, 14);
@@ -147,7 +147,7 @@ TEST_CASE("a caller's command buffer moves points as the optimiser does", "[int6
     }
   CHECK(rise > 0.1);
 
-  // The same moves on the processor.
+  // The same moves on the CPU.
   const StarMesh mesh = starMeshOf(planted.alignment);
   std::vector<Texels> pictures;
   for (const Image8& picture : planted.pictures) pictures.push_back(texelsOf(picture));

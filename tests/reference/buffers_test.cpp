@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of pixels beside their colours (BufferTargets): relations, and the twin.
+// Data buffers of a frame (BufferTargets): relations between their values, and comparison with the reference.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -17,7 +17,7 @@ VkExtent2D extentOf(const FramePlan& plan) {
   return {std::uint32_t(k.width), std::uint32_t(k.height)};
 }
 
-// Values that are not finite though BufferTargets does not say so: depth and uncertainty may be infinite, nothing NaN.
+// Counts values that BufferTargets does not document. Depth and uncertainty may be infinite; NaN is never allowed.
 std::size_t undocumented(const FrameBuffers& buffers) {
   std::size_t count = 0;
   for (int y = 0; y < buffers.surface.height; ++y)
@@ -30,11 +30,15 @@ std::size_t undocumented(const FrameBuffers& buffers) {
   return count;
 }
 
-// One renderer for many frames: its pipelines are what takes time.
+// One renderer for many frames, because creating its pipelines is slow.
 class Recorder {
  public:
   explicit Recorder(const Stage& stage)
-      : renderer_(testDevice(), stage.gpuScene(), {.largest = {400, 360}, .fill = false, .buffers = &stage.scene()}) {}
+      : renderer_(testDevice(), stage.gpuScene(),
+                  {.maxExtent = {400, 360},
+                   .fill = false,
+                   .bufferScene = &stage.scene(),
+                   .orders = {DrawOrder::ours, DrawOrder::paper}}) {}
 
   FrameBuffers buffers(const FramePlan& plan) const {
     OffscreenBuffers offscreen(testDevice(), extentOf(plan));
@@ -52,11 +56,11 @@ class Recorder {
   Renderer renderer_;
 };
 
-// Two cells, made once: that takes longer than a picture.
+// Two cells. Made once, because generating them takes longer than rendering an image.
 const SyntheticScene& richPlace() {
   static const SyntheticScene place = [] {
     SyntheticScene made = twoCells();
-    for (std::size_t i = 0; i < made.photographs.size(); ++i)  // unlike one another, so that there is spread
+    for (std::size_t i = 0; i < made.photographs.size(); ++i)  // all different, so that colour spread is not zero
       for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
     for (Cell& cell : made.scene.cells)
       for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p)
@@ -96,7 +100,7 @@ TEST_CASE("buffers are the twin's") {
         ++drawn;
         tiers |= 1 << known.tier;
         ranks |= 1 << known.rank;
-        // Near a fold the nearer of two triangles may be the other one.
+        // Near a fold, the device may show the other of two triangles at almost equal depth.
         wrong[2] += !(std::abs(surface[0] - known.depth) <= 1e-3 * known.depth);
         wrong[3] += std::abs(surface[3] - known.extrapolation) > 1e-6;
         for (int i = 0; i < 4; ++i) wrong[4] += std::abs(weights[i] - known.weights[i]) > 1e-6;
@@ -133,7 +137,7 @@ TEST_CASE("nothing that is not finite reaches a target, wherever one stands and 
         const FrameBuffers buffers = recorder.buffers(stage.plan(view, settings));
         for (int x = 0; x < buffers.surface.width; ++x) drawn += buffers.surface.pixel(x, 120)[1] >= 0;
       }
-  CHECK(drawn > views.size() * 320);  // a sixth of what there is
+  CHECK(drawn > views.size() * 320);  // a sixth of all pixels
 }
 
 TEST_CASE("at a photograph's pose: its mesh's depth, its weight alone, no spread") {
@@ -195,10 +199,10 @@ TEST_CASE("buffers leave the picture alone, may share its command buffer, and kn
   options.atInfinity = true;
   const Stage stage(testDevice(), makeScene(options));
   RenderSettings settings;
-  settings.lowestTier = kTierFilled;
+  settings.maxTier = kTierFilled;
   const FramePlan plan = stage.plan(cameraAt({0.4, 0, 0}), settings);
   const Image8 expected = stage.render(plan);
-  const Renderer renderer(testDevice(), stage.gpuScene(), {.largest = {320, 240}, .buffers = &stage.scene()});
+  const Renderer renderer(testDevice(), stage.gpuScene(), {.maxExtent = {320, 240}, .bufferScene = &stage.scene()});
   Offscreen offscreen(testDevice(), {320, 240});
   OffscreenBuffers floats(testDevice(), {320, 240});
   for (int repeat = 0; repeat < 2; ++repeat) {
@@ -222,7 +226,7 @@ TEST_CASE("buffers have their targets' size, whatever size the cells are drawn i
   FramePlan whole = plan;
   whole.settings.renderScale = 1;
   RendererOptions options = optionsFor(settings, {320, 240});
-  options.buffers = &stage.scene();
+  options.bufferScene = &stage.scene();
   const Renderer renderer(testDevice(), stage.gpuScene(), options);
   Offscreen offscreen(testDevice(), {320, 240});
   OffscreenBuffers floats(testDevice(), {320, 240});
@@ -240,10 +244,10 @@ TEST_CASE("who does not ask pays nothing; who asks is told") {
   const Stage stage(testDevice(), richPlace());
   const FramePlan plan = stage.plan(cameraAt({0.6, 0.4, 0.2}, 0.1), withTiers());
   const auto counters = [&](RendererOptions options) {
-    options.largest = {320, 240};
+    options.maxExtent = {320, 240};
     return Renderer(testDevice(), stage.gpuScene(), options).count(plan);
   };
-  const auto none = counters({}), buffers = counters({.buffers = &stage.scene()}),
+  const auto none = counters({}), buffers = counters({.bufferScene = &stage.scene()}),
              edges = counters({.overlays = {Overlay::wireframe}});
   CHECK(buffers.pipelines > none.pipelines);
   CHECK(buffers.workingBytes > none.workingBytes);

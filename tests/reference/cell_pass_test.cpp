@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU's picture against the double-precision twin.
+// The GPU's cell pass against the double-precision reference implementation.
 #include <algorithm>
 
 #include "reference/compare_pictures.h"
@@ -36,7 +36,7 @@ TEST_CASE("several cells with rejected triangles: rank decides between cells, de
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   SyntheticScene place = makeScene(options);
   for (Cell& cell : place.scene.cells) {
-    // The last third is what a filter would have rejected.
+    // Rejects the last third of the triangles.
     MorphMesh& mesh = cell.mesh;
     for (std::size_t t = mesh.triangles.size() * 2 / 3; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
   }
@@ -59,7 +59,7 @@ TEST_CASE("cells that dissolve, mixed blending") {
   REQUIRE(plan.cells.size() == 2);
   CHECK(plan.cells[0].opacity < 1);
   CHECK(plan.cells[0].opacity > 0);
-  compareWithTwin(stage, plan, 0.25, 0.1);  // noise leaves few pixels without a neighbour of another step
+  compareWithTwin(stage, plan, 0.25, 0.1);  // noise leaves few pixels whose neighbours show the same draw item
   settings.fadeShare = 0;
   CHECK(stage.render(plan) != stage.render(view, settings));
 }
@@ -81,7 +81,7 @@ TEST_CASE("cells that are moved so that they agree") {
 
 TEST_CASE("a cell that fades lets what is behind it through") {
   SyntheticScene place = twoCells();
-  for (std::uint8_t& level : place.photographs[0].values) level = std::uint8_t(level / 2);  // of the first cell alone
+  for (std::uint8_t& level : place.photographs[0].values) level = std::uint8_t(level / 2);  // of the first cell only
   const Stage stage(testDevice(), place);
   FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}), withTiers());
   REQUIRE(plan.cells.size() == 2);
@@ -116,9 +116,9 @@ TEST_CASE("while a switch is mixed both orders show") {
   FramePlan before = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
   FramePlan plan = stage.plan(cameraAt({0.6, 0.45, 0.35}), withTiers());
   REQUIRE(plan.cells[0].cell != before.cells[0].cell);
-  plan.former = plan.cells;
-  std::swap(plan.former[0], plan.former[1]);
-  plan.formerWeight = 0.4;
+  plan.previous = plan.cells;
+  std::swap(plan.previous[0], plan.previous[1]);
+  plan.previousWeight = 0.4;
   compareWithTwin(stage, plan);
 }
 
@@ -128,10 +128,10 @@ TEST_CASE("where the order before a switch shows nothing, the new one is there a
   const Stage stage(testDevice(), makeScene(options));
   const FramePlan plan = stage.plan(cameraAt({0.6, 0.45, 0.35}), withTiers());
   FramePlan mixing = plan;
-  mixing.former.clear();
-  mixing.formerWeight = 0.7;
+  mixing.previous.clear();
+  mixing.previousWeight = 0.7;
   CHECK(stage.render(mixing) == stage.render(plan));
-  mixing.former = {plan.cells.back()};  // covers a part
+  mixing.previous = {plan.cells.back()};  // covers a part of the view
   compareWithTwin(stage, mixing);
 }
 
@@ -142,20 +142,20 @@ TEST_CASE("cells that leave are drawn where they were") {
   FramePlan plan = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
   REQUIRE(plan.cells.size() == 2);
   PlannedCell gone = plan.cells[1];
-  gone.opacity = 0.97;  // noise leaves pixels with a neighbour of another step
-  plan.leaving = {{gone, 0}, {plan.cells[0], 2}};
+  gone.opacity = 0.97;  // noise leaves pixels whose neighbour shows another draw item
+  plan.fadingOut = {{gone, 0}, {plan.cells[0], 2}};
   compareWithTwin(stage, plan, 0.25, 0.1);
   const FramePlan without = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
   CHECK(stage.render(plan) != stage.render(without));
 }
 
 TEST_CASE("a renderer without room for the order before a switch cuts") {
-  const Stage stage(testDevice(), makeScene(place(3)));  // of one cell, which has nothing to switch to
+  const Stage stage(testDevice(), makeScene(place(3)));  // one cell, so that no main cell switch can occur
   const SceneBounds bounds = sceneBounds(stage.scene());
   const PlanState state = planFrame(stage.scene(), bounds, {{cameraAt({0.3, 0.2, 0.0})}, withTiers(), 0.05}).next;
   const FramePlan away = planFrame(stage.scene(), bounds, {{cameraAt({0.3, 0.2, 60.0})}, withTiers(), 0.05}, state);
   REQUIRE(away.cells.empty());
-  REQUIRE(away.formerWeight == 1);
+  REQUIRE(away.previousWeight == 1);
   const Image8 picture = stage.render(away);
   CHECK(picture.pixel(160, 60)[3] == 0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells that are muted or drawn alone: RenderSettings::mutedCells, soloCells.
+// Muted cells and solo cells: RenderSettings::mutedCells, soloCells.
 #include <catch2/catch.hpp>
 
 #include "reference/stage.h"
@@ -10,13 +10,13 @@ using namespace ibr::test;
 
 namespace {
 
-// Three cells, of which the better hide parts of the others.
+// Three cells that partly hide one another.
 const SyntheticScene& threeCells() {
   static const SyntheticScene place = [] {
     SyntheticOptions options = test::place(4);
     options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
     SyntheticScene made = makeScene(options);
-    for (std::size_t i = 0; i < made.photographs.size(); ++i)  // of several exposures
+    for (std::size_t i = 0; i < made.photographs.size(); ++i)  // different exposures
       for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
     return made;
   }();
@@ -48,7 +48,7 @@ TEST_CASE("muting a cell shows what a scene without it shows") {
       INFO("mapping " << int(mapping) << ", " << cells.size() << " cells, first " << cells[0]);
       RenderSettings muted = settings;
       muted.mutedCells = cells;
-      muted.mutedCells.push_back(99);  // means nothing
+      muted.mutedCells.push_back(99);  // unknown cells are ignored
       const Image8 picture = whole.render(view(), muted);
       CHECK(picture == Stage(testDevice(), without(cells)).render(view(), settings));
       CHECK_FALSE(picture == all);

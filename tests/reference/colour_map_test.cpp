@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour mapping of whole frames ([T] §2.5.3): our tables against the paper's and against the twin, planted exposures,
-// and what a still camera shows.
+// Colour mapping of whole frames ([T] §2.5.3): our tables against those of the paper and of the reference
+// implementation, scenes with known exposures, and convergence with a still camera.
 #include "render/passes/colour_map_pass.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Cells of two photographs each, in the same two places but turned, before a wall; cell k's photographs were taken with
+// Cells of two photographs each, at the same two positions but turned, in front of a wall. Photographs of cell k have
 // exposure k.
 struct Exposure {
   double gain, gamma;
@@ -38,7 +38,7 @@ SyntheticScene exposures(const std::vector<Exposure>& of) {
   SyntheticScene place = makeScene(options);
   for (std::size_t n = 0; n < place.photographs.size(); ++n)
     for (std::uint8_t& v : place.photographs[n].values) {
-      // Dark enough that no exposure burns out what another sees.
+      // Dark enough that no exposure saturates levels that another one resolves.
       const double level = 20 + 0.6 * v;
       v = std::uint8_t(
           std::clamp(std::lround(255 * of[n / 2].gain * std::pow(level / 255, of[n / 2].gamma)), 0l, 255l));
@@ -53,14 +53,14 @@ RenderSettings mapped(ColourMapping mapping) {
   settings.colourMapping = mapping;
   settings.colourProxy = 1;
   settings.colourSamples = 1;
-  settings.colourLeastSamples = 64;
+  settings.colourMinSamples = 64;
   settings.fadeShare = 0;
   return settings;
 }
 
 const RendererOptions kOptions{.colour = ColourSupport::all, .blends = {BlendMode::blend}};
 
-// The passes by themselves, with a canvas that holds a tile a cell at full size.
+// The passes alone, with a canvas that holds one full-size tile a cell.
 class Passes {
  public:
   Passes(const SyntheticScene& place, std::uint32_t capacity = 0)
@@ -83,22 +83,24 @@ class Passes {
     return ColourMapPass::frameOf(plan, extentOf(plan), canvas_.largest());
   }
 
-  // Makes the tables; the canvas then holds the proxy.
+  // Makes the tables. Afterwards the canvas holds the proxy image.
   void makeTables(const FramePlan& plan) {
+    const PlanDraws draws(stateOf(scene_), plan);
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
-      cells_.update(commands, plan);
-      pass_.makeTables(commands, plan, 0, extentOf(plan));
+      cells_.update(commands, draws);
+      pass_.makeTables(commands, draws, 0, extentOf(plan));
     });
   }
-  // The whole frame; the canvas then holds the picture.
+  // Draws the whole frame. Afterwards the canvas holds the image.
   void draw(const FramePlan& plan) {
     const bool ours = plan.settings.colourMapping == ColourMapping::ours;
+    const PlanDraws draws(stateOf(scene_), plan);
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
-      cells_.update(commands, plan);
-      if (ours) pass_.makeTables(commands, plan, 0, extentOf(plan));
-      if (!ours) return pass_.drawSequence(commands, plan, extentOf(plan));
+      cells_.update(commands, draws);
+      if (ours) pass_.makeTables(commands, draws, 0, extentOf(plan));
+      if (!ours) return pass_.drawSequence(commands, draws, extentOf(plan));
       canvas_.begin(commands, extentOf(plan), {0, 0, 0, 0});
-      cells_.draw(commands, plan, Order::current, 0, extentOf(plan));
+      cells_.draw(commands, draws, Order::current, 0, extentOf(plan));
       canvas_.end(commands);
     });
   }
@@ -154,14 +156,14 @@ Camera middle(int width = 160, int height = 120) {
   return cameraAt({0.1, 0, 0}, 0.2, 0, width, height, 0.9);
 }
 
-// What the tables are made from must be what the cells look like; what they are made to, by the twin.
+// Tables of the reference implementation for the same tiles. Inputs come from the device, the tables do not.
 std::vector<reference::CellTable> twin(const std::vector<Image8>& tiles, const RenderSettings& settings,
                                        const shader::ColourFrame& frame) {
   return reference::tables(
-      {tiles, blueNoise(shader::kNoiseSize, 1), frame.kept, frame.method, settings.colourLeastSamples});
+      {tiles, blueNoise(shader::kNoiseSize, 1), frame.kept, frame.method, settings.colourMinSamples});
 }
 
-// Mean |d| in levels between every cell, through its table, and the cell that owns the pixel, through its.
+// Mean |difference|, in 8-bit levels, between each cell and the cell that owns the pixel, both after their tables.
 double overlapDifference(const std::vector<Image8>& tiles, const std::vector<reference::CellTable>& tables) {
   double sum = 0;
   std::size_t count = 0;
@@ -194,7 +196,7 @@ TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped b
         settings.colourProxy = proxy;
         settings.colourTable = method;
         settings.colourSamples = samples;
-        settings.colourLeastSamples = 32;
+        settings.colourMinSamples = 32;
         const FramePlan plan = passes.plan(middle(320, 240), settings);
         REQUIRE(plan.cells.size() == 3);
         INFO("proxy " << proxy << ", method " << int(method) << ", samples " << samples);
@@ -202,19 +204,19 @@ TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped b
         const std::vector<Image8> tiles = passes.tiles(plan);
         const std::vector<reference::CellTable> tables = passes.tables(plan);
         CHECK(tables == twin(tiles, settings, passes.frameOf(plan)));
-        if (proxy == 4) continue;  // few samples of a narrow overlap: the twin's business, not the accuracy's
+        if (proxy == 4) continue;  // an overlap of few samples: checked against the reference, not for accuracy
         CHECK(overlapDifference(tiles, identities(3)) > 15);
         CHECK(overlapDifference(tiles, tables) <= 1.5);
       }
 }
 
 TEST_CASE("a proxy is sampled at the picture's detail") {
-  // Of the same pixels: a proxy of every second one has the same spread of levels, not that of averages.
+  // Decimated pixels keep the spread of levels; averaged pixels would not.
   Passes passes(exposures({{1, 1}}));
   RenderSettings settings = mapped(ColourMapping::ours);
   Camera far = cameraAt({0, 0, 3}, 0, 0, 160, 120, 0.9);
   settings.extrapolationLimit = 100;
-  // One cell has no proxy: give it company.
+  // A single cell gets no proxy, so the scene has a second cell.
   Passes pair(exposures({{1, 1}, {1, 1}}));
   const auto spread = [&](int proxy) {
     settings.colourProxy = proxy;
@@ -253,7 +255,7 @@ TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, an
         const Image8 picture = passes.picture(paper);
         CHECK(passes.tables(paper) == oursTables);
         CHECK(picture == oursPicture);
-        // The fragment stage's counting stays within the histograms of three cells.
+        // The fragment stage counts only into the histograms of three cells.
         const std::vector<std::byte> after = readBuffer(testDevice(), passes.colourTables().counters());
         const auto used = std::ptrdiff_t(4 * shader::counterCount(3, false));
         CHECK(std::equal(before.begin() + used, before.end(), after.begin() + used));
@@ -304,7 +306,7 @@ TEST_CASE("whole frames: the seam goes, the main cell stays, a photograph comes 
   settings.colourProxy = 2;
   const Stage plain(testDevice(), exposures({{1, 1}, {1, 1}, {1, 1}}));
   const Camera view = middle(320, 240);
-  // The main cell's exposure is everybody's afterwards: the scene as it would be with one exposure.
+  // All cells adopt the main cell's exposure. The truth is the scene generated with that one exposure.
   const FramePlan plan = stage.plan(view, settings);
   const std::uint32_t main = plan.cells[0].cell;
   const Stage oneExposure(testDevice(), exposures({kPlanted[main], kPlanted[main], kPlanted[main]}));
@@ -327,7 +329,7 @@ TEST_CASE("a still camera shows the same picture again and again, once tables ha
   for (ColourMapping mapping : {ColourMapping::ours, ColourMapping::paper}) {
     RenderSettings settings = mapped(mapping);
     settings.colourProxy = 2;
-    const Renderer renderer(testDevice(), scene, {.largest = {160, 120}, .colour = ColourSupport::all});
+    const Renderer renderer(testDevice(), scene, {.maxExtent = {160, 120}, .colour = ColourSupport::all});
     Offscreen offscreen(testDevice(), {160, 120});
     PlanState state;
     const auto frame = [&](const Camera& view) {
@@ -337,14 +339,14 @@ TEST_CASE("a still camera shows the same picture again and again, once tables ha
     };
     Camera view = middle();
     const Image8 first = frame(view);
-    CHECK(frame(view) == first);  // nothing to move: shown at once
+    CHECK(frame(view) == first);  // the first frame shows the target tables at once
     view.pose = cameraAt({0.2, 0, 0}, 0.5).pose;
     const std::int64_t mainBefore = state.mainCell;
     for (int i = 0; i < 120; ++i) frame(view);
     CHECK(state.mainCell != mainBefore);
     const Image8 rest = frame(view);
     for (int i = 0; i < 3; ++i) CHECK(frame(view) == rest);
-    // And it is what a fresh start shows.
+    // The converged image equals that of a renderer without previous frames.
     state = {};
     CHECK(frame(view) == rest);
   }
@@ -354,7 +356,7 @@ TEST_CASE("on a switch of the main cell no picture differs much from the one bef
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
-  const Renderer renderer(testDevice(), scene, {.largest = {160, 120}});
+  const Renderer renderer(testDevice(), scene, {.maxExtent = {160, 120}});
   Offscreen offscreen(testDevice(), {160, 120});
   RenderSettings settings = mapped(ColourMapping::ours);
   settings.colourProxy = 2;
@@ -364,7 +366,7 @@ TEST_CASE("on a switch of the main cell no picture differs much from the one bef
   for (const bool fade : {true, false}) {
     settings.colourFadeSeconds = fade ? 1 : 0;
     settings.colourSmoothSeconds = fade ? 0.15 : 0;
-    settings.colourLargestSpeed = fade ? 120 : 1e6;
+    settings.colourMaxSpeed = fade ? 120 : 1e6;
     settings.switchSeconds = 0;
     state = {};
     before = {};
@@ -397,7 +399,7 @@ TEST_CASE("two views share one table, whichever way") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
-  const Renderer renderer(testDevice(), scene, {.largest = {160, 120}, .views = 2, .colour = ColourSupport::all});
+  const Renderer renderer(testDevice(), scene, {.maxExtent = {160, 120}, .maxViews = 2, .colour = ColourSupport::all});
   for (ColourMapping mapping : {ColourMapping::ours, ColourMapping::paper, ColourMapping::paperRedraw}) {
     RenderSettings settings = mapped(mapping);
     settings.colourProxy = 2;
@@ -424,7 +426,7 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   const auto counters = [&](ColourSupport support, ColourMapping mapping) {
     const Renderer renderer(testDevice(), scene,
-                            {.largest = {160, 120},
+                            {.maxExtent = {160, 120},
                              .fill = false,
                              .colour = support,
                              .formats = {VK_FORMAT_R8G8B8A8_UNORM},
@@ -436,10 +438,10 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   const auto ours = counters(ColourSupport::ours, ColourMapping::ours);
   const auto paper = counters(ColourSupport::all, ColourMapping::paper);
   const auto redraw = counters(ColourSupport::all, ColourMapping::paperRedraw);
-  CHECK(off.pipelines == 4 + 2);           // cells with and without depth and dissolving; mixed or not
-  CHECK(ours.pipelines == 8 + 2 + 2 + 2);  // cells also mapped; proxy with and without dissolving; count, tables
-  CHECK(paper.pipelines == ours.pipelines + 4 + 1);  // count and redraw, with and without dissolving; apply
-  CHECK(ours.workingBytes == off.workingBytes);      // the proxy lives in the canvas
+  CHECK(off.pipelines == 2 + 2);           // cells with and without dissolving; composition with and without mixing
+  CHECK(ours.pipelines == 4 + 2 + 2 + 2);  // cells also mapped; proxy with and without dissolving; count, tables
+  CHECK(paper.pipelines == ours.pipelines + 4 + 4 + 1);  // cells without depth; count and redraw; apply
+  CHECK(ours.workingBytes == off.workingBytes);          // the proxy uses the canvas
   CHECK(paper.workingBytes >= off.workingBytes + 160 * 120 * 4);
   CHECK((idle.passes == off.passes && idle.draws == off.draws && idle.dispatches == 0));
   CHECK((off.passes == 2 && off.draws == 4 && off.dispatches == 0));
@@ -451,7 +453,7 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   const SyntheticScene one = exposures({{1, 1}});
   GpuScene alone(testDevice(), one.scene, {.source = photographsOf(one)});
   const Renderer renderer(testDevice(), alone,
-                          {.largest = {160, 120},
+                          {.maxExtent = {160, 120},
                            .fill = false,
                            .colour = ColourSupport::all,
                            .formats = {VK_FORMAT_R8G8B8A8_UNORM},
@@ -462,7 +464,7 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
        {ColourMapping::off, ColourMapping::ours, ColourMapping::paper, ColourMapping::paperRedraw}) {
     const FramePlan plan = planFrame(one.scene, sceneBounds(one.scene), {{middle()}, mapped(mapping)}, {});
     const auto counted = renderer.count(plan);
-    CHECK((counted.pipelines == 4 + 1 && counted.passes == 2 && counted.draws == 2 && counted.dispatches == 0));
+    CHECK((counted.pipelines == 2 + 1 && counted.passes == 2 && counted.draws == 2 && counted.dispatches == 0));
     const Image8 picture =
         offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
     if (mapping == ColourMapping::off) unmapped = picture;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integer twin of the colour tables' chain: pictures of cells → histograms → tables, and tables from frame to frame.
+// Integer reference implementation of the colour tables: images of cells → histograms → tables, and their adaptation.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace ibr::reference {
 
-/// Of a cell: red, green, blue.
+/// Tables of one cell: red, green, blue.
 using CellTable = std::array<LevelTable, 3>;
 
 struct MappedCells {
-  std::vector<Image8> picture;  // a cell each, best first, RGBA; alpha 0 where the cell is not
+  std::vector<Image8> picture;  // one image a cell, best first, RGBA; alpha 0 outside the cell
   std::vector<std::uint16_t> noise;
-  std::uint32_t kept = 0;  // ranks below it are counted
+  std::uint32_t kept = 0;  // ranks below `kept` are counted
   std::uint32_t method = shader::kMapPreserving, least = 256;
 };
 
@@ -24,10 +24,10 @@ struct CellHistograms {
   std::array<LevelHistogram, 3> reference{}, modify{};
 };
 
-/// What T's sequence finds: the framebuffer holds every better cell's colours through its table of `shown`.
+/// Histograms of the sequence in [T]: the framebuffer holds all better cells, mapped through their tables in `shown`.
 CellHistograms histograms(const MappedCells& cells, std::size_t k, const std::vector<CellTable>& shown);
 
-/// Tables of all cells, main first, each shown at once.
+/// Tables of all cells, main cell first, without adaptation over time.
 std::vector<CellTable> tables(const MappedCells& cells);
 
 }  // namespace ibr::reference

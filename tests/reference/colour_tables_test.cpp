@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables made on the device against their twin, bit for bit, and how they move from frame to frame.
+// Colour tables made on the device equal the reference implementation bit for bit, also while they adapt over frames.
 #include "render/passes/colour_tables.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 constexpr int kWidth = 90, kHeight = 70, kColumns = 3;
 constexpr std::uint32_t kEverything = shader::kNoiseSize * shader::kNoiseSize;
 
-// Overlapping windows on one random picture, each cell with a gain and gamma of its own.
+// Overlapping windows on one random image, each cell with its own gain and gamma.
 std::vector<Image8> cellPictures(int count, std::uint32_t seed) {
   std::mt19937 random(seed);
   Image8 scene(kWidth, kHeight, 3);
@@ -180,7 +180,7 @@ TEST_CASE("all 64 cells, and nothing is written beside the histograms") {
   for (std::uint32_t k = 0; k < 64; ++k) frame.slot[k] = 127 - k;
   CHECK(bench.run(pictures, frame) == reference::tables(twinOf(pictures, frame)));
 
-  // A smaller frame uses the beginning only: what the large one left behind it is a canary.
+  // A smaller frame uses only the beginning of the counters. The rest of the large frame serves as a canary.
   const std::vector<std::byte> before = readBuffer(testDevice(), bench.tables().counters());
   shader::ColourFrame small = frameOf(3);
   const std::vector<Image8> few(pictures.begin(), pictures.begin() + 3);
@@ -195,7 +195,7 @@ TEST_CASE("a table goes to its target step by step, within the bound, and rests 
   Bench bench(3);
   const std::vector<Image8> before = cellPictures(3, 31), after = cellPictures(3, 32);
   shader::ColourFrame frame = frameOf(3);
-  std::vector<reference::CellTable> shown = bench.run(before, frame);  // nothing is remembered: at once
+  std::vector<reference::CellTable> shown = bench.run(before, frame);  // no previous tables: shown at once
   CHECK(shown == reference::tables(twinOf(before, frame)));
   const std::vector<reference::CellTable> target = reference::tables(twinOf(after, frame));
   REQUIRE(largestStep(shown, target) > 8);
@@ -239,7 +239,7 @@ TEST_CASE("a table goes to its target step by step, within the bound, and rests 
     bench.record(commands, other);
     REQUIRE(vkEndCommandBuffer(commands) == VK_SUCCESS);
     CHECK(bench.run(after, frame) == target);
-    // A plan that believes the unsubmitted one happened finds somebody else's slots and begins anew.
+    // A plan that assumes the unsubmitted frame finds slots of another owner, so its tables start from the beginning.
     other.share = 0;
     CHECK(bench.run(before, other) == reference::tables(twinOf(before, other)));
   }
@@ -251,7 +251,7 @@ TEST_CASE("the main cell's table goes to the identity in equal steps from what i
   shader::ColourFrame frame = frameOf(2);
   const reference::CellTable start = bench.run(pictures, frame)[1];
   REQUIRE(start != identity());
-  // The second becomes the main cell.
+  // The second cell becomes the main cell.
   std::swap(frame.slot[0], frame.slot[1]);
   std::swap(frame.owner[0], frame.owner[1]);
   const std::vector<Image8> swapped{pictures[1], pictures[0]};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU's picture against the double-precision twin.
+// Compares images of the GPU with the double-precision reference implementation.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -12,8 +12,8 @@
 
 namespace ibr::test {
 
-/// Tolerance as derived from the device's texture filter: NUMERICS §6 b. `leastDrawn`: share of the
-/// pixels compared; `leastSafe`: share of the picture that is.
+/// The tolerance follows from the device's texture filter. `leastDrawn`: minimum share of compared pixels that are
+/// drawn. `leastSafe`: minimum share of the image's pixels that are compared.
 inline void compareWithTwin(const Stage& stage, const FramePlan& plan, double leastDrawn = 0.25, double leastSafe = 0.5,
                             std::size_t view = 0) {
   const Image8 picture = plan.views.size() == 1 ? stage.render(plan) : stage.renderViews(plan)[view];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The depth that the caller's polygons are tested against, against the generated scene's exact depth.
+// DepthTarget, against which a caller tests polygons, compared with the generated scene's exact depth.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -14,13 +14,14 @@ using namespace ibr::test;
 
 namespace {
 
-// One frame with a depth image; the values as the caller's polygons would meet them.
+// Renders one frame with a depth image. Returns the depth values that the caller's polygons are tested against.
 std::vector<float> depthOf(const Stage& stage, const FramePlan& plan, DepthTarget convention) {
   const Camera& view = plan.views[0];
   const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
   const GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source(), .filter = TextureFilter::trilinear});
-  const Renderer renderer(testDevice(), gpuScene,
-                          {.largest = extent, .depth = true, .overlays = {plan.settings.overlay}});
+  const Renderer renderer(
+      testDevice(), gpuScene,
+      {.maxExtent = extent, .depth = true, .overlays = {plan.settings.overlay}, .orders = {plan.settings.order}});
   Offscreen offscreen(testDevice(), extent);
   const GpuImage image(testDevice(),
                        {.format = VK_FORMAT_D32_SFLOAT,
@@ -65,7 +66,7 @@ TEST_CASE("depth is that of the scene, in the caller's convention; what is empty
           notFar += depth != 1;
           continue;
         }
-        // Away from the board's border, where a pixel's centre may lie on either side.
+        // Skips the board's border, where a pixel's centre may lie on either side.
         const float here = truth.pixel(x, y)[0];
         if (std::abs(truth.pixel(x - 1, y)[0] - here) > 0.5 || std::abs(truth.pixel(x + 1, y)[0] - here) > 0.5 ||
             std::abs(truth.pixel(x, y - 1)[0] - here) > 0.5 || std::abs(truth.pixel(x, y + 1)[0] - here) > 0.5)
@@ -75,7 +76,7 @@ TEST_CASE("depth is that of the scene, in the caller's convention; what is empty
         wrong += !(std::abs(z - here) <= 5e-3 * here);
       }
     CHECK(compared > values.size() / 4);
-    // The board's place on the wall that the cells see differently is not the truth's.
+    // Around the board's outline on the wall, the cells' meshes differ from the true surface.
     CHECK(double(wrong) <= 0.01 * double(compared));
     CHECK(notFar == 0);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two eyes see of one surface, by how much it is displaced from one picture to the other ([T] §2.5.4), against
-// exact geometry. Photographs show where on a plane they look: two channels hold a wave along one axis as sine and
-// cosine, so that each pixel of the eyes' pictures tells its place to a small part of a pixel. The morph of the paper
-// is measured beside ours; it keeps no depth (NUMERICS §1 (a)).
+// Disparity between the images of two eyes ([T] §2.5.4) against exact geometry. Photographs encode positions on a
+// plane: two channels hold a wave along one axis as sine and cosine, so that each pixel gives its surface
+// position to a small part of a pixel. The paper's morph is measured beside ours; the paper's morph keeps no
+// depth.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kIpd = 0.064;  // m
 constexpr int kWidth = 800, kHeight = 720;
-constexpr double kBorderPx = 32;  // a square of the mesh in the eyes' pictures, and some
+constexpr double kBorderPx = 32;  // margin for one square of the mesh in the eyes' images
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 struct Hit {
@@ -28,7 +28,7 @@ struct Hit {
   glm::dvec2 at;  // along u and v, world units
 };
 
-// The first plane on a camera's ray through a pixel.
+// Returns the nearest plane on a camera's ray through a pixel.
 std::optional<Hit> hitOf(const std::vector<TexturedPlane>& planes, const Camera& camera, glm::dvec2 pixel) {
   const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, pixel);
   std::optional<Hit> hit;
@@ -56,12 +56,12 @@ std::optional<glm::dvec2> pixelOf(const Camera& camera, glm::dvec3 point) {
   return project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
 }
 
-// Of a plane's wave, world units.
+// Wavelength of a plane's encoded position, world units.
 double lengthOf(const TexturedPlane& plane) {
   return 2 * plane.wavelength;
 }
 
-// Photographs whose red and green are a place along u, modulo the wave's length; blue tells planes apart.
+// Encodes the position along u, modulo the wavelength, in red and green; blue identifies the plane.
 void encode(SyntheticScene& place) {
   for (std::size_t n = 0; n < place.photographs.size(); ++n) {
     Image8& photograph = place.photographs[n];
@@ -76,9 +76,9 @@ void encode(SyntheticScene& place) {
   }
 }
 
-// Of a place in an eye's picture, between pixel centres, where all around is of tier 0.
+// Decoded value at a position between pixel centres whose four neighbours are all of tier 0.
 struct Seen {
-  bool onPlane = true;  // all around has the plane's colour
+  bool onPlane = true;  // all neighbours have the plane's colour
   double phase = 0;
 };
 std::optional<Seen> seenAt(const Image8& picture, glm::dvec2 pixel, std::size_t plane) {
@@ -99,7 +99,7 @@ std::optional<Seen> seenAt(const Image8& picture, glm::dvec2 pixel, std::size_t 
   return seen;
 }
 
-// Whether the plane is seen for so many pixels around, by geometry.
+// Returns whether the plane, by exact geometry, fills the neighbourhood of `px` pixels.
 bool isAround(const std::vector<TexturedPlane>& planes, const Camera& eye, glm::dvec2 pixel, std::size_t plane,
               double px) {
   for (const double dy : {-px, 0.0, px})
@@ -111,10 +111,9 @@ bool isAround(const std::vector<TexturedPlane>& planes, const Camera& eye, glm::
 }
 
 struct Errors {
-  std::vector<double> px;  // of disparity, without sign
-  std::size_t seen = 0;    // px of the left picture that show tier 0
-  std::size_t wrong =
-      0;  // that show another plane than there is, further from a border than where the mesh lacks squares
+  std::vector<double> px;  // absolute disparity errors
+  std::size_t seen = 0;    // pixels of the left image that show tier 0
+  std::size_t wrong = 0;   // seen pixels that show the wrong plane, although no border is within kBorderPx
 
   double quantile(double share) {
     std::ranges::sort(px);
@@ -132,12 +131,12 @@ std::vector<Camera> eyesOf(const Camera& head) {
   return eyes;
 }
 
-// Where the content of each left pixel is in the right picture, against where its surface is: the difference in one
-// axis of the plane over how fast that axis goes by along a row.
+// Measures the disparity error of each left pixel: the difference of the decoded positions, divided by the change of
+// position per pixel along a row.
 Errors measure(const Stage& stage, const Camera& head, Morph morph) {
   RenderSettings settings;
   settings.morph = morph;
-  settings.lowestTier = kTierAgrees;
+  settings.maxTier = kTierAgrees;
   settings.alpha = AlphaContent::tier;
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyesOf(head), settings});
   const std::vector<Image8> pictures = stage.renderViews(plan);
@@ -160,7 +159,7 @@ Errors measure(const Stage& stage, const Camera& head, Morph morph) {
         continue;
       }
       const auto at = [&](double dx) { return hitOf(planes, plan.views[1], *right + glm::dvec2(dx, 0))->at.x; };
-      const double along = kTwoPi * (at(0.5) - at(-0.5)) / lengthOf(planes[hit->plane]);  // of the phase, to one px
+      const double along = kTwoPi * (at(0.5) - at(-0.5)) / lengthOf(planes[hit->plane]);  // phase change per px
       errors.px.push_back(std::abs(std::remainder(b->phase - a->phase, kTwoPi) / along));
     }
   return errors;
@@ -170,7 +169,7 @@ SyntheticOptions corridor(glm::dvec3 origin) {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2, 3}};
   options.gridStep = 8;
-  // A wall, a board before it and the ground, which is seen at all slants.
+  // A wall, a board in front of the wall, and a ground plane seen at all slants.
   options.planes.push_back({{0, -1.4, -7}, {1, 0, 0}, {0, 0, -1}, 40, 20, 3, 0.5});
   for (Camera& camera : options.cameras) camera.pose.position += origin;
   for (TexturedPlane& plane : options.planes) plane.origin += origin;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs with gains, as they are shown.
+// Rendering of photographs that have gains (Node::gain).
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,7 +20,7 @@ SyntheticScene withGains(SyntheticScene made) {
   return made;
 }
 
-// The photographs as cameras of another exposure would have taken them.
+// Changes a photograph as if a camera of another exposure had taken the photograph.
 void develop(Image8& photograph, glm::dvec3 factor) {
   for (int y = 0; y < photograph.height; ++y)
     for (int x = 0; x < photograph.width; ++x)
@@ -57,7 +57,7 @@ TEST_CASE("photographs with gains show what the twin computes") {
 
 TEST_CASE("photographs of several cells have their gains too") {
   SyntheticScene made = withGains(twoCells());
-  for (Cell& cell : made.scene.cells) {  // holes, through which the second shows
+  for (Cell& cell : made.scene.cells) {  // holes that show the second cell
     MorphMesh& mesh = cell.mesh;
     for (std::size_t t = mesh.triangles.size() * 2 / 3; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
   }
@@ -79,7 +79,7 @@ TEST_CASE("gains of 1 and gains that are not shown change no bit") {
     CHECK(plain.render(view, settings) == picture);
     CHECK(gained.render(view, settings) != picture);
   }
-  CHECK(gained.render(view, off) == picture);  // through the shader that knows gains
+  CHECK(gained.render(view, off) == picture);  // rendered by the shader variant that applies gains
 }
 
 TEST_CASE("at a photograph's pose the adapted picture is the photograph, whatever its gain") {
@@ -94,7 +94,7 @@ TEST_CASE("at a photograph's pose the adapted picture is the photograph, whateve
 
 TEST_CASE("photographs of several exposures, with their gains, show what photographs of one exposure show") {
   SyntheticScene one = makeScene(place(3));
-  for (Image8& photograph : one.photographs) develop(photograph, glm::dvec3(0.4));  // room for gains
+  for (Image8& photograph : one.photographs) develop(photograph, glm::dvec3(0.4));  // leaves headroom for gains
   SyntheticScene several = one;
   for (std::size_t n = 0; n < 3; ++n) {
     develop(several.photographs[n], 1.0 / kGains[n]);
@@ -106,12 +106,12 @@ TEST_CASE("photographs of several exposures, with their gains, show what photogr
   scene.exposure = Exposure::scene;
   const Stage stageOfOne(testDevice(), one), stageOfSeveral(testDevice(), several);
   const Image8 right = stageOfOne.render(view, off);
-  CHECK(meanDifference(stageOfSeveral.render(view, scene), right) < 0.6);  // of levels that were rounded twice
+  CHECK(meanDifference(stageOfSeveral.render(view, scene), right) < 0.6);  // 8-bit levels, rounded twice
   CHECK(meanDifference(stageOfSeveral.render(view, off), right) > 2);
 }
 
 TEST_CASE("at a photograph's pose the scene's exposure is the mean one of its photographs: nothing is tinted") {
-  // As photographs were taken, and what a solver says of them: inverse to that, of mean log 0.
+  // Exposures of the photographs. The solver's gains are their inverse, with a mean logarithm of 0.
   const glm::dvec3 taken[]{{0.4, 0.3, 0.5}, {0.2, 0.35, 0.3}, {0.3, 0.2, 0.25}};
   glm::dvec3 mean(0.0);
   for (const glm::dvec3& e : taken) mean += glm::log(e) / 3.0;

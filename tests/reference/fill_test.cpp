@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tier 3: push–pull filling.
+// Filled pixels (tier 3): push–pull filling.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ using ibr::reference::FillLevel;
 
 namespace {
 
-// What a device shows: the canvas's colours 0 to 1, and where it is empty (alpha 0) what is filled in.
+// Reference of a filled image: the canvas's colours from 0 to 1, with holes (alpha 0) filled.
 FillLevel<glm::dvec3> filled(const Image8& canvas) {
   FillLevel<glm::dvec3> level(canvas.width, canvas.height);
   for (int y = 0; y < canvas.height; ++y)
@@ -36,7 +36,7 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
                              cameraAt({0.2, 0.1, 0}, 0, 0, 64, 1), cameraAt({0.2, 0.1, 0}, 0, 0, 1, 64)}) {
     RenderSettings settings = withTiers();
     const Image8 empty = stage.render(view, settings);
-    settings.lowestTier = kTierFilled;
+    settings.maxTier = kTierFilled;
     const Image8 picture = stage.render(view, settings);
     const FillLevel<glm::dvec3> twin = filled(empty);
     int wrong = 0, holes = 0;
@@ -46,7 +46,7 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
         const bool hole = before[3] == 0;
         holes += hole;
         wrong += after[3] != (hole ? 63 : before[3]);
-        // Half floats and the filter's weights of 8 bits, over the levels.
+        // Tolerance for half floats and 8-bit filter weights, accumulated over the levels.
         for (std::size_t c = 0; c < 3; ++c)
           wrong += std::abs(after[c] - 255 * twin.value[twin.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
       }
@@ -65,19 +65,19 @@ TEST_CASE("nothing is filled where everything is known, or nothing") {
   CHECK_FALSE(ibr::reference::fill(level));
   level.weight[0] = 0;
   CHECK(ibr::reference::fill(level));
-  CHECK(level.value[0] == Approx(1));  // the mean of three neighbours: 3, 0, 0
+  CHECK(level.value[0] == Approx(1));  // mean of the three neighbours 3, 0, 0
   CHECK(level.value[1] == 3);
 }
 
 TEST_CASE("what is hidden is filled with nothing and gives nothing to what is filled") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.4);
-  const auto rendered = [&](int lowestTier) {
+  const auto rendered = [&](int maxTier) {
     RenderSettings settings = withTiers();
-    settings.lowestTier = lowestTier;
+    settings.maxTier = maxTier;
     settings.background = {0, 0.4f, 1};
     RendererOptions options = optionsFor(settings, {320, 240});
-    // Half of what is drawn and of what is not.
+    // The hidden area covers half of the drawn pixels and half of the holes.
     options.hiddenArea[0] = {{-9, 0}, {9, 0}, {0, 9}};
     const Renderer renderer(testDevice(), stage.gpuScene(), options);
     Offscreen offscreen(testDevice(), {320, 240});
@@ -104,7 +104,7 @@ TEST_CASE("what is hidden is filled with nothing and gives nothing to what is fi
 TEST_CASE("a picture with nothing in it shows the background") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings = withTiers();
-  settings.lowestTier = kTierFilled;
+  settings.maxTier = kTierFilled;
   settings.background = {1, 0, 0};
   const Image8 picture = stage.render(cameraAt({0.4, 0.1, 0}, 3.0), settings);
   CHECK(picture.pixel(10, 10)[0] == 255);
@@ -117,34 +117,34 @@ TEST_CASE("a frame costs what it declares") {
   two.cells = {{0, 1, 2}, {2, 1, 0}};
   const Stage stage(testDevice(), makeScene(two));
   GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source()});
-  RendererOptions options{.largest = {320, 240}, .colour = ColourSupport::off};
+  RendererOptions options{.maxExtent = {320, 240}, .colour = ColourSupport::off};
   options.formats = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB};
   options.blends = {BlendMode::blend, BlendMode::dither};
   const Renderer whole(testDevice(), gpuScene, options);
   options.switchMixing = options.fill = false;
   const Renderer bare(testDevice(), gpuScene, options);
   RenderSettings filling;
-  filling.lowestTier = kTierFilled;
+  filling.maxTier = kTierFilled;
   const FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}), filling);
   REQUIRE(plan.cells.size() == 2);
   const std::uint64_t triangles =
       stage.scene().cells[0].mesh.triangles.size() + stage.scene().cells[1].mesh.triangles.size();
-  // Cells of three members: with and without depth, each with and without dissolving, blended and dithered; two formats
-  // of targets, each with and without mixing and filling; three of the fill pass.
+  // Cells of three members: with and without dissolving, blended and dithered. Two target formats, each with and
+  // without mixing and filling. Three pipelines of the fill pass.
   const Renderer::Counters w = whole.count(plan), b = bare.count(plan);
-  CHECK(b.pipelines == 8 + 2);
-  CHECK(w.pipelines == 8 + 2 * 4 + 3);
+  CHECK(b.pipelines == 4 + 2);
+  CHECK(w.pipelines == 4 + 2 * 4 + 3);
   CHECK(b.passes == 2);
   CHECK(b.draws == 3);
   CHECK(b.dispatches == 0);
   CHECK(b.triangles == triangles + 1);
-  CHECK(w.dispatches == 2 * 9 - 1);  // 160×120 to 1×1 in nine levels
+  CHECK(w.dispatches == 2 * 9 - 1);  // nine levels, from 160×120 to 1×1
   CHECK(w.triangles == b.triangles);
   CHECK(b.workingBytes >= 320 * 240 * 8);
   CHECK(w.workingBytes > 2 * b.workingBytes);
   FramePlan mixing = plan;
-  mixing.former = plan.cells;
-  mixing.formerWeight = 0.5;
+  mixing.previous = plan.cells;
+  mixing.previousWeight = 0.5;
   CHECK(whole.count(mixing).passes == 3);
   CHECK(whole.count(mixing).triangles == 2 * triangles + 1);
   CHECK(bare.count(mixing).passes == 2);

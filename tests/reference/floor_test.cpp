@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The grid's grey at a place that is seen from `distance`, without the footprint of a pixel.
+// Grey level of the grid at a point seen from `eye`, without filtering over the pixel's footprint.
 double sharp(const Floor& plane, glm::dvec3 place, glm::dvec3 eye) {
   const double distance = std::hypot(place.x - eye.x, place.z - eye.z);
   const auto onLine = [&](double x) { return std::abs(x / plane.spacing - std::round(x / plane.spacing)) < 0.015; };
@@ -21,7 +21,7 @@ double sharp(const Floor& plane, glm::dvec3 place, glm::dvec3 eye) {
   return 0.7 * 0.6 * cover * std::max(0.0, 1 - distance / plane.fadeRadius);
 }
 
-// The same over a pixel, by many rays.
+// Same grey level, averaged over a pixel with 16 × 16 rays.
 double supersampled(const Floor& plane, const Camera& view, int x, int y) {
   constexpr int kRays = 16;
   double sum = 0;
@@ -42,7 +42,7 @@ TEST_CASE("the floor is a grid at its height, filtered, faded, and the same from
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings;
   settings.floor = Floor{.height = -1.5, .spacing = 0.75, .fadeRadius = 9};
-  // Away from what was photographed: only the floor is there. Off-centre, rolled, above and below.
+  // Views away from the photographs, where only the floor is drawn: off-centre, rolled, above and below.
   for (Camera view : {cameraAt({0.3, 0.1, 0.2}, kPi, -0.4), cameraAt({100.37, 2, -50.1}, 2.2, -0.9),
                       cameraAt({0.3, -3, 0.2}, kPi, 0.3)}) {
     view.intrinsics.cx += 20;
@@ -60,7 +60,7 @@ TEST_CASE("the floor is a grid at its height, filtered, faded, and the same from
         largest = std::max(largest, difference);
       }
     CHECK(grey > count / 20);
-    CHECK(sum / double(count) < 1.5);  // a line that crosses a pixel askew is filtered along the axes
+    CHECK(sum / double(count) < 1.5);  // the device filters lines along the axes, which is inexact for oblique lines
     CHECK(largest < 60);
   }
 }
@@ -70,7 +70,7 @@ TEST_CASE("the floor is drawn where nothing was photographed, over background an
   const Camera view = cameraAt({0.4, 0.1, 0}, 0, -0.3);
   for (const int tiers : {int(kTierCompleted), int(kTierFilled)}) {
     RenderSettings settings = withTiers();
-    settings.lowestTier = tiers;
+    settings.maxTier = tiers;
     settings.background = {0.1f, 0.2f, 0.1f};
     const Image8 plain = stage.render(view, settings);
     settings.floor = Floor{.height = -1.5, .spacing = 0.5};

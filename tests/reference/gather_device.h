@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A generated scene that views are gathered from, on the test device.
+// A generated scene on the test device for gathering.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ inline Texture depthTextureOf(const ImageF& depth) {
   return texture;
 }
 
-/// The stage must outlive it.
+/// `stage` must outlive the object.
 class OnDevice {
  public:
   explicit OnDevice(const GatherStage& stage, std::uint64_t budget = 0, TextureFormat format = TextureFormat::rgba8)
@@ -43,14 +43,14 @@ class OnDevice {
   GpuScene::Memory memory() const { return gpuScene_.memory(); }
   Renderer renderer(const FramePlan& plan, RendererOptions wanted) const {
     for (const Camera& view : plan.views) {
-      wanted.largest.width = std::max(wanted.largest.width, extentOf(view).width);
-      wanted.largest.height = std::max(wanted.largest.height, extentOf(view).height);
+      wanted.maxExtent.width = std::max(wanted.maxExtent.width, extentOf(view).width);
+      wanted.maxExtent.height = std::max(wanted.maxExtent.height, extentOf(view).height);
     }
-    wanted.views = std::uint32_t(plan.views.size());
-    wanted.uncertainties = &stage_.made.scene;
+    wanted.maxViews = std::uint32_t(plan.views.size());
+    wanted.uncertaintyScene = &stage_.made.scene;
     return Renderer(testDevice(), gpuScene_, wanted);
   }
-  /// Without filling: the reference implementation leaves empty what no photograph sees.
+  /// Renderer without filling, because the reference implementation leaves holes empty.
   Renderer renderer(const FramePlan& plan) const {
     RendererOptions wanted = optionsFor(plan.settings, {1, 1});
     wanted.fill = false;
@@ -72,7 +72,7 @@ class OnDevice {
 
   FrameBuffers buffers(const FramePlan& plan) const {
     RendererOptions wanted = optionsFor(plan.settings, {1, 1});
-    wanted.buffers = &stage_.made.scene;
+    wanted.bufferScene = &stage_.made.scene;
     const Renderer renderer = this->renderer(plan, wanted);
     OffscreenBuffers offscreen(testDevice(), extentOf(plan.views[0]));
     return offscreen.render(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vote and gather on a device: against the reference implementation (promise P9), and relations that need none.
+// Vote and gather on a device: comparison with the reference implementation (promise P9), and other relations.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -20,16 +20,16 @@ using namespace ibr::test;
 
 namespace {
 
-// Pixels at edges of the candidates' meshes, which a device may snap to its sub-pixel grid: they are of another
-// surface then.
+// Maximum share of pixels at edges of the candidates' meshes that the device's sub-pixel grid assigns to another
+// surface.
 constexpr double kMostSnapped = 0.002;
-// Depth of holes goes through half floats; at an opacity of a half another surface counts.
+// Maximum share of other depths: hole depth is stored as half floats, and opacity ½ selects another surface.
 constexpr double kMostOtherDepth = 0.01;
 
-const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter of a radian from the photographs
+const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter radian away from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
 
-// The first channel of buffers, as compareGathered takes it.
+// First channel of the buffers, as compareGathered expects the depth.
 ImageF depthOf(const FrameBuffers& buffers) {
   ImageF depth(buffers.surface.width, buffers.surface.height, 1);
   for (std::size_t p = 0; p < depth.values.size(); ++p) depth.values[p] = buffers.surface.values[4 * p];
@@ -53,7 +53,7 @@ const GatherStage& wall() {
   static const GatherStage stage = gatherStage(wallOptions());
   return stage;
 }
-// With one cell of its photographs.
+// The wall with one cell of its photographs.
 const GatherStage& wallWithCell() {
   static const GatherStage stage = [] {
     GatherStage made = wall();
@@ -67,7 +67,7 @@ const GatherStage& room() {
   return stage;
 }
 
-// Of red, green and blue.
+// Largest difference of red, green and blue, 8-bit levels.
 double largestDifference(const Image8& a, const Image8& b) {
   double largest = 0;
   for (int y = 0; y < a.height; ++y)
@@ -114,7 +114,7 @@ TEST_CASE("gather pass: a device draws what the reference implementation does", 
 }
 
 TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown as the reference shows them", "[P9]") {
-  // Depths wave about the wall, within the tolerance of about .05 and beyond; none is opaque.
+  // Depths wave about the wall, inside the tolerance of about 0.05 and beyond. No vertex is opaque.
   for (const double wave : {0.03, 0.08}) {
     GatherOptions options = wallOptions();
     options.inverseDepth = [wave](std::size_t node, glm::dvec2 pixel, double rho) {
@@ -130,10 +130,10 @@ TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown 
       settings.gatherLayers = layers;
       checkAgainstReference(stage, device, stage.plan(std::vector{kBetween}, settings));
     }
-    // A few thousandths of a radian from a photograph, where its border and what hides it come to count.
+    // A few thousandths of a radian from a photograph, its border and its occlusions begin to count.
     checkAgainstReference(stage, device, stage.plan(cameraAt({0.012, 0.008, 0}, 0, 0, 160, 120)));
     FramePlan far = stage.plan(kBetween);
-    far.photographs[1].distance = 40;  // as far as .08 radians
+    far.photographs[1].distance = 40;  // the distance of a photograph at 0.08 radians
     checkAgainstReference(stage, device, far);
   }
 }
@@ -149,7 +149,7 @@ TEST_CASE("gather pass: photographs of uncertain surfaces are read as coarsely a
   }
 }
 
-// The negative of a photograph, so that its weight shows wherever it counts.
+// Inverts a photograph, so that its weight becomes visible in the image.
 void invert(GatherStage& stage, std::size_t node) {
   Image8 negative = stage.made.photographs[node];
   for (std::uint8_t& level : negative.values) level = std::uint8_t(255 - level);
@@ -157,11 +157,11 @@ void invert(GatherStage& stage, std::size_t node) {
 }
 
 TEST_CASE("gather pass: two surfaces are as certain, and hide as much, as the reference has it", "[P9]") {
-  // A photograph of other colours stands alone with its surface, before or behind that of the others.
+  // One photograph with other colours has its own surface in front of or behind the surface of the others.
   const auto check = [](const Camera& view, double off, float consensus) {
     CAPTURE(view.pose.position.x, off, consensus);
     GatherOptions options = wallOptions();
-    for (TexturedPlane& plane : options.planes) plane.wavelength = 0.15;  // shows how coarsely photographs are read
+    for (TexturedPlane& plane : options.planes) plane.wavelength = 0.15;  // shows which mip level is read
     options.inverseDepth = [off](std::size_t node, glm::dvec2, double rho) { return node == 0 ? rho + off : rho; };
     options.evidence = [consensus](std::size_t node, glm::dvec2) {
       return node == 0 ? Evidence{0, consensus} : Evidence{1, 0.6f};
@@ -171,9 +171,9 @@ TEST_CASE("gather pass: two surfaces are as certain, and hide as much, as the re
     checkAgainstReference(stage, OnDevice(stage), stage.plan(view));
   };
   for (const float consensus : {0.0f, 0.6f}) {
-    for (const double off : {-0.1, 0.1, 0.2})  // at .2 it hides unless it is uncertain
+    for (const double off : {-0.1, 0.1, 0.2})  // at 0.2 the surface hides the others unless its uncertainty is large
       for (const Camera& view : {kBeside, kBetween}) check(view, off, consensus);
-    check(cameraAt({0.012, 0.008, 0}, 0, 0, 160, 120), 0.1, consensus);  // where its own surface begins to hide
+    check(cameraAt({0.012, 0.008, 0}, 0, 0, 160, 120), 0.1, consensus);  // where the own surface begins to hide others
   }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("gather pass: shares of the photographs that show a pixel sum to 1") {
   const FrameBuffers buffers = OnDevice(wall()).buffers(wall().plan(kBetween));
   std::size_t shared = 0;
   for (std::size_t p = 0; p < buffers.weights.values.size(); p += 4) {
-    if (std::isinf(buffers.confidence.values[p / 2 + 1])) continue;  // nothing is drawn
+    if (std::isinf(buffers.confidence.values[p / 2 + 1])) continue;  // nothing is drawn here
     const float* share = &buffers.weights.values[p];
     REQUIRE(share[0] + share[1] + share[2] + share[3] == Approx(1).margin(2e-3));
     REQUIRE(share[0] >= share[1]);
@@ -222,11 +222,11 @@ TEST_CASE("gather pass: the deviation of a depth grows with the step, the spread
   const float rho = 0.1f, step = 0.02f;
   const auto of = [&](float spread, float variance) { return shader::gatherSigma(0, rho, step, spread, variance); };
   CHECK(of(0, 0) == Approx(0.18f * step));
-  CHECK(of(0, 1e6f) == of(0, 0));  // nothing disagrees
+  CHECK(of(0, 1e6f) == of(0, 0));  // no other photograph disagrees
   CHECK(of(0.5f, 0) == Approx(std::hypot(0.18f * step, 0.85f * 0.5f * rho)));
   CHECK(of(0.5f, 225) == Approx(std::hypot(0.18f * step, 5 * 0.85f * 0.5f * rho)));
   CHECK(of(0.5f, 1e9f) == of(0.5f, 900));
-  CHECK(shader::gatherSigma(0, 0, step, 1, 1e9f) == Approx(0.18f * step));  // the sky
+  CHECK(shader::gatherSigma(0, 0, step, 1, 1e9f) == Approx(0.18f * step));  // infinitely far surface
   for (const int tier : {2, 3}) CHECK(shader::gatherSigma(tier, rho, step, 0, 0) == rho);
 }
 
@@ -267,13 +267,13 @@ TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9
   const OnDevice device(room());
   for (const double yaw : {0.0, 1.5, 3.1})
     checkAgainstReference(room(), device, room().plan(cameraAt({0.2, 0.1, 0.1}, yaw, 0.3, 120, 96)));
-  // Its colours are others, so that its weight shows; its depth, too near, hides it in part.
+  // Inverted colours show the photograph's weight. Its depth is too near: the surface is partly hidden.
   GatherOptions options = roomOptions();
   options.inverseDepth = [](std::size_t node, glm::dvec2, double rho) { return node == 0 ? 1.12 * rho : rho; };
   GatherStage stage = gatherStage(options);
   invert(stage, 0);
   FramePlan plan = stage.plan(cameraAt({0.2, 0.1, 0.1}, 0, 0.1, 120, 96, 1.4));
-  plan.gather.spacing = 8;  // steps so small that depths are told apart
+  plan.gather.spacing = 8;  // spacing so small that depths are distinguished
   checkAgainstReference(stage, OnDevice(stage), plan);
 }
 
@@ -281,7 +281,7 @@ TEST_CASE("gather pass: magnified photographs are filtered bicubically as the re
   for (const GatherOptions& options : {wallOptions(), roomOptions()}) {
     GatherStage stage = gatherStage(options);
     std::mt19937 random(5);
-    for (std::size_t node = 0; node < stage.made.photographs.size(); ++node) {  // fine detail, which filters tell apart
+    for (std::size_t node = 0; node < stage.made.photographs.size(); ++node) {  // fine detail distinguishes filters
       Image8 noisy = stage.made.photographs[node];
       for (std::uint8_t& level : noisy.values) level = std::uint8_t(random() % 256);
       stage.setPhotograph(node, std::move(noisy));
@@ -328,7 +328,7 @@ TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
 }
 
 TEST_CASE("gather pass: a photograph in blocks comes back within 1 dB of what its codec left") {
-  if (!testDevice().samplesBlocks()) return;
+  if (!testDevice().supportsBlockCompression()) return;
   for (const TextureFormat format : {TextureFormat::bc7, TextureFormat::bc1}) {
     CAPTURE(textureFormatName(format));
     const OnDevice device(wall(), 0, format);
@@ -336,7 +336,7 @@ TEST_CASE("gather pass: a photograph in blocks comes back within 1 dB of what it
       const Image8 coded = decodeTexture(encodeTexture(wall().textures[n], format)).front();
       const Image8 image = device.image(wall().plan(wall().made.scene.nodes[n].camera));
       const double left = psnr(coded, wall().made.photographs[n]);
-      CHECK(left < 50);  // the codec's error shows
+      CHECK(left < 50);  // the codec's error is measurable
       CHECK(psnr(image, wall().made.photographs[n]) >= left - 1);
     }
   }
@@ -348,7 +348,7 @@ TEST_CASE("gather pass: two views at once are the same as one by one") {
       wall().plan({cameraAt({0.2, 0.1, 0}, 0, 0, 120, 96), cameraAt({0.264, 0.1, 0}, 0, 0, 120, 96)});
   const std::vector<Image8> together = device.render(both);
   for (std::size_t view = 0; view < 2; ++view) {
-    FramePlan one = both;  // distances stay those of the middle
+    FramePlan one = both;  // same distances as the plan of both views
     one.views = {both.views[view]};
     CHECK(device.image(one) == together[view]);
   }
@@ -418,7 +418,7 @@ TEST_CASE("gather pass: tiers beyond the lowest are not drawn") {
   const OnDevice device(stage);
   RenderSettings settings = GatherStage::gatherSettings();
   const Image8 all = device.image(stage.plan(std::vector{kBetween}, settings));
-  settings.lowestTier = kTierAgrees;
+  settings.maxTier = kTierAgrees;
   const Image8 agreed = device.image(stage.plan(std::vector{kBetween}, settings));
   std::size_t left = 0;
   for (std::size_t p = 0; p < all.values.size(); p += 4) {
@@ -452,14 +452,14 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
     return readImage(testDevice(), image.get(), extent, 4, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   };
   const Image8 picture = offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); });
-  CHECK(picture == device.image(plan));  // depth changes no colour
+  CHECK(picture == device.image(plan));  // a depth target does not change colours
   const std::vector<std::byte> bytes = depthOfTarget();
   const reference::Composed twin = wall().compose(plan);
   std::size_t wrong = 0;
   for (std::size_t p = 0; p < twin.opaqueInverseDepth.values.size(); ++p) {
     float value;
     std::memcpy(&value, &bytes[4 * p], sizeof value);
-    const double rho = (1 - double(value)) / 0.5;  // an infinite far plane
+    const double rho = (1 - double(value)) / 0.5;  // for an infinite far plane
     wrong += std::abs(rho - double(twin.opaqueInverseDepth.values[p])) > 1e-3;
   }
   CHECK(double(wrong) <= kMostOtherDepth * double(twin.opaqueInverseDepth.values.size()));
@@ -474,7 +474,7 @@ TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as wi
   RendererOptions wanted = optionsFor(plan.settings, {1, 1});
   wanted.fill = false;
   const Image8 all = device.render(plan, device.renderer(plan, wanted)).front();
-  wanted.hiddenArea[0] = {{-9, -9}, {0, -9}, {-9, 9}, {0, -9}, {0, 9}, {-9, 9}};  // left of the middle
+  wanted.hiddenArea[0] = {{-9, -9}, {0, -9}, {-9, 9}, {0, -9}, {0, 9}, {-9, 9}};  // left half of the view
   const Image8 half = device.render(plan, device.renderer(plan, wanted)).front();
   const double middle = kBetween.intrinsics.cx;
   for (int y = 0; y < all.height; ++y)
@@ -486,7 +486,7 @@ TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as wi
 
 TEST_CASE("gather pass: a view that moves by a thousandth of the spacing changes no tile by much") {
   const OnDevice device(wall());
-  const double step = 0.0005;  // of a spacing of half a unit
+  const double step = 0.0005;  // camera step relative to a spacing of half a unit
   const auto at = [&](int i) {
     FramePlan plan = wall().plan(cameraAt({0.1 + step * i, 0.15 + 0.3 * step * i, 0.03}, 0.02, 0, 160, 128));
     plan.nearDistance = 0.05;
@@ -522,9 +522,9 @@ TEST_CASE("gather pass: a hybrid shows the cells, and gathers the rest") {
   const OnDevice device(wallWithCell());
   const SceneBounds bounds = sceneBounds(scene);
   RenderSettings settings = GatherStage::gatherSettings();
-  const auto drawn = [&](Composition composition, int lowestTier) {
+  const auto drawn = [&](Composition composition, int maxTier) {
     settings.composition = composition;
-    settings.lowestTier = lowestTier;
+    settings.maxTier = maxTier;
     return device.image(planFrame(scene, bounds, {{kBetween}, settings}));
   };
   const Image8 agreed = drawn(Composition::cells, kTierAgrees), gathered = drawn(Composition::gathered, kTierFilled),

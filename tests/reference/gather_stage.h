@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generated scenes that views are gathered from, as data: photographs, backdrop meshes with evidence, depth textures.
-// Their reference images, and how a device's image compares with one.
+// Generated scenes for gathering, as data: photographs, backdrop meshes with evidence, depth textures. Includes their
+// reference images, and the comparison of a device's image with the reference.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace ibr::test {
 
-/// What other photographs say of a vertex.
+/// Evidence of a vertex from the other photographs.
 struct Evidence {
   std::uint8_t confirmations = 3;
   float consensus = 0.95f;
@@ -35,25 +35,25 @@ struct GatherOptions {
   std::vector<TexturedPlane> planes;
   int gridStep = 8;  // px between the vertices of a backdrop's mesh
   int samplesPerAxis = 2;
-  bool atInfinity = false;  // as SyntheticOptions::atInfinity, around the origin: every ρ is 0
+  bool atInfinity = false;  // as SyntheticOptions::atInfinity, around the origin: all ρ are 0
   std::function<Evidence(std::size_t node, glm::dvec2 pixel)> evidence;                // none: Evidence{}
-  std::function<double(std::size_t node, glm::dvec2 pixel, double rho)> inverseDepth;  // of vertices; none: exact
+  std::function<double(std::size_t node, glm::dvec2 pixel, double rho)> inverseDepth;  // ρ of vertices; empty: exact
 };
 
 struct GatherStage {
-  SyntheticScene made;                        // nodes with a depthFile of no content, backdrops, no cells
+  SyntheticScene made;                        // nodes with a placeholder depthFile, backdrops, no cells
   std::vector<std::vector<Image8>> textures;  // RGBA mip levels, by node
-  std::vector<ImageF> depths;                 // as Node::depthFile, by node: ρ / depthScale, consensus
+  std::vector<ImageF> depths;                 // content of Node::depthFile, by node: ρ / depthScale, consensus
   TextureFilter filter = TextureFilter::trilinear;
 
-  /// Replaces a photograph. RGBA becomes a photograph with a mask.
+  /// Replaces a photograph. An RGBA image becomes a photograph with a mask.
   void setPhotograph(std::size_t node, Image8 photograph) {
     if (photograph.channels == 4) made.scene.nodes[node].maskFile = "masks/" + made.scene.nodes[node].name + ".png";
     made.photographs[node] = std::move(photograph);
     textures[node] = buildMips(made.photographs[node]);
   }
 
-  /// A handmade plan of all photographs, each of full weight.
+  /// A plan that uses all photographs with full weight.
   FramePlan plan(std::vector<Camera> views, RenderSettings settings = gatherSettings()) const {
     FramePlan plan;
     plan.views = std::move(views);
@@ -68,12 +68,12 @@ struct GatherStage {
   }
   FramePlan plan(const Camera& view) const { return plan(std::vector{view}); }
 
-  /// Settings under which alpha tells what was drawn, holes included.
+  /// Settings in which alpha encodes the tier, holes included.
   static RenderSettings gatherSettings() {
     RenderSettings settings;
     settings.composition = Composition::gathered;
     settings.alpha = AlphaContent::tier;
-    settings.lowestTier = kTierFilled;
+    settings.maxTier = kTierFilled;
     return settings;
   }
 
@@ -87,12 +87,12 @@ struct GatherStage {
   reference::Composed compose(const Camera& view) const { return compose(plan(view)); }
 };
 
-/// The backdrop of a photograph: a grid over it, tier 0 where a triangle lies on one surface, tier 1 (never drawn)
-/// where it is stretched between two.
+/// The backdrop of a photograph: a grid mesh. Tier 0 where a triangle lies on one surface; tier 1 (never drawn) where
+/// the triangle connects two surfaces.
 inline Cell gatherBackdrop(const SyntheticScene& made, std::uint32_t node, const GatherOptions& options) {
   const Camera& camera = made.scene.nodes[node].camera;
   const Intrinsics& k = camera.intrinsics;
-  const auto surface = [&](glm::dvec2 pixel) -> std::optional<glm::dvec3> {  // from the camera, world axes
+  const auto surface = [&](glm::dvec2 pixel) -> std::optional<glm::dvec3> {  // relative to the camera, world axes
     const glm::dvec3 ray = camera.pose.rotation * unproject(k, pixel);
     const auto distance = distanceAlong(made, camera.pose.position, ray);
     return distance && !options.atInfinity ? std::optional(*distance * ray) : std::nullopt;
@@ -160,7 +160,7 @@ inline float toHalfAndBack(float value) {
   return glm::unpackHalf1x16(glm::packHalf1x16(value));
 }
 
-/// The nearest exact ρ of each block of 4 × 4 px, as a texture of half floats holds it. Sets Node::depthScale.
+/// The nearest exact ρ of each block of 4 × 4 px, as a half-float texture holds the value. Sets Node::depthScale.
 inline ImageF gatherDepth(SyntheticScene& made, std::size_t node, const GatherOptions& options) {
   constexpr int kBlock = 4;
   const Camera& camera = made.scene.nodes[node].camera;
@@ -175,7 +175,7 @@ inline ImageF gatherDepth(SyntheticScene& made, std::size_t node, const GatherOp
         for (int i = x * kBlock; i < std::min((x + 1) * kBlock, distance.width); ++i) {
           const glm::dvec2 pixel(i + 0.5, j + 0.5);
           double rho = 1 / double(distance.pixel(i, j)[0]);
-          if (options.inverseDepth) {  // which is along the ray
+          if (options.inverseDepth) {  // inverseDepth expects ρ along the ray
             const double axis =
                 camera.intrinsics.model == CameraModel::equirectangular ? 1.0 : -unproject(camera.intrinsics, pixel).z;
             rho = options.inverseDepth(node, pixel, rho * axis) / axis;
@@ -216,7 +216,7 @@ inline GatherStage gatherStage(const GatherOptions& options) {
   return stage;
 }
 
-/// Adds an exact cell of all photographs, 2 to 4 pinholes.
+/// Adds an exact cell of all photographs, which must be 2 to 4 pinholes.
 inline void addCell(GatherStage& stage, const GatherOptions& options) {
   SyntheticOptions cells;
   cells.cameras = options.cameras;
@@ -226,7 +226,7 @@ inline void addCell(GatherStage& stage, const GatherOptions& options) {
   stage.made.scene.cells = makeScene(cells).scene.cells;
 }
 
-/// A slanted wall, and a box before it that shows its front, its left and its upper side.
+/// A slanted wall, and a box in front of the wall that shows its front, left and upper sides.
 inline std::vector<TexturedPlane> wallAndBox() {
   const glm::dvec3 slanted = glm::normalize(glm::dvec3(1, 0, -0.3));
   return {{.origin = {0, 0, -6}, .u = slanted, .extentU = 40, .extentV = 30, .seed = 1, .wavelength = 0.8},
@@ -235,7 +235,7 @@ inline std::vector<TexturedPlane> wallAndBox() {
           {.origin = {0.4, 0.2, -3.4}, .v = {0, 0, -1}, .extentU = 1, .extentV = 0.8, .seed = 4, .wavelength = 0.3}};
 }
 
-/// Three pinholes of different sizes before wallAndBox(), half a unit apart, one of them rolled.
+/// Three pinholes of different sizes in front of wallAndBox(), half a unit apart, one of them rolled.
 inline GatherOptions wallOptions() {
   GatherOptions options;
   options.cameras = {cameraAt({0, 0, 0}, 0, 0, 160, 120), cameraAt({0.5, 0.1, 0}, 0.06, 0, 240, 160),
@@ -245,7 +245,7 @@ inline GatherOptions wallOptions() {
   return options;
 }
 
-/// A room that a panorama and two pinholes look into.
+/// A room seen by a panorama and two pinholes.
 inline GatherOptions roomOptions() {
   GatherOptions options;
   const Intrinsics sphere{CameraModel::equirectangular, 256, 128};
@@ -257,21 +257,21 @@ inline GatherOptions roomOptions() {
   return options;
 }
 
-/// How an image of a device differs from the reference.
+/// Differences between a device's image and the reference.
 struct GatherComparison {
-  double differing = 0;   // share of the pixels whose colour differs by more than kColourTolerance, or whose tier does
-  double excused = 0;     // share that differs likewise, but where rounding decides which peak of support wins
-  double wrongDepth = 0;  // share whose depth differs, excused pixels apart; 0 without a depth
+  double differing = 0;   // share of pixels whose colour differs by more than kColourTolerance, or whose tier differs
+  double excused = 0;     // share of pixels that differ, but where rounding decides which support peak wins
+  double wrongDepth = 0;  // share of pixels whose depth differs, without excused pixels; 0 without a depth
   static constexpr double kColourTolerance = 2;    // 8-bit levels
-  static constexpr double kLeastMargin = 1e-4;     // of the two largest supports, relative
-  static constexpr double kMostExcused = 0.002;    // share of the pixels
-  static constexpr double kDepthTolerance = 1e-3;  // of the largest ρ
+  static constexpr double kLeastMargin = 1e-4;     // of the two largest supports, relative: smaller margins are excused
+  static constexpr double kMostExcused = 0.002;    // maximum share of the pixels
+  static constexpr double kDepthTolerance = 1e-3;  // relative to the largest ρ
 
   bool isExcusable() const { return excused <= kMostExcused; }
 };
 
-/// `image`: RGBA of AlphaContent::tier over a black background. `depth`: as BufferTargets has it in its first channel,
-/// along the view's axis, infinity where nothing is known; empty: not compared.
+/// `image`: RGBA with AlphaContent::tier over a black background. `depth`: first channel of BufferTargets, along the
+/// view's axis, infinity in holes; an empty image is not compared.
 inline GatherComparison compareGathered(const reference::Composed& twin, const Image8& image, const ImageF& depth) {
   GatherComparison result;
   const double share = 1.0 / (double(twin.picture.width) * twin.picture.height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vote and gather (Composition::gathered): relations that the reference implementation keeps.
+// Vote and gather (Composition::gathered): relations that hold for the reference implementation.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -18,10 +18,10 @@ using ibr::reference::Composed;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter of a radian from the photographs
+const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter radian away from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
 
-// 8-bit levels, before rounding.
+// Largest colour difference, 8-bit levels before rounding.
 double largestDifference(const Composed& a, const Composed& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.colour.values.size(); ++i)
@@ -29,7 +29,7 @@ double largestDifference(const Composed& a, const Composed& b) {
   return largest;
 }
 
-// Share of the pixels with a tier's code; −1: where nothing is shown.
+// Share of pixels of a tier; −1: share of holes.
 double shareOf(const Composed& composed, int tier) {
   const int code = tier < 0 ? 0 : 255 - 64 * tier;
   std::size_t count = 0;
@@ -59,7 +59,7 @@ struct Block {
   bool holds(glm::dvec2 at) const { return at.x >= left && at.x < right && at.y >= top && at.y < bottom; }
 };
 
-// A photograph with something in a block of it that is masked.
+// Returns the photograph with a block filled with `colour` and mask value `alpha`.
 Image8 withMasked(const Image8& rgb, const Block& block, std::array<std::uint8_t, 3> colour, std::uint8_t alpha = 0) {
   Image8 result(rgb.width, rgb.height, 4, 255);
   for (int y = 0; y < rgb.height; ++y)
@@ -112,7 +112,7 @@ TEST_CASE("gathered: the less certain a surface is, the more coarsely photograph
       for (int x = 1; x < composed.colour.width; ++x)
         energy += std::abs(double(composed.colour.pixel(x, y)[1]) - double(composed.colour.pixel(x - 1, y)[1]));
     if (consensus == 0.5f)
-      CHECK(energy == Approx(sharper).epsilon(0.01));  // opacities differ, what is read does not
+      CHECK(energy == Approx(sharper).epsilon(0.01));  // opacities differ, but the mip levels that are read do not
     else
       CHECK(energy < 0.98 * sharper);
     sharper = energy;
@@ -149,7 +149,7 @@ TEST_CASE("gathered: the number of threads changes nothing") {
 TEST_CASE("gathered: moving, turning and scaling the world changes nothing") {
   for (const GatherStage* from : {&wall(), &room()}) {
     const Composed before = from->compose(kBetween);
-    const double scale = GENERATE(1.0, 1024.0);  // a power of two: ρ keeps its digits
+    const double scale = GENERATE(1.0, 1024.0);  // a power of two, so that ρ has the same mantissa
     const glm::dquat turn = glm::normalize(glm::dquat(0.9, 0.1, -0.3, 0.2));
     const glm::dvec3 shift = scale * glm::dvec3(120, -340, 560);
     const auto moved = [&](Camera camera) {
@@ -189,7 +189,7 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
   CHECK(psnr(alone.picture, truth, confirmed) > 33);
 
   FramePlan few = plan;
-  few.settings.lowestTier = kTierCompleted;
+  few.settings.maxTier = kTierCompleted;
   const Composed unfilled = wall().compose(few);
   CHECK(shareOf(unfilled, kTierFilled) == 0);
   CHECK(shareOf(unfilled, -1) == Approx(shareOf(alone, kTierFilled) + shareOf(alone, -1)));
@@ -206,7 +206,7 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
       REQUIRE(std::equal(&unfilled.picture.values[4 * p], &unfilled.picture.values[4 * p + 4],
                          &coloured.picture.values[4 * p]));
 
-  plan.photographs[0].weight = 0;  // about to be replaced
+  plan.photographs[0].weight = 0;  // a photograph of weight 0, about to be replaced
   CHECK(shareOf(wall().compose(plan), -1) == 1);
   plan.photographs.clear();
   CHECK(shareOf(wall().compose(plan), -1) == 1);
@@ -235,15 +235,15 @@ TEST_CASE("gathered: a panorama votes and shows in every direction, its seam and
       view.pose.rotation = glm::angleAxis(quarter * kPi / 2, axis);
       const Composed composed = room().compose(view);
       CHECK(shareOf(composed, -1) == 0);
-      CHECK(shareOf(composed, kTierAgrees) > 0.88);  // no triangle reaches around a corner
+      CHECK(shareOf(composed, kTierAgrees) > 0.88);  // no triangle connects two sides of a corner
       CHECK(psnr(composed.picture, truthOf(room(), view)) > 28);
     }
-  for (const std::size_t n : {1u, 2u})  // of the pinholes beside it
+  for (const std::size_t n : {1u, 2u})  // the pinholes beside the panorama
     CHECK(psnr(room().compose(room().made.scene.nodes[n].camera).picture, room().made.photographs[n]) > 45);
 }
 
 TEST_CASE("gathered: what is masked does not show") {
-  // Someone stands in the second photograph. Depth is that of what is behind, as a build completes it.
+  // A person is masked in the second photograph. Depth is that of the background, as a build completes the depth.
   const Block person{70, 40, 150, 140};
   GatherOptions options = wallOptions();
   options.evidence = [&](std::size_t node, glm::dvec2 pixel) {
@@ -255,15 +255,15 @@ TEST_CASE("gathered: what is masked does not show") {
   stage.setPhotograph(1, withMasked(photograph, person, {255, 0, 255}));
   const Composed masked = stage.compose(near), maskedOwn = stage.compose(own);
   CHECK(psnr(masked.picture, truth) > 30);
-  CHECK(psnr(maskedOwn.picture, photograph) > 25);  // the others show what is behind
+  CHECK(psnr(maskedOwn.picture, photograph) > 25);  // the other photographs show the background
   stage.setPhotograph(1, withMasked(photograph, person, {0, 255, 0}));
   const auto shareAbove = [](const Composed& a, const Composed& b) {
     return difference(a.picture, b.picture, 2).shareAbove;
   };
-  CHECK(shareAbove(stage.compose(near), masked) < 0.02);  // only along the mask's border
+  CHECK(shareAbove(stage.compose(near), masked) < 0.02);  // differences only along the mask's border
   CHECK(shareAbove(stage.compose(own), maskedOwn) < 0.01);
 
-  stage.setPhotograph(1, withMasked(photograph, person, {255, 0, 255}, 255));  // a mask of nothing
+  stage.setPhotograph(1, withMasked(photograph, person, {255, 0, 255}, 255));  // an opaque mask, which hides nothing
   CHECK(psnr(stage.compose(near).picture, truth) < 20);
 }
 
@@ -282,7 +282,7 @@ TEST_CASE("gathered: gains make photographs of different exposures alike") {
   const Image8 even = wall().compose(kBetween).picture;
   FramePlan plan = stage.plan(kBetween);
   CHECK(psnr(stage.compose(plan).picture, even) > 45);
-  plan.exposure = 1.0 / kGains[0];  // as the first photograph is
+  plan.exposure = 1.0 / kGains[0];  // exposure of the first photograph
   const Camera own = stage.made.scene.nodes[0].camera;
   FramePlan adapted = stage.plan(own);
   adapted.exposure = plan.exposure;
@@ -353,7 +353,7 @@ TEST_CASE("gathered: the vote's size changes little") {
   const Image8 full = wall().compose(plan).picture;
   CHECK(psnr(half, full) > 30);
   CHECK(half != full);
-  plan.settings.voteScale = 0.03;  // 4 × 3 texels
+  plan.settings.voteScale = 0.03;  // the vote has 4 × 3 pixels
   CHECK(shareOf(wall().compose(plan), kTierAgrees) > 0.5);
 }
 
@@ -398,8 +398,8 @@ TEST_CASE("an image is compared with the reference by colour, tier and depth") {
   CHECK(same.wrongDepth == 0);
 
   Image8 image = twin.picture;
-  image.pixel(50, 40)[1] ^= 16;                     // colour
-  image.pixel(60, 40)[3] = 255 - 64 * kTierFilled;  // tier
+  image.pixel(50, 40)[1] ^= 16;                     // changed colour
+  image.pixel(60, 40)[3] = 255 - 64 * kTierFilled;  // changed tier
   image.pixel(70, 40)[0] =
       std::uint8_t(image.pixel(70, 40)[0] < 128 ? image.pixel(70, 40)[0] + 1 : image.pixel(70, 40)[0] - 1);  // rounding
   CHECK(of(image).differing == Approx(2 / pixels));
@@ -410,6 +410,6 @@ TEST_CASE("an image is compared with the reference by colour, tier and depth") {
   std::ranges::fill(twin.supportMargin.values, 0.0f);
   CHECK_FALSE(of(Image8(twin.picture.width, twin.picture.height, 4, 0)).isExcusable());
   depth.pixel(10, 10)[0] *= 1.1f;
-  depth.pixel(50, 40)[0] *= 1.1f;  // excused with its colour
+  depth.pixel(50, 40)[0] *= 1.1f;  // excused, because its colour differs
   CHECK(of(image).wrongDepth == Approx(1 / pixels));
 }

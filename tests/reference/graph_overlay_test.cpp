@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image graph as lines over a picture, against lines in double precision.
+// The image graph drawn as lines over an image, compared with lines in double precision.
 #include "ibr/graph_overlay.h"
 
 #include <algorithm>
@@ -20,9 +20,9 @@ using namespace ibr::test;
 namespace {
 
 constexpr double kDepth = 0.4;
-constexpr std::uint8_t kBlue = 90, kAlpha = 77;  // of the picture beneath
+constexpr std::uint8_t kBlue = 90, kAlpha = 77;  // of the image below the lines
 
-// Three pinholes of which the first two make a cell, and a panorama, all before the view.
+// Three pinholes, the first two in one cell, and a panorama, all in front of the view.
 ImageGraph graph() {
   ImageGraph all;
   all.photographs = {cameraAt({-1, 0, -4}, 0.3), cameraAt({0.2, 0.1, -5}, -0.2, 0.1, 240, 360),
@@ -43,7 +43,7 @@ Image8 drawn(const ImageGraph& all, const Camera& view, const std::vector<std::u
     const VkClearColorValue blue{.float32 = {0, 0, kBlue / 255.0f, kAlpha / 255.0f}};
     const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands, target.image, use::kTransferDestination.layout, &blue, 1, &whole);
-    target.before = use::kTransferDestination;
+    target.initialUse = use::kTransferDestination;
     overlay.record(commands, view, best, target);
   });
 }
@@ -52,7 +52,7 @@ struct Segment {
   glm::dvec3 from, to;
 };
 
-// The edges of a frustum, without its roof.
+// Edges of a camera's frustum: four from the centre and four of the image rectangle, without the upper mark.
 std::vector<Segment> frustum(const Camera& camera) {
   std::vector<glm::dvec3> corners;
   for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)}) {
@@ -68,7 +68,7 @@ std::vector<Segment> frustum(const Camera& camera) {
   return edges;
 }
 
-// Pixels from a segment's middle to its picture; infinite where it is not all before the view.
+// Distance, px, of a pixel from a segment's middle line. Infinite if the segment is not fully in front of the view.
 double pixelsTo(const Camera& view, const Segment& s, glm::dvec2 pixel) {
   const auto seen = [&](glm::dvec3 p) {
     return project(view.intrinsics, glm::conjugate(view.pose.rotation) * (p - view.pose.position));
@@ -123,7 +123,7 @@ TEST_CASE("a cell that is drawn and its photographs have its rank's colour; what
         ++on;
         for (int c = 0; c < 3; ++c) wrongOn += std::abs(p[c] - 255 * yellow[c]) > 2;
       } else if (toOther < 0.25 && toBest > 4) {
-        ++grey;  // faint: 0.4 of 0.75, more where such lines cross
+        ++grey;  // faint line: 0.4 of 0.75, more where such lines cross
         wrongGrey += p[0] < 255 * 0.3 - 2 || p[0] > 170 || p[1] != p[0];
       }
     }
@@ -132,7 +132,7 @@ TEST_CASE("a cell that is drawn and its photographs have its rank's colour; what
   CHECK(grey > 20);
   CHECK(wrongGrey == 0);
   CHECK(wrongAlpha == 0);
-  // Each line's strip is less than seven pixels wide.
+  // The strip of each line is less than seven pixels wide.
   CHECK(untouched(picture) > picture.values.size() / 4 * 8 / 10);
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("lines stay where they are when the world is moved, and in each format
   movedView.pose.position += away;
   CHECK(largestDifference(drawn(moved, movedView, {0}), picture) <= 2);
   CHECK(drawn(all, view, {0}, VK_FORMAT_B8G8R8A8_UNORM).values == picture.values);
-  // The encoder's own blending makes seams lighter or darker, lines not.
+  // Blending in sRGB makes seams lighter or darker, but does not change lines.
   const Image8 encoded = drawn(all, view, {0}, VK_FORMAT_R8G8B8A8_SRGB);
   const shader::vec3 yellow = shader::rankColour(0, 1);
   std::size_t on = 0;
@@ -186,11 +186,11 @@ TEST_CASE("lines stay where they are when the world is moved, and in each format
 TEST_CASE("lines that pass through the eye or lie behind it harm nothing") {
   const ImageGraph all = graph();
   Camera behind = cameraAt({0, 0, -9});
-  CHECK(untouched(drawn(all, behind, {0})) == 320 * 240);  // all is behind
+  CHECK(untouched(drawn(all, behind, {0})) == 320 * 240);  // everything is behind the view
   Camera at = cameraAt({0, 0, 0});
-  at.pose.position = all.photographs[0].pose.position;  // the eye is the end of five lines
+  at.pose.position = all.photographs[0].pose.position;  // five lines end at the view's position
   CHECK(untouched(drawn(all, at, {0})) > 320 * 240 / 2);
-  at.pose.position = 0.5 * (all.photographs[0].pose.position + all.photographs[1].pose.position);  // in the cell's line
+  at.pose.position = 0.5 * (all.photographs[0].pose.position + all.photographs[1].pose.position);  // on the cell's line
   CHECK(untouched(drawn(all, at, {0})) > 320 * 240 / 2);
 }
 
@@ -210,11 +210,11 @@ TEST_CASE("of a line from behind the eye what lies before it is seen, and nothin
         pixel->y > 239)
       continue;
     ++seen;
-    wrong += std::abs(picture.pixel(int(pixel->x), int(pixel->y))[0] - 255 * yellow.x) > 120;  // its edge, at worst
+    wrong += std::abs(picture.pixel(int(pixel->x), int(pixel->y))[0] - 255 * yellow.x) > 120;  // line edge
   }
   CHECK(seen > 100);
   CHECK(wrong == 0);
-  // All that is before the eye is seen below left of where it ends.
+  // All of the line in front of the view appears to the lower left of its end.
   const glm::dvec2 end = *project(view.intrinsics, to);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels that nobody sees: they cost nothing, show the background, and leave all others alone.
+// Hidden area of a headset: hidden pixels cost nothing and show the background; all other pixels are unchanged.
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <limits>
@@ -22,7 +22,7 @@ using Triangles = std::array<std::vector<glm::vec2>, 2>;
 
 constexpr VkExtent2D kExtent{192, 160};
 
-// Eyes whose fields of view are each other's mirror images, and canted.
+// Two eyes with mirrored fields of view, canted.
 std::vector<Camera> headset() {
   std::vector<Camera> views{cameraAt({0.57, 0.4, 0.2}, 0.12, 0.05), cameraAt({0.63, 0.4, 0.2}, 0.02, 0.05)};
   views[0].intrinsics = pinholeFromTangents(int(kExtent.width), int(kExtent.height), -0.6, 0.4, 0.45, -0.55);
@@ -30,7 +30,7 @@ std::vector<Camera> headset() {
   return views;
 }
 
-// Corners as lenses leave them out, the nose's side too; not the same in both views, of either orientation.
+// Corners hidden by lenses, with the nose side. The masks differ between the views and have both orientations.
 const Triangles kMasks{
     {{{-0.6f, 0.45f},
       {-0.25f, 0.45f},
@@ -49,7 +49,7 @@ double side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
 
 enum class Where { inside, outside, border };
 
-// Of a pixel, by its centre; border: less than `margin` px from an edge's line or beyond one end of it.
+// Class of a pixel by its centre. border: less than `margin` px from an edge's line, or beyond an end of the edge.
 Where where(const Triangles& masks, const FramePlan& plan, std::size_t view, int x, int y, double margin) {
   const Intrinsics& k = plan.views[view].intrinsics;
   const glm::dvec2 at(x + 0.5, y + 0.5);
@@ -79,11 +79,11 @@ struct Shown {
 
 Shown show(const Stage& stage, const FramePlan& plan, const Triangles& hidden, bool multiview, DepthTarget convention) {
   RendererOptions options = optionsFor(plan.settings, kExtent);
-  options.views = std::uint32_t(plan.views.size());
+  options.maxViews = std::uint32_t(plan.views.size());
   options.orders = {DrawOrder::ours, DrawOrder::paper};
   options.depth = true;
   options.multiview = multiview;
-  options.uncertainties = &stage.scene();
+  options.uncertaintyScene = &stage.scene();
   options.hiddenArea = hidden;
   const Renderer renderer(testDevice(), stage.gpuScene(), options);
   std::vector<Offscreen> offscreens;
@@ -119,7 +119,7 @@ Shown show(const Stage& stage, const FramePlan& plan, const Triangles& hidden, b
   return shown;
 }
 
-// Made once: that takes longer than a picture.
+// Made once, because generating the scene takes longer than rendering an image.
 const SyntheticScene& shownPlace() {
   static const SyntheticScene place = twoCells();
   return place;
@@ -159,9 +159,9 @@ TEST_CASE("what is hidden shows the background and lies far away; all else is as
     INFO(row.name);
     FramePlan plan = planned(row.settings);
     if (row.mixed) {
-      plan.former = plan.cells;
-      std::swap(plan.former[0], plan.former[1]);
-      plan.formerWeight = 0.4;
+      plan.previous = plan.cells;
+      std::swap(plan.previous[0], plan.previous[1]);
+      plan.previousWeight = 0.4;
     }
     const DepthTarget convention{.nearPlane = 0.1, .reversed = row.reversed};
     const Shown all = show(stage, plan, {}, row.multiview, convention);
@@ -194,7 +194,7 @@ TEST_CASE("what is hidden shows the background and lies far away; all else is as
         }
       CHECK(inside > 2000);
       CHECK(outside > 15000);
-      CHECK(drawn > 1000);  // of what is hidden
+      CHECK(drawn > 1000);  // hidden pixels drawn without a mask
       CHECK(border < 100);
       CHECK(wrong == 0);
     }
@@ -207,10 +207,10 @@ TEST_CASE("at another scale nothing of the background gets out of the hidden are
   const Stage stage(testDevice(), grey);
   for (const double scale : {0.5, 1.6}) {
     INFO("scale " << scale);
-    // Filled, so that the background shows nowhere else.
+    // With filling, only hidden pixels show the background.
     const FramePlan plan = planned(with([&](auto& s) {
       s.renderScale = scale;
-      s.lowestTier = kTierFilled;
+      s.maxTier = kTierFilled;
     }));
     const Shown seen = show(stage, plan, kMasks, false, {});
     std::size_t hidden = 0, wrong = 0, shifted = 0;
@@ -222,7 +222,7 @@ TEST_CASE("at another scale nothing of the background gets out of the hidden are
           hidden += isHidden;
           const std::array<int, 3> expected = isHidden ? std::array{255, 51, 153} : std::array{200, 200, 200};
           for (std::size_t c = 0; c < 3; ++c) wrong += std::abs(pixel[c] - expected[c]) > 1;
-          const Where place = where(kMasks, plan, view, x, y, 1.5);  // the canvas's pixels may be larger
+          const Where place = where(kMasks, plan, view, x, y, 1.5);  // canvas pixels may be larger
           shifted += isHidden ? place == Where::outside : place == Where::inside;
         }
     CHECK(hidden > 4000);
@@ -262,9 +262,9 @@ TEST_CASE("a picture to be kept shows what lenses leave out, at any scale") {
   for (const double scale : {1.0, 0.7})
     for (const int tier : {kTierCompleted, kTierFilled}) {
       const FramePlan plan = planned(with([&](auto& s) {
-        s.leaveOutHidden = false;
+        s.skipHiddenArea = false;
         s.renderScale = scale;
-        s.lowestTier = tier;
+        s.maxTier = tier;
       }));
       const Shown kept = show(stage, plan, kMasks, true, {}), whole = show(stage, plan, {}, true, {});
       CHECK((kept.pictures == whole.pictures));
@@ -276,7 +276,7 @@ TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   const Stage stage(testDevice(), shownPlace());
   const RenderSettings paper = with([](auto& s) {
     s.order = DrawOrder::paper;
-    s.lowestTier = kTierFilled;  // there are holes
+    s.maxTier = kTierFilled;  // fills holes of the scene
   });
   CHECK((show(stage, planned(paper), kMasks, true, {}).pictures == show(stage, planned(paper), {}, true, {}).pictures));
   FramePlan plan = planned(with([](auto&) {}));
@@ -306,7 +306,7 @@ TEST_CASE("what is no hidden area is refused by its place") {
   const Stage stage(testDevice(), shownPlace());
   const auto refusal = [&](const Triangles& hidden) {
     const Error error = errorOf([&] {
-      RendererOptions options{.largest = kExtent};
+      RendererOptions options{.maxExtent = kExtent};
       options.hiddenArea = hidden;
       const Renderer renderer(testDevice(), stage.gpuScene(), options);
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every rendering knob of NUMERICS §5.4 moves what it says.
+// Effects of the fields of RenderSettings on rendered images.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Mean |difference| of pixels next to each other: detail.
+// Mean absolute difference between neighbouring pixels, as a measure of detail.
 double detailOf(const Image8& picture) {
   double sum = 0;
   for (int y = 20; y < picture.height - 20; ++y)
@@ -50,7 +50,7 @@ TEST_CASE("texture scale takes away detail, and no more than it says") {
 }
 
 TEST_CASE("photographs that are seen smaller keep the detail that the picture can show") {
-  // From farther back, 2.4 pixels of a photograph to one of the picture, whose truth is a mean over each pixel.
+  // A view from farther back: one image pixel spans 2.4 px of a photograph. The truth is the mean over each pixel.
   SyntheticOptions options = place(3);
   for (TexturedPlane& plane : options.planes) plane.wavelength = 0.12;
   options.samplesPerAxis = 4;
@@ -61,7 +61,7 @@ TEST_CASE("photographs that are seen smaller keep the detail that the picture ca
   const Image8 truth = renderTruth(made, view);
   RenderSettings settings = withTiers();
   const Image8 usual = stage.render(view, settings);
-  settings.textureScale = std::sqrt(0.5);  // as if photographs were read in the level that their footprint asks for
+  settings.textureScale = std::sqrt(0.5);  // the level that the footprint selects without the bias
   const Image8 coarser = stage.render(view, settings);
   Image8 cover(view.intrinsics.width, view.intrinsics.height, 1);
   for (int y = 0; y < cover.height; ++y)
@@ -75,15 +75,15 @@ TEST_CASE("render scale: the cells are drawn at that size, and interpolated to t
   const Camera view = cameraAt({0.4, 0.25, 0.1});
   Camera half = view;
   half.intrinsics = resized(view.intrinsics, 160, 120);
-  for (const int lowestTier : {0, 3}) {
+  for (const int maxTier : {0, 3}) {
     RenderSettings settings;
-    settings.lowestTier = lowestTier;
+    settings.maxTier = maxTier;
     settings.background = {0.3f, 0.3f, 0.3f};
     const Image8 small = stage.render(half, settings);
     settings.renderScale = 0.5;
     const Image8 picture = stage.render(view, settings);
     REQUIRE((picture.width == 320 && picture.height == 240));
-    // By hand: bilinear, pixel centres at halves. What is filled is interpolated once only, in finer steps.
+    // Bilinear by hand, pixel centres at ½. Filled pixels are interpolated only once, in finer steps.
     int largest = 0;
     for (int y = 0; y < 240; ++y)
       for (int x = 0; x < 320; ++x)
@@ -97,7 +97,7 @@ TEST_CASE("render scale: the cells are drawn at that size, and interpolated to t
                      small.pixel(std::clamp(x0 + i, 0, 159), std::clamp(y0 + j, 0, 119))[c];
           largest = std::max(largest, int(std::lround(std::abs(sum - picture.pixel(x, y)[c]))));
         }
-    CHECK(largest <= (lowestTier == 3 ? 12 : 1));
+    CHECK(largest <= (maxTier == 3 ? 12 : 1));
   }
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("eyes share their colours, or each has its own") {
   const std::vector<Image8> own = pictures({left, right});
   CHECK(own[0] == shared[0]);
   CHECK(own[1] != shared[1]);
-  // An eye's own tables are those of its picture: as if it were the first.
+  // An eye's own tables equal the tables of the same view as the first eye.
   CHECK(own[1] == pictures({right, left})[0]);
 }
 
@@ -179,12 +179,13 @@ TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
       const RendererOptions options = optionsFor(settings, {64, 48});
       CHECK(options.compositions == std::vector{settings.composition});
       CHECK(options.blends == std::vector{settings.blend});
-      CHECK((options.largestScale == 0) == (settings.renderScale == 1));
-      // The best of what exposure and mapping make of photographs that were exposed differently (README, Limits known).
+      CHECK((options.maxRenderScale == 0) == (settings.renderScale == 1));
+      // The best combination of exposure and colour mapping for photographs of different exposure
+      // (libibr/docs/limits.md).
       CHECK(settings.exposure == Exposure::adapted);
       CHECK(settings.colourMapping == ColourMapping::off);
       CHECK(options.colour == ColourSupport::off);
-      CHECK(settings.lowestTier == kTierFilled);
+      CHECK(settings.maxTier == kTierFilled);
       CHECK(options.fill);
     }
     CHECK(preset(Preset::balanced, kind).maxCells == RenderSettings{}.maxCells);

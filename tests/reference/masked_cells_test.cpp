@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks of photographs on the GPU: what they cover is not shown, the other members are, or what lies behind.
+// Masked photographs on the GPU: masked pixels show the other members, or the surface behind them.
 #include <algorithm>
 
 #include "ibr/requirements.h"
@@ -14,7 +14,7 @@ struct Block {
   int left, top, right, bottom;
 };
 
-// Ignores blocks of a photograph, which become garish: whoever mixes them in is seen.
+// Masks blocks of a photograph and fills them with magenta, which makes leaks visible.
 void maskBlocks(SyntheticScene& place, std::size_t node, const std::vector<Block>& blocks) {
   const Image8& rgb = place.photographs[node];
   Image8 masked(rgb.width, rgb.height, 4, 255);
@@ -31,8 +31,8 @@ void maskBlocks(SyntheticScene& place, std::size_t node, const std::vector<Block
   place.scene.nodes[node].maskFile = "masks/" + place.scene.nodes[node].name + ".png";
 }
 
-// The second photograph has a large block, the first a single pixel, the third two large ones: in one place nothing is
-// left of all of them.
+// The second photograph has a large masked block, the first a single pixel, the third two large blocks. In one region
+// all photographs are masked.
 SyntheticScene maskedPlace(std::size_t members) {
   SyntheticScene made = makeScene(place(members));
   maskBlocks(made, 0, {{100, 80, 170, 150}, {40, 60, 41, 61}});
@@ -61,7 +61,7 @@ TEST_CASE("what masks leave out of all photographs stays empty with every preset
   const Stage stage(testDevice(), maskedPlace(2)), unmasked(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
   RenderSettings settings = withTiers();
-  settings.lowestTier = kTierCompleted;
+  settings.maxTier = kTierCompleted;
   const auto holes = [](const Image8& picture) {
     std::size_t count = 0;
     for (std::size_t a = 3; a < picture.values.size(); a += 4) count += picture.values[a] == 0;
@@ -96,7 +96,7 @@ TEST_CASE("at a masked photograph's own pose the others show, though they weigh 
     }
   CHECK(shown > 1000);
   CHECK(empty == 0);
-  CHECK(wrong < shown / 50);  // the magenta that is masked would be nearly all
+  CHECK(wrong < shown / 50);  // leaked magenta would exceed this in nearly every pixel
   compareWithTwin(stage, plan);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is shown over pictures or in their place: the wireframe of [T] fig. 4, and what stands in shared/overlay.h.
+// Overlays over or in place of the image: the wireframe of [T] fig. 4, and all overlays of shared/overlay.h.
 #include "shared/overlay.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ bool is(std::span<const std::uint8_t> pixel, shader::vec3 colour) {
   return distance(pixel, colour) <= 1;
 }
 
-// CIE L*, of a display-encoded colour.
+// CIE L* of a display-encoded colour.
 double lightness(shader::vec3 colour) {
   const auto linear = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
   const double y =
@@ -52,15 +52,15 @@ double lightness(shader::vec3 colour) {
   return 116 * std::cbrt(y) - 16;
 }
 
-// Two cells with rejected triangles, which leave holes; photographs that are unlike one another. Made once: that takes
-// longer than a picture.
+// Two cells with rejected triangles, which leave holes, and photographs that all differ. Made once, because generating
+// them takes longer than rendering an image.
 const SyntheticScene& richPlace() {
   static const SyntheticScene place = [] {
     SyntheticScene made = twoCells();
     for (std::size_t i = 0; i < made.photographs.size(); ++i) {
       Image8& photograph = made.photographs[i];
       for (int y = 0; y < photograph.height; ++y)
-        for (int x = 0; x < photograph.width; ++x)  // noise that comes and goes
+        for (int x = 0; x < photograph.width; ++x)  // noise of varying strength
           for (std::uint8_t& v : photograph.pixel(x, y))
             v = std::uint8_t(v / 2 + 20 * i + (x / 40 % 2 == 0 ? std::size_t(x * 7919 + y * 104729) % 50 : 0));
     }
@@ -75,12 +75,12 @@ const SyntheticScene& richPlace() {
   return place;
 }
 
-// Where two cells and holes are seen.
+// A view of two cells and of holes.
 Camera richView() {
   return cameraAt({0.6, 0.4, 0.2}, 0.25, 0.1, 240, 180);
 }
 
-// What the twin says that an overlay shows at a pixel.
+// Colour that an overlay shows at a pixel, from the reference implementation.
 shader::vec3 expected(const reference::Picture& twin, const FramePlan& plan, std::size_t at) {
   const reference::Known& known = twin.known[at];
   const shader::vec3 picture(twin.colour[at]);
@@ -104,7 +104,7 @@ shader::vec3 expected(const reference::Picture& twin, const FramePlan& plan, std
   }
 }
 
-// What the buffers say that an overlay shows at a gathered pixel; of a cell's pixel tiers, weights and depth.
+// Colour that an overlay shows at a gathered pixel, from the buffers. For cell pixels: tiers, weights and depth.
 shader::vec3 gatheredOverlay(Overlay overlay, shader::vec3 picture, const FrameBuffers& buffers, glm::ivec2 at,
                              float nearDistance) {
   const auto surface = buffers.surface.pixel(at.x, at.y), weights = buffers.weights.pixel(at.x, at.y);
@@ -131,7 +131,7 @@ shader::vec3 gatheredOverlay(Overlay overlay, shader::vec3 picture, const FrameB
 
 TEST_CASE("edges have their cell's rank's colour, and between them the picture is as it was") {
   SyntheticOptions options = place(3);
-  options.planes.resize(1);  // nothing hides an edge
+  options.planes.resize(1);  // no surface hides an edge
   options.gridStep = 40;
   for (const Morph morph : {Morph::ours, Morph::paper}) {
     const Stage stage(testDevice(), makeScene(options));
@@ -142,7 +142,7 @@ TEST_CASE("edges have their cell's rank's colour, and between them the picture i
     const FramePlan plan = stage.plan(view, with(Overlay::wireframe, settings));
     const Image8 picture = stage.render(plan);
 
-    // Where the edges should be, from the twin of the morph.
+    // Expected edges, from the reference implementation of the morph.
     const Cell& cell = stage.scene().cells[0];
     std::vector<std::pair<glm::dvec2, glm::dvec2>> edges;
     for (const glm::uvec3& t : cell.mesh.triangles) {
@@ -251,7 +251,7 @@ TEST_CASE("overlays show what the twin says") {
         }
       INFO("overlay " << int(overlay) << ", blending " << int(blend));
       CHECK(compared > 15000);
-      CHECK(colours.size() >= (overlay == Overlay::overlap ? 2 : 20));  // one cell or both
+      CHECK(colours.size() >= (overlay == Overlay::overlap ? 2 : 20));  // one cell or two
       CHECK(double(wrong) <= 0.01 * double(compared));
       CHECK(wrongTier == 0);
     }
@@ -281,7 +281,7 @@ TEST_CASE("photographs agree as they are shown: with their gains") {
 
 TEST_CASE("overlays leave what is drawn where to the picture, in either order") {
   const Stage stage(testDevice(), richPlace());
-  for (const Camera& view : {richView(), cameraAt({-1.9, 0.4, 0.2}, -0.1, 0, 240, 180)}) {  // inside, and fading
+  for (const Camera& view : {richView(), cameraAt({-1.9, 0.4, 0.2}, -0.1, 0, 240, 180)}) {  // inside, and fading out
     const Image8 plain = stage.render(view, withTiers());
     for (const Overlay overlay : kAll) {
       INFO("overlay " << int(overlay));
@@ -308,7 +308,7 @@ TEST_CASE("holes are shown and never filled, but beneath a wireframe") {
     INFO("overlay " << int(overlay));
     RenderSettings settings = with(overlay);
     settings.background = {0.2f, 0.4f, 0.6f};
-    settings.lowestTier = kTierFilled;
+    settings.maxTier = kTierFilled;
     const Image8 picture = stage.render(richView(), settings);
     std::size_t holes = 0, filled = 0, wrong = 0;
     const shader::vec3 hole = overlay == Overlay::tiers ? shader::tierColour(3) : settings.background;
@@ -330,7 +330,7 @@ TEST_CASE("a pixel's overlap is the number of cells that show it when each is dr
   const Camera view = richView();
   FramePlan plan = stage.plan(view, with(Overlay::overlap));
   const Image8 picture = stage.render(plan);
-  for (std::size_t c = 1; c < plan.cells.size(); ++c) plan.cells[c].hidden = true;  // they count all the same
+  for (std::size_t c = 1; c < plan.cells.size(); ++c) plan.cells[c].hidden = true;  // hidden cells count as well
   CHECK(stage.render(plan) == picture);
   std::vector<int> shown(picture.values.size() / 4, 0);
   std::size_t counts[3] = {}, wrong = 0;
@@ -353,8 +353,9 @@ TEST_CASE("tiers and depth are those of the buffers") {
   const Stage stage(testDevice(), richPlace());
   const FramePlan plan = stage.plan(richView(), with(Overlay::depth));
   const VkExtent2D extent{240, 180};
-  const Renderer renderer(testDevice(), stage.gpuScene(),
-                          {.largest = extent, .overlays = {Overlay::tiers, Overlay::depth}, .buffers = &stage.scene()});
+  const Renderer renderer(
+      testDevice(), stage.gpuScene(),
+      {.maxExtent = extent, .overlays = {Overlay::tiers, Overlay::depth}, .bufferScene = &stage.scene()});
   OffscreenBuffers floats(testDevice(), extent);
   const FrameBuffers buffers =
       floats.render([&](VkCommandBuffer commands) { renderer.recordBuffers(commands, plan, 0, floats.targets()); });
@@ -372,7 +373,7 @@ TEST_CASE("tiers and depth are those of the buffers") {
       if (surface[1] < 0) continue;
       ++drawn;
       wrong += !is(depth.pixel(x, y), shader::depthColour(1 / surface[0], float(plan.nearDistance)));
-      // The colour of a tier, however light the picture is there.
+      // The tier's hue, scaled by any lightness of the image.
       const auto pixel = tiers.pixel(x, y);
       const shader::vec3 colour = shader::tierColour(std::uint32_t(surface[1])), shown(pixel[0], pixel[1], pixel[2]);
       const float light = std::max({shown.x, shown.y, shown.z}) / std::max({colour.x, colour.y, colour.z});
@@ -405,7 +406,7 @@ TEST_CASE("photographs that are the same agree, flat ones say nothing, and other
   SyntheticOptions options;
   options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}), cameraAt({0, 1, 0})};
   options.planes = {{{0, 0, -8}, {1, 0, 0}, {0, 1, 0}, 40, 30, 1, 0.3}};
-  options.atInfinity = true;  // seen the same way from anywhere
+  options.atInfinity = true;  // the same image from any position
   const auto agreement = [&](auto change) {
     SyntheticScene place = makeScene(options);
     for (std::size_t i = 0; i < place.photographs.size(); ++i)
@@ -432,14 +433,14 @@ TEST_CASE("photographs that are the same agree, flat ones say nothing, and other
   const auto opposes = [](auto pixel) { return is(pixel, shader::rampColour(0)); };
   CHECK(share(agreement([](auto, auto, int value) { return std::uint8_t(value); }),
               [&](auto p) { return agrees(p) || unknown(p); }) == 1);
-  // Exposure means nothing.
+  // Differences of exposure do not change the agreement.
   CHECK(share(agreement([](auto i, auto, int value) { return std::uint8_t(i == 0 ? value : 40 + value / 2); }),
               nearly) > 0.95);
   CHECK(share(agreement([](auto i, auto, int) { return std::uint8_t(80 + 20 * i); }), unknown) == 1);
-  // Of three that oppose one another two by two, one pair agrees: −1, −1, 1.
+  // Three photographs, of which one pair agrees and two pairs oppose: correlations 1, −1, −1.
   CHECK(share(agreement([](auto i, auto, int value) { return std::uint8_t(i == 0 ? 255 - value : value); }), opposes) >
         0.95);
-  // One that is flat is left out of the mean.
+  // A flat photograph does not count for the mean.
   CHECK(share(agreement([](auto i, auto, int value) { return std::uint8_t(i == 2 ? 128 : value); }), agrees) > 0.95);
 }
 
@@ -466,7 +467,7 @@ TEST_CASE("what is infinitely far, of panoramas, or not there at all has a colou
   room.planes = roomPlanes({-3, -1.5, -2.5}, {4, 1.9, 3.5}, 0.5);
   room.surfaceStep = 0.5;
   const Stage panoramas(testDevice(), makeScene(room));
-  // Across the seam of all three what is exact agrees too.
+  // Exact content also agrees across the seams of all three panoramas.
   const Camera seam = cameraAt({0.4, 0.2, 0.1}, std::numbers::pi, 0, 160, 120);
   const Image8 exact = panoramas.render(seam, with(Overlay::agreement));
   std::size_t high = 0;
@@ -486,7 +487,7 @@ TEST_CASE("what is infinitely far, of panoramas, or not there at all has a colou
   }
 }
 
-TEST_CASE("two views have each its overlay, and a former order is mixed in") {
+TEST_CASE("two views have each its overlay, and a previous order is mixed in") {
   const Stage stage(testDevice(), richPlace());
   const Camera left = richView();
   Camera right = left;
@@ -503,13 +504,13 @@ TEST_CASE("two views have each its overlay, and a former order is mixed in") {
     }
   }
   FramePlan switching = stage.plan(left, with(Overlay::tiers));
-  switching.former = switching.cells;
-  switching.formerWeight = 0.5;
+  switching.previous = switching.cells;
+  switching.previousWeight = 0.5;
   CHECK(difference(stage.render(switching), stage.render(left, with(Overlay::tiers)), 2).shareAbove < 0.3);
 }
 
 TEST_CASE("overlays of a gathered or hybrid picture show what its buffers say") {
-  // No second photograph confirms the left part of each.
+  // No second photograph confirms the left part of each photograph.
   GatherOptions options = wallOptions();
   options.evidence = [](std::size_t, glm::dvec2 pixel) { return pixel.x < 60 ? Evidence{0, 0.1f} : Evidence{}; };
   GatherStage stage = gatherStage(options);
@@ -561,7 +562,7 @@ TEST_CASE("overlays of a gathered or hybrid picture show what its buffers say") 
 TEST_CASE("confidence is not shown without what it is known from") {
   const Stage stage(testDevice(), richPlace());
   const Error error = errorOf([&] {
-    Renderer(testDevice(), stage.gpuScene(), {.largest = {8, 8}, .overlays = {Overlay::confidence}});
+    Renderer(testDevice(), stage.gpuScene(), {.maxExtent = {8, 8}, .overlays = {Overlay::confidence}});
   });
   CHECK(error.code() == ErrorCode::invalidInput);
   CHECK_THAT(error.what(), Catch::Contains("confidence"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Panoramas on the GPU ([T] eq. 5, fig. 1; NUMERICS N10): the seam, the poles, the axes, mixed cells.
+// Panoramas on the GPU ([T] eq. 5, fig. 1; property N10): the seam, the poles, the axes, mixed cells.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -23,8 +23,8 @@ glm::dquat turned(double angle, glm::dvec3 axis) {
   return glm::angleAxis(angle, glm::normalize(axis));
 }
 
-/// A room around d panoramas of different sizes: the second is turned and tilted, the third has its poles at the
-/// horizon, the fourth stands on its head.
+/// A room around d panoramas of different sizes. The second is turned and tilted, the third has its poles at the
+/// horizon, the fourth is upside down.
 SyntheticOptions room(std::size_t members) {
   SyntheticOptions options;
   options.cameras = {panoramaAt({0, 0, 0}), panoramaAt({1, 0, 0.1}, turned(2.0, {0.2, 1, 0.1}), 640, 320),
@@ -39,7 +39,7 @@ SyntheticOptions room(std::size_t members) {
 
 constexpr glm::dvec3 kX{1, 0, 0}, kY{0, 1, 0};
 
-/// Views along the axes and between: two of them see a pole of most panoramas, one the first one's seam.
+/// Views along the axes and between them. Two views see a pole of most panoramas, one sees the seam of the first.
 Camera viewAlong(int way, glm::dvec3 position, int width = 160, int height = 121, double fovY = 1.3) {
   Camera view = cameraAt(position, 0, 0, width, height, fovY);
   const glm::dquat rotations[] = {
@@ -57,7 +57,7 @@ double coverage(const Image8& picture) {
   return double(drawn) / double(picture.values.size() / 4);
 }
 
-/// The panorama as a pinhole at its centre sees it: bilinear, around the seam.
+/// Samples the panorama as a pinhole at its centre: bilinear, across the seam.
 glm::dvec3 resampled(const Image8& panorama, glm::dvec2 pixel) {
   const double x = pixel.x - 0.5, y = pixel.y - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
@@ -95,7 +95,7 @@ TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
     for (int way = 0; way < kWays; ++way)
       for (Morph morph : {Morph::ours, Morph::paper}) {
         const Camera& member = stage.scene().nodes[i].camera;
-        // Finer than the panorama, so that level 0 is what a pixel shows.
+        // A finer resolution than the panorama's, so that level 0 is shown.
         const Camera view = viewAlong(way, member.pose.position, 161, 121, 0.6);
         RenderSettings settings = withTiers();
         settings.morph = morph;
@@ -107,7 +107,7 @@ TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
           for (int x = 0; x < picture.width; ++x) {
             const glm::dvec3 ray = glm::conjugate(member.pose.rotation) *
                                    (view.pose.rotation * unproject(view.intrinsics, {x + 0.5, y + 0.5}));
-            // Around the poles a pixel spans several columns and takes their mean: left to the twin.
+            // Around the poles a pixel averages several columns. Only the reference implementation checks this region.
             if (std::hypot(ray.x, ray.z) < 0.7) continue;
             const glm::dvec3 expected = resampled(photograph, *project(member.intrinsics, ray));
             for (int c = 0; c < 3; ++c)
@@ -119,7 +119,7 @@ TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
 }
 
 TEST_CASE("six colours on six axes", "[N10][T19]") {
-  // Painted by pixel, as INTERFACE §1 places the axes; nothing here asks project().
+  // Painted pixel by pixel from the axis conventions, without use of project().
   const glm::ivec3 kForward(200, 40, 40), kBack(40, 200, 200), kRight(40, 200, 40), kLeft(200, 40, 200),
       kUp(60, 60, 220), kDown(220, 220, 60);
   SyntheticScene place = makeScene(room(2));
@@ -161,14 +161,14 @@ TEST_CASE("six colours on six axes", "[N10][T19]") {
 }
 
 TEST_CASE("the seam cannot be seen: content behind the camera looks as it does in front of it", "[N10]") {
-  // The same room, panoramas turned by a quarter: their columns move by a quarter of the width, exactly.
+  // The same room with panoramas turned by a quarter: columns move by exactly a quarter of the width.
   SyntheticOptions options = room(3);
   for (Camera& camera : options.cameras) {
     camera.intrinsics = {CameraModel::equirectangular, 512, 256};
     camera.pose.rotation = {1, 0, 0, 0};
   }
   for (TexturedPlane& plane : options.planes)
-    plane.wavelength = 0.05;  // up to what a texel shows: a line would stand out
+    plane.wavelength = 0.05;  // as fine as a texel, so that a visible seam would stand out
   const Stage seam(testDevice(), makeScene(options));
   for (Camera& camera : options.cameras) camera.pose.rotation = turned(kPi / 2, kY);
   const Stage quarter(testDevice(), makeScene(options));
@@ -200,7 +200,7 @@ TEST_CASE("a pole is neither blurred nor does it sparkle") {
   for (double fov : {0.5, 1.0, 1.8})
     for (const int way : {2, 3}) {
       double sharp = 0, atPole = 0;
-      // A view that moves by parts of a pixel: what sparkles is off the truth at some of them.
+      // The view moves by fractions of a pixel, so that sparkling pixels differ from the truth in some steps.
       for (int step = 0; step < 4; ++step) {
         Camera view = viewAlong(way, {0.37, 0.02, 0.04}, 121, 121, fov);
         view.pose.rotation = view.pose.rotation * turned(0.29 * step * fov / 121, {1, 0.6, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The caller's polygons in the scene ([T] §2.5.5): hidden where the scene is nearer, and nowhere else.
+// The caller's polygons in the scene ([T] §2.5.5): hidden exactly where the scene is nearer.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -26,7 +26,7 @@ TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
   constexpr VkExtent2D kExtent{320, 240};
   constexpr double kNear = 0.1;
 
-  const Renderer renderer(testDevice(), stage.gpuScene(), {.largest = kExtent, .depth = true});
+  const Renderer renderer(testDevice(), stage.gpuScene(), {.maxExtent = kExtent, .depth = true});
   Offscreen offscreen(testDevice(), kExtent);
   const GpuImage depth(testDevice(),
                        {.format = VK_FORMAT_D32_SFLOAT,
@@ -43,9 +43,9 @@ TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
                                                                      .colourFormats = {&format, 1},
                                                                      .depthFormat = VK_FORMAT_D32_SFLOAT,
                                                                      .depthTest = true});
-  for (const double distance : {2.0, 6.0, 20.0}) {  // before the board at 4, between it and the wall at 8, behind both
+  for (const double distance : {2.0, 6.0, 20.0}) {  // before the board at 4, between board and wall at 8, behind both
     Target target = offscreen.target();
-    target.after = use::kColourAttachment;
+    target.finalUse = use::kColourAttachment;
     target.depth = DepthTarget{.image = depth.get(), .view = depth.view(), .nearPlane = kNear};
     const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
       renderer.record(commands, plan, target);
@@ -53,7 +53,7 @@ TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
       const VkRenderingAttachmentInfo tested =
           depthAttachment(depth.view(), VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_STORE);
       beginRendering(commands, kExtent, {&colour, 1}, &tested);
-      const auto z = float(1 - kNear / distance);  // of an infinite far plane
+      const auto z = float(1 - kNear / distance);  // for an infinite far plane
       const VkViewport viewport{0, 0, float(kExtent.width), float(kExtent.height), z, z};
       vkCmdSetViewport(commands, 0, 1, &viewport);
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, polygon.get());
@@ -73,7 +73,7 @@ TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
           for (int c = 0; c < 3; ++c) changed += pixel[c] != plain.pixel(x, y)[c];
       }
     INFO("polygon at " << distance);
-    // Where the mesh's grid cuts the board's border it is not the truth's.
+    // The mesh's grid cuts the board's border inexactly, so some pixels may differ from the truth.
     CHECK(double(wrong) < 0.01 * double(hidden + visible));
     CHECK(changed == 0);
     if (distance == 2) CHECK(hidden == 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Relations that need no reference picture (NUMERICS §6.1).
+// Relations between images that need no reference image.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Pixels drawn in `picture`, one pixel in from their border.
+// Mask of the drawn pixels in `picture`, shrunk by one pixel.
 Image8 interior(const Image8& picture) {
   Image8 mask(picture.width, picture.height, 1);
   for (int y = 1; y + 1 < picture.height; ++y)
@@ -40,7 +40,7 @@ int largestDifference(const Image8& a, const Image8& b, const Image8& mask) {
   return largest;
 }
 
-// Share of pixels that differ by more than a level.
+// Share of pixels that differ by more than one 8-bit level.
 double differing(const Image8& a, const Image8& b) {
   return difference(a, b, 1).shareAbove;
 }
@@ -69,8 +69,8 @@ TEST_CASE("ours shows the truth inside, outside and off the span; the paper's mo
   const Stage stage(testDevice(), makeScene(place(3)));
   struct Row {
     Camera view;
-    double least;   // dB of ours; what is left is sampling, and borders of the board where the grid cuts it
-    double margin;  // dB that ours is better by
+    double least;   // min. PSNR of our morph, dB; errors: sampling, and the board's border in the grid
+    double margin;  // min. advantage of our morph over the paper's, dB
   };
   for (const Row& row :
        {Row{cameraAt({0.4, 0.3, 0.05}), 45, -6}, Row{cameraAt({1.5, -0.3, 0.1}), 40, 15},
@@ -99,7 +99,7 @@ TEST_CASE("moving and turning the world changes nothing", "[P6]") {
   SyntheticScene there = here;
   for (Node& node : there.scene.nodes) node.camera = moved(node.camera);
   const Image8 picture = Stage(testDevice(), there).render(moved(view), withTiers());
-  // Positions are rounded to 2 nm there; a pixel on an edge may fall to the other side.
+  // At that distance positions are rounded to 2 nm. A pixel on an edge may fall to the other side.
   CHECK(differing(picture, expected) < 2e-3);
   CHECK(psnr(picture, expected) > 50);
 }
@@ -125,7 +125,7 @@ TEST_CASE("the order of cells, triangles, vertices and members changes nothing")
       RenderSettings settings = withTiers();
       settings.blend = blend;
       const Image8 first = a.render(view, settings), second = b.render(view, settings);
-      // Corner order rotates the arithmetic of a triangle: last bits of interpolation, nothing else.
+      // Corner order changes the order of a triangle's arithmetic, which affects only the last bits of interpolation.
       CHECK(differing(first, second) < 1e-3);
     }
   SyntheticScene reordered = sorted;
@@ -147,12 +147,12 @@ TEST_CASE("front to back with depth shows what back to front without it shows") 
   RenderSettings settings = withTiers();
   const Image8 ours = stage.render(view, settings);
   settings.order = DrawOrder::paper;
-  // At this view no mesh folds, so depth inside a cell decides nothing.
+  // No mesh folds in this view, so depth inside a cell does not matter.
   CHECK(stage.render(view, settings).values == ours.values);
 }
 
 TEST_CASE("a mesh that folds shows its near side") {
-  // From far outside the cell the board hides other parts of the wall than it did in the photographs.
+  // Far outside the cell, the board hides other parts of the wall than in the photographs.
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({-1.7, 0.1, -0.3}, -0.2);
   RenderSettings settings = withTiers();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene pays only for what it declares (NUMERICS §4): counters against a table written by hand, and specialised
-// pictures against general ones.
+// Resources a scene needs: counters against a table written by hand, and images of specialised renderers against images
+// of general ones.
 #include <fmt/format.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -21,8 +21,8 @@ namespace {
 
 constexpr VkExtent2D kExtent{64, 48};
 constexpr std::uint64_t kPixels = 64 * 48;
-constexpr std::uint64_t kParameter = 312, kExposure = 96;  // bytes of a cell's
-constexpr std::uint64_t kLeaving = 16;                     // cells that may be drawn besides
+constexpr std::uint64_t kParameter = 312, kExposure = 96;  // bytes a cell
+constexpr std::uint64_t kLeaving = 16;                     // max. cells that are fading out
 constexpr std::uint64_t kNoise = 64 * 64 * 4;
 
 Camera view(double x = 0.4) {
@@ -37,7 +37,7 @@ SyntheticScene pinholes(std::vector<std::vector<std::uint32_t>> cells, std::size
   return makeScene(options);
 }
 
-// The first `panoramas` of three cameras in a room.
+// Three cameras in a room, of which the first `panoramas` are panoramas.
 SyntheticScene room(int panoramas) {
   SyntheticOptions options;
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0, 0.1}, {0.4, 0.8, 0.2}}) {
@@ -56,16 +56,16 @@ struct Row {
   SyntheticScene place;
   RenderSettings settings;
   std::size_t views;
-  Renderer::Counters expected;  // but for triangles and working bytes
+  Renderer::Counters expected;  // triangles and working bytes are not compared
   bool multiview = false, buffers = false;
 };
 
 RendererOptions optionsOf(const Row& row) {
   RendererOptions options = optionsFor(row.settings, kExtent);
-  options.views = std::uint32_t(row.views);
+  options.maxViews = std::uint32_t(row.views);
   options.multiview = row.multiview;
-  options.uncertainties = &row.place.scene;
-  if (row.buffers) options.buffers = &row.place.scene;
+  options.uncertaintyScene = &row.place.scene;
+  if (row.buffers) options.bufferScene = &row.place.scene;
   return options;
 }
 
@@ -75,8 +75,8 @@ RenderSettings with(auto change) {
   return settings;
 }
 
-// Written by hand. A scene with nothing special has: two cell pipelines a kind of cell (a cell may dissolve), a
-// composition (two, where switches may be mixed), two passes a view.
+// Expected counters, written by hand. A plain scene has two cell pipelines for each kind of cell (a cell may dissolve),
+// one composition (two if switches may be cross-faded), and two passes a view.
 std::vector<Row> table() {
   const RenderSettings plain;
   const RenderSettings noFade = with([](auto& s) { s.fadeShare = s.switchSeconds = 0; });
@@ -86,14 +86,14 @@ std::vector<Row> table() {
   });
   const RenderSettings paper = with([](auto& s) { s.order = DrawOrder::paper; });
   const RenderSettings mapped = with([](auto& s) { s.colourMapping = ColourMapping::ours; });
-  const RenderSettings filled = with([](auto& s) { s.lowestTier = kTierFilled; });
+  const RenderSettings filled = with([](auto& s) { s.maxTier = kTierFilled; });
   SyntheticScene rejected = pinholes({{0, 1, 2}});
   for (Cell& cell : rejected.scene.cells) cell.mesh.tier.back() = kTierRejected;
   const std::uint64_t canvas = 8 * kPixels;
   const std::uint64_t fill = 8 * (32 * 24 + 16 * 12 + 8 * 6 + 4 * 3 + 2 * 2 + 1);
-  // A frame's header, the slots of cells, their tables and the identity, and noise.
+  // A frame's header, the cells' slots, their tables and the identity, and noise.
   const std::uint64_t tables = sizeof(shader::ColourFrame) + 160 * sizeof(shader::ColourSlot) + 161 * 256 * 4 + kNoise +
-                               4 * shader::counterCount(2, false);  // room for either way of counting
+                               4 * shader::counterCount(2, false);  // room for both ways of counting
   const auto counters = [](std::uint32_t pipelines, std::uint32_t passes, std::uint32_t draws, std::uint32_t dispatches,
                            Renderer::Counters::Bytes bytes) {
     return Renderer::Counters{
@@ -114,7 +114,7 @@ std::vector<Row> table() {
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"filled", pinholes({{0, 1, 2}}), filled, 1,
                   counters(2 + 2 + 3, 2, 2, 2 * 6 - 1, {canvas, fill, 0, (1 + kLeaving) * kParameter, kNoise})});
-  // Both cells in the order of now, and in that before a switch.
+  // Both cells, in the current draw order and in the previous one.
   rows.push_back({"a line and a triangle", pinholes({{0, 1, 2}, {0, 3}}), plain, 1,
                   counters(2 * 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
   rows.push_back(
@@ -136,7 +136,7 @@ std::vector<Row> table() {
       {"panoramas", room(3), plain, 1, counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"a mixed cell", room(2), plain, 1,
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
-  // Once without and once with what is added.
+  // Composition pipelines without and with the additional effect.
   rows.push_back({"a floor", pinholes({{0, 1, 2}}), with([](auto& s) { s.floor = Floor{}; }), 1,
                   counters(2 + 2, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"a wireframe", pinholes({{0, 1, 2}}), with([](auto& s) { s.overlay = Overlay::wireframe; }), 1,
@@ -151,19 +151,19 @@ std::vector<Row> table() {
   rows.push_back({"buffers", known, plain, 1,
                   counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise, uncertainties}),
                   false, true});
-  // One pass for both, into a canvas of two layers beside that for one.
+  // One pass for both views, into a canvas of two layers beside the canvas of one view.
   if (multiviewWorks(testDevice()))
     rows.push_back({"two views at once", pinholes({{0, 1, 2}}), plain, 2,
                     counters(2 * 2 + 1, 1 + 2, 1 + 2, 0, {3 * canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise}),
                     true});
-  // A mask costs nothing beside its texture's alpha, moved cells nothing beside other numbers.
+  // A mask needs only its texture's alpha. Aligned cells need only different parameters.
   SyntheticScene masked = pinholes({{0, 1, 2}});
   masked.scene.nodes[1].maskFile = "masks/1.png";
   rows.push_back(
       {"a mask", masked, plain, 1, counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"aligned cells", pinholes({{0, 1, 2}, {0, 3}}), with([](auto& s) { s.alignCells = true; }), 1,
                   counters(2 * 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
-  // Backdrops without evidence are not drawn, nor gathered from.
+  // Backdrops without evidence are neither drawn nor used for gathering.
   SyntheticOptions three = place(3);
   three.cells = {{0, 1, 2}};
   three.gridStep = 40;
@@ -172,8 +172,8 @@ std::vector<Row> table() {
   addBackdrops(behind, three);
   rows.push_back({"backdrops of three photographs", behind, plain, 1,
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
-  // The vote has half the sides: a tile of the atlas for each of twelve candidates, in ρ, evidence and depth; its
-  // surfaces, and their holes. Where all is gathered no cell is drawn.
+  // The vote has half the width and height. Its atlas has a tile of ρ, evidence and depth for each of twelve
+  // candidates; then come its surfaces and their holes. With Composition::gathered no cell is drawn.
   addEvidence(behind);
   const std::uint64_t voted = kPixels / 4, tiles = 12;
   const std::uint64_t gather =
@@ -181,14 +181,14 @@ std::vector<Row> table() {
   const auto gathered = [&](std::string name, Composition composition, Overlay overlay, std::uint32_t cells) {
     Renderer::Counters::Bytes bytes{canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise};
     bytes.gather = gather;
-    // An overlay has pipelines of its own for cells and for the gather.
+    // An overlay needs its own pipelines for cells and gather.
     const std::uint32_t overlays = overlay == Overlay::none ? 0 : 2 + 1;
     return Row{std::move(name), behind, with([&](auto& s) {
                  s.composition = composition;
                  s.overlay = overlay;
                }),
                1,
-               // Depths of candidates, vote, gather, three of holes; a pass and three draws for the candidates.
+               // Candidate depths, vote, gather, three for holes; a pass and three draws for candidates.
                counters(2 + 1 + 6 + overlays, 1 + 2, 3 + 1 + cells + 1, 1 + (2 * 5 - 1), bytes)};
   };
   rows.push_back(gathered("gathered from three photographs", Composition::gathered, Overlay::none, 0));
@@ -259,17 +259,18 @@ TEST_CASE("a renderer for these settings alone shows what one for all settings s
     const GpuScene scene = onDevice(place);
     const FramePlan plan = planOf(place, settings);
     RendererOptions alone = optionsFor(settings, kExtent);
-    alone.uncertainties = &place.scene;
+    alone.uncertaintyScene = &place.scene;
     CHECK(pictureOf(scene, plan, alone) == pictureOf(scene, plan,
-                                                     {.largest = {80, 80},
-                                                      .views = 2,
+                                                     {.maxExtent = {80, 80},
+                                                      .maxViews = 2,
                                                       .depth = true,
                                                       .colour = ColourSupport::all,
                                                       .overlays = {settings.overlay},
                                                       .floor = true,
-                                                      .uncertainties = &place.scene,
+                                                      .uncertaintyScene = &place.scene,
+                                                      .orders = {settings.order},
                                                       .compositions = {settings.composition},
-                                                      .largestScale = 1}));
+                                                      .maxRenderScale = 1}));
   }
 }
 
@@ -277,19 +278,19 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   SyntheticScene place = pinholes({{0, 1, 2}, {0, 3}, {0, 1, 2, 3}});
   place.scene.cells[1].mesh.tier.back() = kTierRejected;
   RenderSettings settings;
-  settings.lowestTier = kTierFilled;
+  settings.maxTier = kTierFilled;
   settings.colourMapping = ColourMapping::ours;
   RendererOptions options = optionsFor(settings, kExtent);
   const Requirements r = requirementsOf(place.scene, options);
   CHECK((r.cells == 3 && r.cellsOf[2] == 1 && r.cellsOf[3] == 1 && r.cellsOf[4] == 1));
   CHECK((r.pinholes == 4 && r.panoramas == 0 && r.mixedCells == 0));
   CHECK((r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
-  CHECK(r.steps == 3 + 16);
+  CHECK(r.maxDrawItems == 3 + 16);
   CHECK_FALSE((r.multiview || !r.overlays.empty() || r.buffers || r.floor));
   Cell backdrop = place.scene.cells[0];
   for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
   place.scene.backdrops.assign(3, backdrop);
-  CHECK(requirementsOf(place.scene, options).steps == 3 + 16);  // none of them is drawn
+  CHECK(requirementsOf(place.scene, options).maxDrawItems == 3 + 16);  // backdrops are not drawn here
   place.scene.backdrops.clear();
   CHECK(requirementsOf(room(2).scene, options).mixedCells == 1);
   CHECK(requirementsOf(room(3).scene, options).panoramas == 3);
@@ -307,7 +308,7 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK(runs("panorama coordinates", requirementsOf(room(3).scene, options)));
   CHECK_FALSE(runs("panorama coordinates", r));
   CHECK((r.fill && runs("filling", r)));
-  place.scene.nodes[2].maskFile = "masks/2.png";  // what a mask leaves out is not filled
+  place.scene.nodes[2].maskFile = "masks/2.png";  // masked regions are not filled
   const Requirements masked = requirementsOf(place.scene, options);
   CHECK(masked.masked == 1);
   CHECK_FALSE((masked.fill || runs("filling", masked)));
@@ -317,7 +318,7 @@ TEST_CASE("cells that are called hidden change no pixel") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}, {0, 1, 3}};
   options.samplesPerAxis = 1;
-  options.planes.resize(1);  // the wall alone: what lies around a board is covered by no mesh
+  options.planes.resize(1);  // the wall alone, because no mesh covers the surroundings of a board
   SyntheticScene made = makeScene(options);
   for (Cell& cell : made.scene.cells) cell.mesh.tier.back() = kTierRejected;
   for (std::uint8_t& value : made.photographs[3].values) value = std::uint8_t(value * 3 / 4);
@@ -331,7 +332,7 @@ TEST_CASE("cells that are called hidden change no pixel") {
           settings.morph = morph;
           settings.colourMapping = mapping;
           settings.colourProxy = 2;
-          settings.colourLeastSamples = 16;
+          settings.colourMinSamples = 16;
           settings.fadeShare = 0;
           settings.renderScale = x < 0 ? 0.6 : 1.0;
           const Camera eye = cameraAt({x, 0.3, 0.1}, x / 3, 0, 200, 150, fov);

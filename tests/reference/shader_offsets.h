@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the compiler put the members of a struct.
+// Reads the offsets of a struct's members from SPIR-V.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One header for GLSL and C++: the offsets that the compiler wrote into the SPIR-V are those of the C++ struct.
+// Headers shared by GLSL and C++: struct offsets in the SPIR-V equal those of the C++ struct.
 #include <catch2/catch.hpp>
 #include <cstddef>
 
@@ -100,7 +100,7 @@ TEST_CASE("candidates of the gather lie in memory as its shaders read them") {
       {"toRay", offsetof(GatherView, toRay)},         {"spacing", offsetof(GatherView, spacing)},
       {"step", offsetof(GatherView, step)},           {"focalPx", offsetof(GatherView, focalPx)},
       {"detail", offsetof(GatherView, detail)},       {"nearDistance", offsetof(GatherView, nearDistance)},
-      {"count", offsetof(GatherView, count)},         {"lowestTier", offsetof(GatherView, lowestTier)}};
+      {"count", offsetof(GatherView, count)},         {"maxTier", offsetof(GatherView, maxTier)}};
   CHECK(offsetsOf(ibr::shaders::gather_frag, "GatherView") == view);
   const std::map<std::string, std::uint32_t> constants{{"extent", offsetof(GatherConstants, extent)},
                                                        {"voteExtent", offsetof(GatherConstants, voteExtent)},
@@ -109,6 +109,6 @@ TEST_CASE("candidates of the gather lie in memory as its shaders read them") {
                                                        {"depthFirst", offsetof(GatherConstants, depthFirst)},
                                                        {"depthSpan", offsetof(GatherConstants, depthSpan)}};
   CHECK(offsetsOf(ibr::shaders::gather_frag, "GatherConstants") == constants);
-  CHECK(sizeof(GatherView) == ibr::shader::kMaxGathered * sizeof(GatherCandidate) + offsetof(GatherView, lowestTier) +
-                                  4 - offsetof(GatherView, projection));
+  CHECK(sizeof(GatherView) == ibr::shader::kMaxGathered * sizeof(GatherCandidate) + offsetof(GatherView, maxTier) + 4 -
+                                  offsetof(GatherView, projection));
 }

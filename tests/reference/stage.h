@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A generated place, on the test device and as data, that pictures can be taken of.
+// A generated scene, as data and on the test device, and images of the scene.
 #pragma once
 
 #include <numbers>
@@ -21,8 +21,8 @@ inline Camera cameraAt(glm::dvec3 position, double yaw = 0, double pitch = 0, in
   return camera;
 }
 
-/// A wall 8 m ahead and a board half as far, seen by d cameras a metre apart, of different sizes and orientations: the
-/// second is upright (portrait, rolled), the third larger and turned, the fourth has an off-centre principal point.
+/// A wall at 8 m and a board at half that distance, seen by d cameras a metre apart. Sizes and orientations differ: the
+/// second is portrait and rolled, the third larger and turned, the fourth has an off-centre principal point.
 inline SyntheticOptions place(std::size_t members) {
   SyntheticOptions options;
   options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}, 0.05, 0, 240, 360, 1.4),
@@ -37,7 +37,7 @@ inline SyntheticOptions place(std::size_t members) {
   return options;
 }
 
-/// The photographs as they are. The place must outlive it.
+/// Texture source of the source images. `place` must outlive it.
 inline TextureSource photographsOf(const SyntheticScene& place) {
   return [&place](const Scene&, std::size_t node, int firstLevel) {
     return smallerLevels(buildMips(place.photographs[node]), firstLevel);
@@ -63,7 +63,7 @@ class Stage {
   const GpuScene& gpuScene() const { return gpuScene_; }
   TextureFilter filter() const { return filter_; }
 
-  /// Of the photographs, as they are. The stage must outlive it.
+  /// Texture source of the source images. The stage must outlive it.
   TextureSource source() const {
     return
         [this](const Scene&, std::size_t node, int firstLevel) { return smallerLevels(textures_[node], firstLevel); };
@@ -72,24 +72,24 @@ class Stage {
   FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
     return planFrame(place_.scene, bounds_, {{view}, settings});
   }
-  /// RGBA; the caller chooses what alpha means.
+  /// Renders an RGBA image. `plan.settings.alpha` selects the content of alpha.
   Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
     RendererOptions options = optionsFor(plan.settings, extent, format);
-    options.uncertainties = &scene();
+    options.uncertaintyScene = &scene();
     const Renderer renderer(*device_, gpuScene_, options);
     Offscreen offscreen(*device_, extent, format);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }
   Image8 render(const Camera& view, const RenderSettings& settings = {}) const { return render(plan(view, settings)); }
 
-  /// A picture of every view.
+  /// Renders one image a view.
   std::vector<Image8> renderViews(const FramePlan& plan) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
     RendererOptions options = optionsFor(plan.settings, extent);
-    options.views = std::uint32_t(plan.views.size());
+    options.maxViews = std::uint32_t(plan.views.size());
     const Renderer renderer(*device_, gpuScene_, options);
     std::vector<Offscreen> offscreens;
     std::vector<Target> targets;
@@ -116,15 +116,15 @@ class Stage {
   SyntheticScene place_;
   std::vector<std::vector<Image8>> textures_;
   SceneBounds bounds_;
-  TextureFilter filter_;  // not what a software device takes for speed
+  TextureFilter filter_;  // fixed, because `automatic` differs between devices
   GpuScene gpuScene_;
   Device* device_;
 };
 
-/// Backdrops, which the gather can use with addEvidence: each camera's own view of the planes, exact.
+/// Adds each camera's exact backdrop. With addEvidence, the backdrops can be gathered from.
 inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options) {
   for (std::uint32_t n = 0; n < place.scene.nodes.size(); ++n) {
-    // A cell of the camera and one beside it, of which the first member's half is kept.
+    // A cell of the camera and a neighbour. Only the half of its first member is kept.
     SyntheticOptions pair = options;
     pair.cells = {{0, 1}};
     pair.cameras = {options.cameras[n], options.cameras[n]};
@@ -135,14 +135,14 @@ inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options)
     mesh.match.resize(1);
     mesh.ratio.resize(1);
     for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
-      mesh.inverseDistance[p] /= mesh.ratio[0][p];  // of this member alone
+      mesh.inverseDistance[p] /= mesh.ratio[0][p];  // relative to this member alone
       mesh.ratio[0][p] = 1;
     }
     place.scene.backdrops.push_back(backdrop);
   }
 }
 
-/// Makes photographs with backdrops fit to be gathered from: three others confirm each vertex. Their depth textures
+/// Adds evidence to backdrops, so that they can be gathered from: three photographs confirm each vertex. Depth textures
 /// (farDepths) are at infinity.
 inline void addEvidence(SyntheticScene& place) {
   for (Cell& backdrop : place.scene.backdrops) {
@@ -157,17 +157,17 @@ inline Texture farDepths(const Scene&, std::size_t, int) {
   return depthTexture({ImageF(4, 3, 1, 0.0f), ImageF(4, 3, 1, 0.9f)}, 16).texture;
 }
 
-/// Four cameras' place() as two cells.
+/// The four cameras of place() as two cells.
 inline SyntheticScene twoCells() {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   return makeScene(options);
 }
 
-/// Settings under which alpha tells what was drawn, and what was not drawn stays empty.
+/// Settings in which alpha encodes the tier and holes stay empty.
 inline RenderSettings withTiers() {
   RenderSettings settings;
-  settings.lowestTier = kTierCompleted;
+  settings.maxTier = kTierCompleted;
   settings.alpha = AlphaContent::tier;
   return settings;
 }

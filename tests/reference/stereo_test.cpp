@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two eyes in one plan ([T] §2.5.4).
+// Plans with two eyes ([T] §2.5.4).
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -19,7 +19,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Eyes side by side, each with its principal point off-centre by `skew` pixels towards the nose.
+// Two eyes side by side, whose principal points are off-centre by `skew` px towards the nose.
 std::vector<Camera> eyes(double ipd, double skew, double canting = 0) {
   std::vector<Camera> views{cameraAt({0.4, 0.2, 0.05}, 0.03), cameraAt({0.4, 0.2, 0.05}, 0.03)};
   for (int e = 0; e < 2; ++e) {
@@ -55,7 +55,7 @@ TEST_CASE("what is far away is dithered alike in both eyes") {
   SyntheticOptions options = place(3);
   options.atInfinity = true;
   SyntheticScene made = makeScene(options);
-  // Unlike one another, so that there is grain.
+  // Different photographs, so that dithering causes grain.
   for (std::size_t i = 0; i < made.photographs.size(); ++i)
     for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 50 * i);
   const Stage stage(testDevice(), made);
@@ -63,12 +63,12 @@ TEST_CASE("what is far away is dithered alike in both eyes") {
   settings.blend = BlendMode::dither;
   struct Row {
     double skew, canting;
-    int shift;  // px from a far point in the left picture to the same in the right one
+    int shift;  // px from a far point in the left image to the same point in the right one
   };
-  // Displays turned outwards: with pixels of one focal length the pattern fits in the middle.
+  // Displays turned outwards: with equal focal lengths the pattern matches only in the middle.
   const double focal = eyes(0, 0)[0].intrinsics.fx;
   for (const Row& row : {Row{0, 0, 0}, Row{21, 0, -42}, Row{0, std::atan(10 / focal), -20}}) {
-    // So near that both eyes have nearly the same weights.
+    // A distance so small that both eyes have nearly the same weights.
     const FramePlan plan =
         planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.002, row.skew, row.canting), settings});
     const std::vector<Image8> pictures = stage.renderViews(plan);
@@ -77,7 +77,7 @@ TEST_CASE("what is far away is dithered alike in both eyes") {
     FramePlan plain = plan;
     plain.settings = blended;
     const std::vector<Image8> smooth = stage.renderViews(plain);
-    // The grain: what dithering changes. Compared about the middle of the left picture.
+    // Grain: the difference that dithering causes, compared around the middle of the left image.
     std::size_t grain = 0, differs = 0;
     for (int y = 100; y < 140; ++y)
       for (int x = 130; x < 190; ++x) {
@@ -96,7 +96,7 @@ TEST_CASE("targets may be layers of one image, as a headset's are: each is left 
   const Stage stage(testDevice(), makeScene(place(3)));
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), withTiers()});
   const VkExtent2D extent{320, 240};
-  const Renderer renderer(testDevice(), stage.gpuScene(), {.largest = extent, .views = 2, .depth = true});
+  const Renderer renderer(testDevice(), stage.gpuScene(), {.maxExtent = extent, .maxViews = 2, .depth = true});
   const auto layered = [&](VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect) {
     return GpuImage(testDevice(),
                     {.format = format,
@@ -121,13 +121,13 @@ TEST_CASE("targets may be layers of one image, as a headset's are: each is left 
                     .view = colourViews[eye].get(),
                     .format = VK_FORMAT_R8G8B8A8_UNORM,
                     .extent = extent,
-                    // What the validation layer would see if the right eye's barriers were those of the left eye too.
-                    .before = eye == 0 ? use::kUndefined : use::kColourAttachment,
-                    .after = use::kTransferSource,
+                    // The validation layer reports an error if the right eye's barriers repeat the left eye's.
+                    .initialUse = eye == 0 ? use::kUndefined : use::kColourAttachment,
+                    .finalUse = use::kTransferSource,
                     .depth = DepthTarget{.image = depth.get(),
                                          .view = depthViews[eye].get(),
-                                         .before = eye == 0 ? use::kUndefined : use::kDepthAttachment,
-                                         .after = use::kDepthAttachment,
+                                         .initialUse = eye == 0 ? use::kUndefined : use::kDepthAttachment,
+                                         .finalUse = use::kDepthAttachment,
                                          .layer = eye},
                     .layer = eye};
   }
@@ -157,14 +157,14 @@ TEST_CASE("multiview is probed, not believed; the pixels are the same with it an
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
   RenderSettings settings = withTiers();
-  settings.lowestTier = kTierFilled;
+  settings.maxTier = kTierFilled;
   settings.blend = BlendMode::mixed;
   settings.colourMapping = ColourMapping::ours;
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), settings});
   const auto rendered = [&](bool multiview) {
     const VkExtent2D extent{320, 240};
     const Renderer renderer(testDevice(), stage.gpuScene(),
-                            {.largest = extent, .views = 2, .depth = true, .multiview = multiview});
+                            {.maxExtent = extent, .maxViews = 2, .depth = true, .multiview = multiview});
     const auto counters = renderer.count(plan);
     Offscreen left(testDevice(), extent), right(testDevice(), extent);
     const Target targets[]{left.target(), right.target()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs under a byte budget: on a walk through a generated graph the pictures tell which textures are there.
+// Streaming under a byte budget: on a walk through a generated graph, colours identify the resident textures.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t(1) << 20;
 
-/// side² cameras a metre apart that look the same way at a backdrop at infinity, two triangles of three in each square.
+/// side² cameras a metre apart, all in one direction, before a backdrop at infinity; two of three triangles a square.
 Scene gridScene(int side, int width, int height) {
   Scene scene;
   for (int z = 0; z < side; ++z)
@@ -50,7 +50,7 @@ Scene gridScene(int side, int width, int height) {
   return scene;
 }
 
-/// Every photograph has one colour, which tells it from its neighbours; the stand-in has the same, but darker.
+/// One colour a photograph, different from its neighbours. The stand-in has the same hue, but is darker.
 struct Colours {
   TextureFormat format = TextureFormat::rgba8;
   static constexpr int kStandInSide = 64;
@@ -86,7 +86,7 @@ struct Colours {
   }
 };
 
-/// A walker whose device has always finished the frame before the last.
+/// Viewer whose device has always finished the frame before the last.
 class Walker {
  public:
   Walker(const Scene& scene, const GpuSceneOptions& options, VkExtent2D size)
@@ -129,7 +129,7 @@ class Walker {
   Offscreen offscreen_;
 };
 
-// Share of pixels by the photograph's own colour, and by its stand-in's.
+// Shares of pixels in the photograph's own colour and in its stand-in's colour.
 struct Shares {
   double own = 0, standIn = 0;
 };
@@ -149,7 +149,7 @@ Shares sharesOf(const Image8& picture, std::size_t node) {
   return shares;
 }
 
-// Pixels that show no photograph: none of their colours is so purple.
+// Number of pixels without a photograph. The background is purple, and no photograph's green is so low.
 int emptyPixels(const Image8& picture) {
   int count = 0;
   for (int y = 0; y < picture.height; ++y)
@@ -166,8 +166,8 @@ struct Messages {
   }
 };
 
-// Walks along the grid's diagonal; where it stands still at a photograph, that one is to be seen. At the end it jumps
-// back to the beginning.
+// Walks along the grid's diagonal, with stops at photographs; at a stop the photograph must be shown. Ends with a jump
+// back to the start.
 void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int every) {
   const Scene scene = gridScene(side, 512, 512);
   const Colours colours{format};
@@ -200,11 +200,11 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   standAt(0);
   CHECK(withoutRoom == 0);
   CHECK(walker.most <= budget);
-  CHECK(walker.most > budget * 3 / 4);  // it makes use of it
+  CHECK(walker.most > budget * 3 / 4);  // the budget is used
   CHECK(walker.uploaded > budget / 2);
   CAPTURE(messages.warnings);
-  if (format != TextureFormat::rgba8 && !testDevice().samplesBlocks()) {
-    // Eight times as many bytes: both are said, once, and what the budget holds is shown all the same.
+  if (format != TextureFormat::rgba8 && !testDevice().supportsBlockCompression()) {
+    // Textures take eight times as many bytes. Both warnings appear once, and the resident textures are shown.
     REQUIRE(!messages.warnings.empty());
     CHECK_THAT(messages.warnings[0], Catch::Contains("decoded to RGBA8"));
     if (messages.warnings.size() > 1) CHECK_THAT(messages.warnings[1], Catch::Contains("stand-ins"));
@@ -228,14 +228,14 @@ TEST_CASE("what leaves is streamed too") {
   FramePlan plan = walker.planAt({11, 0, 11});
   do walker.frame(plan);
   while (walker.streamed.waiting > 0);
-  plan.leaving.push_back({walker.planAt({0, 0, 0}).cells[0], 0});  // far off: none of its photographs is there
+  plan.fadingOut.push_back({walker.planAt({0, 0, 0}).cells[0], 0});  // far away: none of its photographs is resident
   Image8 picture;
   do picture = walker.frame(plan);
   while (walker.streamed.waiting > 0);
   CHECK(sharesOf(picture, 0).own > 0.9);
 }
 
-// Run it by its name: 1 GiB of memory, 14 GB of textures.
+// Hidden test, run by name: needs 1 GiB of memory for 14 GB of textures.
 TEST_CASE("ten thousand photographs that need 14 GB walk within 1 GiB", "[.large]") {
   walk(100, TextureFormat::rgba8, 1024 * kMiB, 300, 50);
 }
@@ -256,14 +256,14 @@ TEST_CASE("what fits into the budget does not stream") {
 TEST_CASE("a stand-in is shown while a photograph is on its way, the main cell's members come first") {
   const Scene scene = gridScene(6, 512, 512);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 20 * kMiB, .stagingBytes = 3 * kMiB}, {256, 256});
-  // 3 MiB of staging: two photographs of 1.33 MiB a frame at most.
+  // Staging of 3 MiB allows two photographs of 1.33 MiB a frame.
   const FramePlan plan = walker.planAt({2, 0, 2});
   const std::size_t node = 2 * 6 + 2;
   std::vector<std::uint32_t> missing;
   Image8 picture;
   for (int frame = 0; frame < 40; ++frame) {
     picture = walker.frame(plan);
-    const GpuScene::State& state = walker.gpuScene.state();
+    const GpuScene::State& state = stateOf(walker.gpuScene);
     missing.push_back(walker.streamed.waiting + walker.streamed.withoutRoom);
     const Shares shares = sharesOf(picture, node);
     const bool there = state.photographs->at(std::uint32_t(node)).view != VK_NULL_HANDLE && shares.own > 0.99;
@@ -300,7 +300,7 @@ TEST_CASE("a frame that was never submitted is made good by its number") {
   const FramePlan plan = walker.planAt({1, 0, 1});
   const std::size_t node = 1 * 4 + 1;
   for (int frame = 0; frame < 30; ++frame) {
-    // Recorded and dropped, several times over.
+    // Commands recorded and dropped, several times.
     for (int again = frame % 3; again > 0; --again) try {
         submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
           walker.gpuScene.stream(commands, plan, walker.number + 1, walker.number);
@@ -330,7 +330,7 @@ TEST_CASE("a small budget steps down, and says so") {
     CHECK(walker.most <= 10 * kMiB);
   }
   {
-    // Room for 16, but the view wants more.
+    // Room for 16 photographs, but the view needs more.
     Messages messages;
     Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
     FramePlan plan = walker.planAt({2, 0, 2});
@@ -343,7 +343,7 @@ TEST_CASE("a small budget steps down, and says so") {
     REQUIRE(messages.warnings.size() == 1);
     CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("of the 36 photographs"));
     walker.frame(plan);
-    CHECK(messages.warnings.size() == 1);  // once
+    CHECK(messages.warnings.size() == 1);  // reported once
     CHECK(walker.most <= 24 * kMiB);
   }
   {
@@ -369,7 +369,7 @@ TEST_CASE("the smallest budget is said, and it is enough for a picture") {
   }
   CHECK_THROWS_WITH(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = smallest - 1}),
                     Catch::Contains(std::to_string(smallest)));
-  // Less than one photograph of the nine.
+  // A budget below the size of one of the nine photographs.
   REQUIRE(smallest < 512 * 512 * 4);
   for (const std::uint64_t budget : {smallest, std::uint64_t(512 * 512 * 4)}) {
     Walker walker(scene, {.source = Colours{}, .budgetBytes = budget}, {128, 128});
@@ -403,7 +403,7 @@ TEST_CASE("a photograph that cannot be read keeps its stand-in") {
 TEST_CASE("photographs that no mesh shows are not there") {
   Scene scene = gridScene(3, 64, 64);
   const std::uint64_t all = GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures;
-  scene.cells.resize(1);  // three photographs of nine
+  scene.cells.resize(1);  // three of the nine photographs
   CHECK(GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures * 3 == all);
 }
 
@@ -412,8 +412,8 @@ TEST_CASE("what is wanted: the plan's photographs in its order, then the graph a
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB}, {64, 64});
   FramePlan plan;
   plan.cells = {{.cell = 8}, {.cell = 0}};
-  plan.former = {{.cell = 31}};
-  const WantedNodes wanted = wantedNodes(walker.gpuScene.state(), plan, 100);
+  plan.previous = {{.cell = 31}};
+  const WantedNodes wanted = wantedNodes(stateOf(walker.gpuScene), plan, 100);
   const auto& members = [&](std::size_t cell) -> const std::vector<std::uint32_t>& {
     return scene.cells[cell].members;
   };
@@ -422,7 +422,7 @@ TEST_CASE("what is wanted: the plan's photographs in its order, then the graph a
   CHECK(std::vector(wanted.nodes.begin(), wanted.nodes.begin() + 8) ==
         std::vector<std::uint32_t>{5, 6, 10, 0, 1, 19, 24, 23});
   REQUIRE(wanted.nodes.size() == 25);
-  // Nodes of cells that touch the main cell come before those that do not.
+  // Nodes of cells that touch the main cell come before all others.
   std::vector<bool> near(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     if (std::ranges::any_of(cell.members, [&](auto m) { return std::ranges::find(members(8), m) != members(8).end(); }))
@@ -433,5 +433,5 @@ TEST_CASE("what is wanted: the plan's photographs in its order, then the graph a
     left |= !near[wanted.nodes[i]];
   }
   CHECK(left);
-  CHECK(wantedNodes(walker.gpuScene.state(), plan, 0).nodes.size() == 8);
+  CHECK(wantedNodes(stateOf(walker.gpuScene), plan, 0).nodes.size() == 8);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures in blocks on the device, and what a scene takes there.
+// Block-compressed textures on the device, and the memory a scene takes there.
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr TextureFormat kFormats[]{TextureFormat::rgba8, TextureFormat::bc1, TextureFormat::bc7};
 
-// The photographs of a place in a format, and what a device shows of them at best.
+// The photographs of a scene in a texture format, and the decoded images that a device should show.
 struct Encoded {
   std::vector<Texture> textures;
   std::vector<std::vector<Image8>> decoded;
@@ -48,7 +48,7 @@ struct Messages {
   }
 };
 
-// A level as the device decodes it, by copying it into an image without blocks.
+// A level as the device decodes it, copied into an uncompressed image.
 Image8 decodedOnDevice(const GpuImage& blocks, std::uint32_t level, int width, int height) {
   const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};
   const GpuImage plain(testDevice(),
@@ -86,12 +86,12 @@ bool copies(VkFormat format) {
 
 }  // namespace
 
-// NUMERICS N14: BC7 is exact, BC1 is loosely specified.
+// Property N14: BC7 decoding is exact, BC1 is loosely specified.
 TEST_CASE("a device decodes blocks as we do, at any size and level", "[N14][bc]") {
   const Image8 photograph = makeScene(test::place(2)).photographs[0];
   for (const auto& [format, levelsOff] : {std::pair{TextureFormat::bc1, 1}, {TextureFormat::bc7, 0}})
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 7}, {4, 4}, {61, 38}, {128, 96}}) {
-      if (!testDevice().samplesBlocks() || !copies(vulkanFormat(format))) continue;
+      if (!testDevice().supportsBlockCompression() || !copies(vulkanFormat(format))) continue;
       Image8 part(width, height, 4);
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) std::ranges::copy(photograph.pixel(90 + x, 60 + y), part.pixel(x, y).begin());
@@ -127,8 +127,8 @@ TEST_CASE("a picture from blocks is that from the same blocks decoded, and close
   const Image8 expected = plain.render(view);
   struct Expected {
     TextureFormat format;
-    int levels;    // that a device may differ from our decoder: filtering, and NUMERICS N14 for BC1
-    double floor;  // dB
+    int levels;    // max. difference from our decoder, 8-bit levels: filtering, and N14 for BC1
+    double floor;  // min. PSNR, dB
   };
   for (const auto& [format, levels, floor] :
        {Expected{TextureFormat::bc1, 3, 34}, Expected{TextureFormat::bc7, 1, 42}}) {
@@ -139,19 +139,19 @@ TEST_CASE("a picture from blocks is that from the same blocks decoded, and close
     const Image8 picture = blocks.render(view);
     CHECK(difference(picture, decoded.render(view), levels).shareAbove == 0);
     CHECK(psnr(picture, expected) > floor);
-    CHECK(psnr(picture, expected) < 60);  // it is another picture
+    CHECK(psnr(picture, expected) < 60);  // the image is not identical
   }
 }
 
 TEST_CASE("a filter in one mip level differs from one between two, but little") {
   const SyntheticScene place = makeScene(test::place(3));
-  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 160, 120);  // half the pixels that the photographs have
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 160, 120);  // half the photographs' resolution
   const Stage trilinear(testDevice(), place, {.filter = TextureFilter::trilinear});
   const Stage bilinear(testDevice(), place, {.filter = TextureFilter::bilinear});
   const double between = psnr(bilinear.render(view), trilinear.render(view));
   CHECK(between > 25);
   CHECK(between < 60);
-  // What automatic means is the device's.
+  // The device decides the meaning of TextureFilter::automatic.
   const bool software = testDevice().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   const GpuScene automatic(testDevice(), place.scene, {.source = trilinear.source()});
   const Renderer renderer(testDevice(), automatic, {{160, 120}});
@@ -203,8 +203,8 @@ TEST_CASE("where a photograph is magnified the bicubic filter is nearer to the t
 }
 
 TEST_CASE("what is allocated is what was predicted, but for alignment", "[P12][bc]") {
-  // The second scene shows three photographs of four, with one in two cells and in a backdrop; a rejected triangle of
-  // it is not on the device.
+  // The second scene uses three photographs of four, one of them in two cells and in a backdrop. One of its triangles
+  // is rejected and not on the device.
   SyntheticOptions options = test::place(4);
   options.cells = {{0, 1}, {0, 2}};
   SyntheticScene some = makeScene(options);
@@ -215,8 +215,8 @@ TEST_CASE("what is allocated is what was predicted, but for alignment", "[P12][b
   for (Node& node : large.scene.nodes) node.camera.intrinsics = resized(node.camera.intrinsics, 1000, 750);
   for (const Scene& scene : {makeScene(test::place(4)).scene, some.scene, large.scene})
     for (const TextureFormat format : kFormats) {
-      if (format != TextureFormat::rgba8 && !testDevice().samplesBlocks()) continue;
-      // What is in them does not matter.
+      if (format != TextureFormat::rgba8 && !testDevice().supportsBlockCompression()) continue;
+      // The content is irrelevant.
       const auto source = [&](const Scene& of, std::size_t node, int firstLevel) {
         const Intrinsics& k = of.nodes[node].camera.intrinsics;
         Texture texture;
@@ -237,7 +237,7 @@ TEST_CASE("what is allocated is what was predicted, but for alignment", "[P12][b
       CHECK(memory.positions < demand.positions + 256);
       CHECK(memory.indices >= demand.indices);
       CHECK(memory.indices < demand.indices + 256);
-      // Each row of large levels and each of the small levels may be aligned: lavapipe adds 1.6 % to 1000×750 RGBA8.
+      // Rows of large levels, and small levels, may be aligned: lavapipe adds 1.6 % to 1000×750 RGBA8.
       const std::uint64_t most = demand.textures / 32 + scene.nodes.size() * 10 * 1024;
       CHECK(memory.textures >= demand.textures);
       CHECK(memory.textures <= demand.textures + most);
@@ -281,7 +281,7 @@ TEST_CASE("blocks are decoded where that is asked for, is faster, or the device 
                             {.source = encoded.source(), .budgetBytes = budget, .blocks = blocks});
     return gpuScene.memory();
   };
-  if (!testDevice().samplesBlocks()) {  // a lesser device, or IBR_DISABLE_FEATURES
+  if (!testDevice().supportsBlockCompression()) {  // a device without BC, or with IBR_DISABLE_FEATURES
     Messages messages;
     const Stage stage(testDevice(), place,
                       {.source = encoded.source(), .blocks = BlockTextures::keep, .log = messages.log()});
@@ -302,9 +302,9 @@ TEST_CASE("blocks are decoded where that is asked for, is faster, or the device 
   }
   if (testDevice().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
     CHECK(memory(BlockTextures::automatic, 0).textures > 5 * kept.textures);
-    const std::uint64_t budget = kept.sum() + kept.textures;  // decoded they would not fit
+    const std::uint64_t budget = kept.sum() + kept.textures;  // too small for decoded textures
     CHECK(memory(BlockTextures::automatic, budget).textures == kept.textures);
-    // BC7 takes a software device so long that it is streamed rather than kept.
+    // A software device samples BC7 so slowly that decoded textures are streamed instead.
     const Encoded bc7(place, TextureFormat::bc7);
     const std::uint64_t bc7Bytes =
         GpuScene(testDevice(), place.scene, {.source = bc7.source(), .blocks = BlockTextures::keep}).memory().sum();
@@ -317,13 +317,13 @@ TEST_CASE("blocks are decoded where that is asked for, is faster, or the device 
   } else {
     CHECK(memory(BlockTextures::automatic, 0).textures == kept.textures);
   }
-  // An adopted device of which nothing is said: the optional feature does not count as enabled.
+  // An adopted device without feature information: optional features count as disabled.
   Device adopted = Device::adopt({.instance = testDevice().instance(),
                                   .physicalDevice = testDevice().physicalDevice(),
                                   .device = testDevice().handle(),
                                   .queue = testDevice().queue(),
                                   .queueFamily = testDevice().queueFamily()});
-  CHECK_FALSE(adopted.samplesBlocks());
+  CHECK_FALSE(adopted.supportsBlockCompression());
   Messages messages;
   const Stage stage(adopted, place, {.source = encoded.source(), .blocks = BlockTextures::keep, .log = messages.log()});
   CHECK(stage.render(view) == expected);

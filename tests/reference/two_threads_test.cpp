@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One thread goes on with frames while another puts a scene on the same device, each with a Device of its own.
+// One thread renders frames while another loads a scene on the same VkDevice; each thread has its own Device.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -37,7 +37,7 @@ TEST_CASE("frames go on while another thread puts a scene on the device") {
   } while (!done);
   loader.join();
   CHECK(different == 0);
-  // The other's scene in frames of this thread's device.
+  // This thread's device renders frames of the other thread's scene.
   const VkExtent2D extent{320, 240};
   const Renderer renderer(frames, loaded->gpuScene(), {extent});
   Offscreen offscreen(frames, extent);

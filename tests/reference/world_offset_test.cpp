@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// P6: what a picture of a cell differs by when the world's origin is far away, for cells of a millimetre to ten
-// kilometres. With IBR_PRINT_FIGURES the table of libibr/docs/numerics.md is printed.
+// Property P6: difference between images of a cell near the origin and far away, for cells of 1 mm to 10 km. With
+// IBR_PRINT_FIGURES, the test prints the table of libibr/docs/numerics.md.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using namespace ibr::test;
 
 namespace {
 
-// The world `size` times as large about the origin, which then is moved to `offset`.
+// Scales the world by `size` about the origin, then moves it by `offset`.
 Camera moved(Camera camera, double size, glm::dvec3 offset) {
   camera.pose.position = offset + size * camera.pose.position;
   return camera;
@@ -32,12 +32,12 @@ SyntheticScene moved(SyntheticScene place, double size, glm::dvec3 offset) {
 }
 
 struct Apart {
-  double px = 0;     // largest way of a vertex in the picture
-  double share = 0;  // of pixels that differ by more than a level
+  double px = 0;     // largest displacement of a vertex in the image
+  double share = 0;  // share of pixels that differ by more than one 8-bit level
   double psnr = 0;
 };
 
-// Of the vertices, seen by cameras whose places were rounded to what doubles hold there.
+// Largest displacement of the vertices, with camera positions rounded to doubles.
 double largestWay(const Scene& here, const Scene& there, const Camera& view, const Camera& viewThere, double size) {
   double largest = 0;
   for (std::size_t p = 0; p < here.cells[0].mesh.pointCount(); ++p) {
@@ -73,7 +73,7 @@ TEST_CASE("the picture is the same at any distance from the origin, of cells of 
                                         apart.share, apart.psnr)
                                 .c_str());
       INFO("cells of " << size << " m, " << offset << " m away");
-      // Doubles hold a place to 2⁻⁵³ of its distance; a cell of a metre's picture moves by that over its size.
+      // A double holds a position to 2⁻⁵³ of its distance. The image moves by that error divided by the cell size.
       const double grain = 2.3e-16 * offset / size;
       CHECK(apart.px < 1e-3 + 4000 * grain);
       CHECK(apart.share < 2e-3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shaders edited while a program runs ([T] §4.1.3).
+// Reload of shaders edited while a program runs ([T] §4.1.3).
 #include "ibr/shader_reload.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 const std::string kComposite = "render/composite.frag";
 
-/// A copy of some shaders that a test edits; the compiler has to live with a space in its name.
+/// A copy of some shaders that a test edits. Its path contains a space, to test the compiler's command line.
 class Copy {
  public:
   explicit Copy(const Files& files = {kComposite, "render/composite.vert", "render/colour_apply.comp"}) {
@@ -48,7 +48,7 @@ class Copy {
   const fs::path path = folder_ / "my shaders";
 };
 
-/// The next result that says anything; at the beginning all shaders are compiled, which takes a busy machine a while.
+/// Waits for the next non-empty result. At first all shaders are compiled, which takes long on a busy machine.
 ShaderReloader::Result next(ShaderReloader& reloader) {
   using namespace std::chrono_literals;
   for (int i = 0; i < 6000; ++i) {
@@ -93,7 +93,7 @@ TEST_CASE("an edited shader changes what is drawn with renderers made anew, on i
   const Stage stage(device, makeScene(small())), other(testDevice(), makeScene(small()));
   const Image8 before = picture(stage);
   const FramePlan plan = stage.plan(cameraAt({0.45, 0.3, 0.1}, 0.05, 0, 64, 48));
-  const Renderer old(device, stage.gpuScene(), {.largest = {64, 48}});
+  const Renderer old(device, stage.gpuScene(), {.maxExtent = {64, 48}});
   Offscreen offscreen(device, {64, 48});
   const auto drawnByOld = [&] {
     return offscreen.render([&](VkCommandBuffer commands) { old.record(commands, plan, offscreen.target()); });
@@ -173,12 +173,12 @@ TEST_CASE("a broken file keeps what is in use, and the compiler's text says wher
     CHECK_THAT(failure(), Contains("my shaders/render/composite.frag:" + std::to_string(line) + ": 'nonsense'"));
     CHECK(log.size() == 1);
     CHECK(picture(stage).values == before.values);
-    copy.edit("render/composite.vert", "gl_Position", "float more = 1.0; gl_Position");  // compiles the other again too
+    copy.edit("render/composite.vert", "gl_Position", "float more = 1.0; gl_Position");  // recompiles the other, too
     const ShaderReloader::Result again = next(reloader);
     CHECK(again.replaced == Files{"render/composite.vert"});
     CHECK(again.failed.empty());
     CHECK(filesOf(reloader.failing()) == Files{kComposite});
-    copy.write(kComposite, whole);  // the words in use: nothing to report but that it fails no longer
+    copy.write(kComposite, whole);  // the text in use: the only news is that the shader compiles
     copy.edit("render/composite.vert", "gl_Position", "float unused = 1.0; gl_Position");
     CHECK(next(reloader).replaced == Files{"render/composite.vert"});
     for (int i = 0; i < 1000 && !reloader.failing().empty(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read from SPIR-V, what counts as another interface, and words that are no SPIR-V.
+// Interfaces read from SPIR-V, interface changes, and data that is not valid SPIR-V.
 #include "gpu/draw/spirv_interface.h"
 
 #include <catch2/catch.hpp>
@@ -156,13 +156,13 @@ TEST_CASE("words that are no SPIR-V are an error, never more") {
   CHECK_THAT(after({}), Contains("0 entry points"));
   CHECK_THAT(after({0}), Contains("word 5: an instruction of 0 words"));
   CHECK_THAT(after({0xffff0011}), Contains("word 5: an instruction of 65535 words, where 1 are left"));
-  CHECK_THAT(after({0x00010011}), Contains("cut off"));                         // OpCapability of nothing
+  CHECK_THAT(after({0x00010011}), Contains("cut off"));                         // OpCapability without operand
   CHECK_THAT(after({0x00030005, 1, 0x41414141}), Contains("a text without"));   // OpName
   CHECK_THAT(after({0x00040017, 1, 1, 4}), Contains("type 1 is not defined"));  // a vector of itself
   CHECK_THAT(after({0x0003001e, 7, 7}), Contains("type 7 is not defined"));     // a structure of itself
   CHECK_THAT(after({0x0004003b, 9, 2, 0}), Contains("no pointer 9"));           // a variable
 
-  // Structures of two of the structure before: 2⁴⁰ leaves.
+  // Each structure contains the previous one twice: 2⁴⁰ leaves.
   std::vector<std::uint32_t> deep = header;
   deep.insert(deep.end(), {0x00030016, 1, 32});
   for (std::uint32_t i = 2; i < 42; ++i) deep.insert(deep.end(), {0x0004001e, i, i - 1, i - 1});

@@ -7,7 +7,7 @@
 
 namespace ibr::test {
 
-/// Two cameras, a cube, and all that a harmonised model may have.
+/// Two cameras, a cube, and all optional parts of a harmonised model.
 HtmModel exampleModel();
 void writeExampleModel(const std::filesystem::path& folder);
 

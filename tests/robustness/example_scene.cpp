@@ -15,7 +15,7 @@ namespace ibr::test {
 namespace {
 
 SyntheticScene plainScene() {
-  const glm::dvec3 offset(5e5, 5.4e6, 300);  // as UTM coordinates are
+  const glm::dvec3 offset(5e5, 5.4e6, 300);  // typical of UTM coordinates
   SyntheticOptions options;
   const auto add = [&](glm::dvec3 position, int width, int height, double roll) {
     options.cameras.push_back(
@@ -49,7 +49,7 @@ void addTroubles(MorphMesh& mesh) {
   mesh.planes.assign(mesh.pointCount(), glm::u16vec4(1, 3, 0, 0));
 }
 
-// The whole of a photograph, 4 units away.
+// A backdrop of a whole photograph, 4 units away.
 Cell backdropOf(const Scene& scene, std::uint32_t node) {
   const Intrinsics& k = scene.nodes[node].camera.intrinsics;
   Cell cell;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// model.gltf and its buffers, spoilt in one place at a time: loadHtmModel throws an Error that names file and place,
-// validateHtmModelFiles reports it; nothing else ever happens.
+// model.gltf and its buffers with one fault at a time: loadHtmModel throws an Error that names file and JSON pointer,
+// and validateHtmModelFiles reports the fault. No other outcome is allowed.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -94,7 +94,7 @@ TEST_CASE("a model's values that are not what they should be") {
   refuse(example, kExtension + "/cameras/0/camera/fx", 0);
   refuse(example, kExtension + "/cameras/0/camera/model", "FISHEYE");
   refuse(example, kExtension + "/cameras/0/camera/model", "EQUIRECTANGULAR");
-  refuse(example, kExtension + "/cameras/1/node", 0);  // the same name twice
+  refuse(example, kExtension + "/cameras/1/node", 0);  // a duplicate name
   refuse(example, kExtension + "/cameras/0/visibility/uri", "../up.png");
   refuse(example, kExtension + "/cameras", Json::array());
   refuse(example, kExtension + "/cameras",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accessors, buffer files and what else lies beside scene.gltf, spoilt.
+// Faults in accessors, buffer files and the other files beside scene.gltf.
 #include <sys/stat.h>
 
 #include <catch2/catch.hpp>
@@ -26,7 +26,7 @@ TEST_CASE("accessors keep inside their views, and views inside their buffers") {
   refuse("/accessors/0/componentType", "5130");
   refuse("/accessors/0/count", "0");
   refuse("/accessors/0/byteOffset", "4", "/accessors/0");
-  refuse("/accessors/0/byteOffset", "2");  // not aligned to its components
+  refuse("/accessors/0/byteOffset", "2");  // not aligned to its component size
   refuse("/accessors/0/normalized", "true");
   refuse("/accessors/0/sparse", "{}");
   refuse("/bufferViews/0/byteStride", "8");
@@ -34,10 +34,10 @@ TEST_CASE("accessors keep inside their views, and views inside their buffers") {
   refuse("/bufferViews/0/byteStride", "16", "/accessors/0");
   refuse("/bufferViews/0/byteStride", "256");
   refuse("/bufferViews/0/byteOffset", std::to_string(length), "/bufferViews/0");
-  refuse("/bufferViews/0/byteOffset", "2");  // aligned in the view is not aligned in the buffer
+  refuse("/bufferViews/0/byteOffset", "2");  // aligned in the view, but not in the buffer
   refuse("/bufferViews/0/byteLength", std::to_string(length + 4), "/bufferViews/0");
   refuse("/buffers/0/byteLength", std::to_string(length + 4));
-  refuse("/buffers/0/byteLength", std::to_string(length - 4), "/bufferViews/6");  // planes lie last
+  refuse("/buffers/0/byteLength", std::to_string(length - 4), "/bufferViews/6");  // planes are last
   refuse("/meshes/0/primitives/0/mode", "1");
   refuse("/meshes/0/primitives/1/attributes/_RATIO", "4", "/meshes/0/primitives/1/attributes");
   const auto ofMesh = [&](const char* what, int primitive) {
@@ -81,13 +81,13 @@ TEST_CASE("values of a buffer are checked, with their place") {
   for (float wrong : {0.0f, -0.0f, -1.0f}) poke(attributes["_RATIO"].get<int>(), 5, wrong);
   poke(attributes["_INVERSE_DISTANCE"].get<int>(), 1, -1e-30f);
   poke(attributes["_UNCERTAINTY"].get<int>(), 1, -1.0f);
-  poke(attributes["_PLANES"].get<int>(), 4, std::uint16_t(3));  // the same plane twice
+  poke(attributes["_PLANES"].get<int>(), 4, std::uint16_t(3));  // a duplicate plane
   poke(document.at(Json::json_pointer(kExtension + "/cells/0/ecc/1")).get<int>(), 0, 1.5f);
   poke(attributes["POSITION"].get<int>(), 4, 1e6f);
   const auto points = document["accessors"][0]["count"].get<std::uint16_t>();
   poke(document["meshes"][0]["primitives"][0]["indices"].get<int>(), 7, points);
   poke(document["meshes"][0]["primitives"][1]["indices"].get<int>(), 0, std::uint16_t(65535));
-  // Evidence: the backdrop's.
+  // Evidence of the backdrop.
   const int backdrop = document.at(Json::json_pointer(kExtension + "/backdrops/0/mesh")).get<int>();
   const std::string backdropAt = "/meshes/" + std::to_string(backdrop) + "/primitives/0/attributes";
   const Json& evidence = document.at(Json::json_pointer(backdropAt));
@@ -108,7 +108,7 @@ TEST_CASE("values of a buffer are checked, with their place") {
     CHECK_THAT(refusal(example().folder.path(), consensus).message, Catch::Contains("element 2"));
   }
   writeFile(file, kept);
-  // A swapped member shows in the derived positions.
+  // Swapped members contradict the derived positions.
   Json swapped = document;
   swapped.at(Json::json_pointer(kExtension + "/cells/1/members")) = {0, 2, 1};
   example().write(swapped);
@@ -136,7 +136,7 @@ TEST_CASE("a buffer file that is cut, missing or no file is named") {
   fs::create_symlink("/dev/zero", file);
   CHECK_THAT(refusal(example().folder.path(), "/buffers/0/uri").message, Catch::Contains("outside"));
   fs::remove(file);
-  // Longer than it says is allowed: glTF pads.
+  // A longer file is allowed, because glTF pads.
   std::vector<std::byte> longer = good;
   longer.resize(good.size() + 3);
   writeFile(file, longer);
@@ -154,7 +154,7 @@ TEST_CASE("references stay inside the scene's folder", "[P1]") {
           "%2e%2e/x", "..%2Fx", "%2Fetc%2Fpasswd", "", ".", "a%00b", "a%2", "C:\\x", "..\\x"})
       refuse(pointer, Json(uri).dump());
   fs::remove(example().folder / "link");
-  // Names that only look like it.
+  // Names that only resemble a parent folder are allowed.
   const fs::path file = example().bufferOf(0);
   fs::create_directory(example().folder / "cells/..b");
   fs::copy_file(file, example().folder / "cells/..b/a..b.bin");
@@ -194,7 +194,7 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
   writeKtx2(texture, readKtx2(depth));
   {
     const std::vector<Fault> faults = validateSceneFiles(example().folder.path());
-    REQUIRE(faults.size() == 2);  // of its size, too
+    REQUIRE(faults.size() == 2);  // one for its size as well
     for (const Fault& fault : faults) CHECK(fault.field == place);
     CHECK_THAT(faults[1].message, Catch::Contains("view1.ktx2 holds depth"));
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene.gltf, spoilt.
+// Faults in scene.gltf.
 #include <catch2/catch.hpp>
 #include <clocale>
 #include <functional>
@@ -31,7 +31,7 @@ TEST_CASE("whole numbers are whole, in range, and numbers") {
     for (const std::string value : {"-1", "3.7", "3.0", "1e30", "18446744073709551615", "18446744073709551616", "\"3\"",
                                     "null", "true", "[]", "{}", "-9223372036854775809"})
       refuse(pointer, value);
-  // Values that wrap to good ones in 32 bits.
+  // Values that become valid after wrap-around to 32 bits.
   refuse("/accessors/0/count", "4294967297");
   for (const std::string pointer : {"/accessors/0/bufferView", "/bufferViews/0/buffer"}) refuse(pointer, "4294967296");
   refuse("/extensions/IBR_image_graph/cells/0/members/1", "4294967297");
@@ -83,7 +83,7 @@ TEST_CASE("rotations are of unit length, vectors have their size") {
   for (const std::string value : {"[0,0,0,0]", "[0,0,0,1.01]", "[0,0,0.1,1]", "[0,0,0]", "[0,0,0,1,0]", "{}", "1"})
     refuse("/nodes/0/rotation", value);
   for (const std::string value : {"[0,0]", "[0,0,0,0]", "\"000\""}) refuse("/nodes/0/translation", value);
-  // Renormalised within 1e-3.
+  // Rotations within 1e-3 of unit length are normalised.
   Json nearly = example().document;
   nearly["nodes"][0]["rotation"] = {0, 0, 0, 1.0009};
   example().write(nearly);
@@ -138,7 +138,7 @@ TEST_CASE("what must be there is there") {
                Catch::Contains(attribute));
     example().restore();
   }
-  // Lists of glTF that something refers to.
+  // glTF lists that other parts refer to.
   for (const std::string list : {"nodes", "meshes", "accessors", "bufferViews", "buffers", "images"}) {
     INFO(list);
     Json wrong = example().document;
@@ -153,7 +153,7 @@ TEST_CASE("what must be there is there") {
 }
 
 TEST_CASE("every key of ours and every list of glTF may be of a wrong kind") {
-  // Each value of the document in turn becomes something else; whatever is said, it is an Error or a scene.
+  // Replaces each value of the document in turn with other types. The outcome must be an Error or a scene.
   std::vector<std::string> pointers;
   const std::function<void(const Json&, const std::string&)> walk = [&](const Json& value, const std::string& at) {
     if (!at.empty()) pointers.push_back(at);
@@ -240,7 +240,7 @@ TEST_CASE("names, members and links") {
   refuse(kExtension + "/photographs/0/camera/model", "\"FISHEYE\"");
   refuse("/asset/version", "\"1.0\"");
   refuse("/asset/version", "\"3.0\"");
-  // A second backdrop of one photograph.
+  // Two backdrops of one photograph.
   Json wrong = example().document;
   Json& backdrops = wrong.at(Json::json_pointer(kExtension + "/backdrops"));
   backdrops.push_back(backdrops[0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes that cannot be written.
+// Scenes that cannot be saved.
 #include <catch2/catch.hpp>
 
 #include "base/file.h"
@@ -25,7 +25,7 @@ TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
     CHECK_FALSE(fs::exists(folder / "scene/scene.gltf"));
     scene = exampleScene();
   };
-  scene.nodes[1].name = "photo \xff";  // not UTF-8
+  scene.nodes[1].name = "photo \xff";  // invalid UTF-8
   refused(ErrorCode::invalidInput, "nodes[1].name");
   scene.settings = "{\"seed\":";
   refused(ErrorCode::invalidInput, "settings");
@@ -45,7 +45,7 @@ TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
   refused(ErrorCode::invalidInput, "cells[0].mesh.confirmations");
   writeFile(folder / "file", "x");
   CHECK_THROWS_AS(saveScene(scene, folder / "file/scene"), Error);
-  // File names are bytes: they need not be UTF-8.
+  // File names are bytes and need not be valid UTF-8.
   scene.nodes[0].imageFile = "images/\xff%20 \xc3\xa4.png";
   saveScene(scene, folder / "scene");
   CHECK(loadScene(folder / "scene").nodes[0].imageFile == scene.nodes[0].imageFile);

@@ -48,7 +48,7 @@ void refuse(const std::string& pointer, const std::string& text, std::string pla
   if (place.empty()) place = pointer;
   INFO(pointer << " = " << text << ", expected at " << place);
   Json wrong = example().document;
-  wrong[Json::json_pointer(pointer)] = "@";  // what no parser's number can be is put in as text
+  wrong[Json::json_pointer(pointer)] = "@";  // inserted as text, because a JSON number type cannot hold every value
   std::string document = wrong.dump();
   document.replace(document.find("\"@\""), 3, text);
   writeFile(example().folder / "scene.gltf", document);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NUMERICS §7.1 for scene files: a good scene, spoilt in one place at a time. Each time loadScene throws an Error that
-// names file and place, and validateSceneFiles reports it; nothing else ever happens.
+// Scene files with one fault at a time. Each time loadScene must throw an Error that names file and JSON pointer, and
+// validateSceneFiles must report the fault. No other outcome is allowed.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 inline const std::string kExtension = "/extensions/IBR_image_graph";
 
-/// A good scene on disk, and its document.
+/// A valid scene on disk, and its document.
 struct Example {
   TemporaryFolder folder;
   Json document;
@@ -26,7 +26,7 @@ struct Example {
   std::filesystem::path bufferOf(std::size_t cell) const;
 };
 
-/// Made once; tests leave it as it was.
+/// Created once. Tests restore the example after changes.
 Example& example();
 
 struct Refusal {
@@ -34,14 +34,14 @@ struct Refusal {
   std::string message;
 };
 
-/// What loadScene says. validateSceneFiles must find fault with `place` (a JSON pointer) too, where one is given.
+/// Returns the Error of loadScene. If `place` (a JSON pointer) is given, validateSceneFiles must report the place, too.
 Refusal refusal(const std::filesystem::path& path, const std::string& place = {});
 
-/// Writes the example with the value at `pointer` replaced by a piece of JSON text, and expects it to be refused there
-/// (or at `place`).
+/// Replaces the example's value at `pointer` with a piece of JSON text, and expects a refusal at `pointer`, or at
+/// `place` if given.
 void refuse(const std::string& pointer, const std::string& text, std::string place = {});
 
-/// The same without the member at `pointer`; the place is what should hold it.
+/// Removes the member at `pointer` and expects a refusal that names the containing object.
 void refuseWithout(const std::string& pointer);
 
 }  // namespace ibr::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// write_example_scene FOLDER: FOLDER/scene and FOLDER/model, for the validators that are not ours (JSON Schema, glTF).
+// write_example_scene FOLDER: writes FOLDER/scene and FOLDER/model, for external validators (JSON Schema, glTF).
 #include <exception>
 #include <filesystem>
 #include <iostream>

@@ -59,7 +59,7 @@ HtmPicture photograph(const BumpyModel& bumpy, std::size_t camera, const std::ve
         colour = solidColour(pointOf(bumpy.model.surface.mesh, hit) - bumpy.options.middle + bumpy.offsets[camera]);
       for (int c = 0; c < 3; ++c)
         picture.photograph.pixel(x, y)[std::size_t(c)] = std::uint8_t(std::lround(255 * colour[c]));
-      // Trusted where nothing beside it is background or lies at another depth.
+      // A sample is trusted if no neighbour is background or lies at another depth.
       bool whole = true;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
@@ -141,7 +141,7 @@ std::vector<SurfaceHit> surfaceHits(const TriangleMesh& mesh, const Camera& came
     const glm::dvec3 a = projected[mesh.triangles[t].x], b = projected[mesh.triangles[t].y],
                      c = projected[mesh.triangles[t].z];
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    if (area == 0 || a.z <= 0 || b.z <= 0 || c.z <= 0) continue;  // none of ours comes behind a camera
+    if (area == 0 || a.z <= 0 || b.z <= 0 || c.z <= 0) continue;  // no triangle of the scene crosses a camera's plane
     const int left = std::max(0, int(std::floor(std::min({a.x, b.x, c.x})))),
               top = std::max(0, int(std::floor(std::min({a.y, b.y, c.y}))));
     const int right = std::min(k.width - 1, int(std::max({a.x, b.x, c.x}))),

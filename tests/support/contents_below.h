@@ -9,7 +9,7 @@
 
 namespace ibr::test {
 
-/// All files below a folder, by name relative to it.
+/// Returns the contents of all files below a folder, by their path relative to the folder.
 inline std::map<std::string, std::string> contentsBelow(const std::filesystem::path& folder) {
   std::map<std::string, std::string> contents;
   if (std::filesystem::exists(folder))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs of a generated court in a folder, with their model, ready to be built.
+// Writes photographs of a synthetic court and their COLMAP model into a folder, as input of a build.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "io/image_file.h"
 #include "scene/synth/court.h"
 #include "support/temporary_folder.h"
@@ -16,7 +16,7 @@
 namespace ibr::test {
 
 struct CourtPhotographs {
-  /// photo00.jpg, photo01.jpg, …; `larger`: one that is stored at twice its model's size.
+  /// Photographs are named photo00.jpg, photo01.jpg, …; `larger`: index of one stored at twice its camera's size.
   explicit CourtPhotographs(const Court& court, std::optional<std::size_t> larger = {}) {
     PosedModel model;
     std::filesystem::create_directories(folder / "photos");

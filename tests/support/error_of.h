@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a call throws.
+// Catches the Error that a call throws.
 #pragma once
 
 #include <catch2/catch.hpp>

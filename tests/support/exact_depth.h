@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact depth of generated scenes, in place of the depth that a build matches.
+// Exact depth of synthetic scenes; tests use it in place of matched depth.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace ibr::test {
 
-/// One channel: inverse depth along the camera's axis at pixel centres, 0 where there is nothing.
+/// Returns one channel: inverse depth along the camera's axis at pixel centres, 0 where there is no surface.
 inline ImageF exactInverseDepth(const SyntheticScene& scene, const Camera& camera) {
   ImageF map = renderDepth(scene, camera);
   for (float& value : map.values) value = 1 / value;
@@ -28,8 +28,8 @@ inline std::vector<Camera> camerasOf(const Scene& scene) {
   return cameras;
 }
 
-/// Matches of the photographs `of` (of a panorama its faces), exact; the others have none. Depth is unknown where there
-/// is nothing. The scene must outlive the result.
+/// Returns exact matches of the photographs `of` (of a panorama: of its faces); the other photographs have no matches.
+/// Depth is unknown where there is no surface. The scene must outlive the result.
 inline DepthMatches exactMatches(const SyntheticScene& scene, std::set<std::uint32_t> of) {
   return [&scene, of = std::move(of), views = depthViews(camerasOf(scene.scene))](std::size_t view) {
     std::optional<SweptDepth> match;

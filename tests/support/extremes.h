@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers at which arithmetic breaks (NUMERICS N16).
+// Floating-point numbers at the limits of their range, for tests with extreme input.
 #pragma once
 
 #include <limits>

@@ -20,7 +20,7 @@ namespace {
 struct Session {
   std::unique_ptr<Device> device;
   std::mutex mutex;
-  std::thread::id testThread;  // the only one in which Catch2 may be called; none between test cases
+  std::thread::id testThread;  // the only thread that may call Catch2; none between test cases
   ExpectedMessages* expected = nullptr;
   int messagesInTest = 0;
   int stray = 0;
@@ -46,8 +46,8 @@ void receive(LogLevel level, std::string_view message) {
   }
 }
 
-/// Drivers and layers are unloaded with the last instance; what they have not freed by then, a leak checker cannot
-/// ascribe to them any more. Loaded for good, they load once for all tests as well.
+/// Keeps drivers and layers loaded. The last instance unloads them, and a leak checker cannot attribute memory that
+/// an unloaded library has not freed. Loading them once for all tests is also faster.
 void keepDriversLoaded() {
   std::vector<std::string> names;
   dl_iterate_phdr(

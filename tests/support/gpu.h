@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests on a device share. They are linked with gpu_main.cpp (ibr_test(… GPU …)), which makes the device first.
+// Device and validation log shared by GPU tests. Link with gpu_main.cpp (ibr_test(… GPU …)), which creates the device.
 //
-// A message of the validation layer fails the test case in which it comes, unless an ExpectedMessages takes it.
+// A message of the validation layer fails the current test case, unless an ExpectedMessages object takes the message.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace ibr::test {
 
-/// One for all tests of a program, with validation.
+/// Returns the test program's only device; validation is on.
 Device& testDevice();
 
-/// For further devices: { .validation = true, .log = testLog() }.
+/// Log callback for additional devices: { .validation = true, .log = testLog() }.
 LogCallback testLog();
 
-/// Fails unless no message has come in this test case. For places in the middle of a long one.
+/// Fails if this test case has caused a validation message. For use in the middle of a long test case.
 void expectNoValidationMessages();
 
-/// Takes the messages that come while it lives, so that a test can provoke them.
+/// Collects the messages that arrive during its lifetime, so that a test can provoke them.
 class ExpectedMessages {
  public:
   ExpectedMessages();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between gpu.cpp and gpu_main.cpp.
+// Interface between gpu.cpp and gpu_main.cpp.
 #pragma once
 
 namespace ibr::test {
 
-void makeTestDevice();     // throws Error where there is none
-void destroyTestDevice();  // afterwards everything made from it must be gone
+void makeTestDevice();     // throws Error if there is no device
+void destroyTestDevice();  // precondition: all objects made from the device are destroyed
 void beginTestCase();
 void endTestCase();
-int strayMessages();  // that came outside test cases or from other threads, such as of objects that were never
-                      // destroyed
+int strayMessages();  // number of messages outside test cases or from other threads, e.g. about objects that
+                      // were never destroyed
 
 }  // namespace ibr::test

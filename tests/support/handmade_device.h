@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An instance and a device as an engine would make them from Device::requirements(), with validation.
+// Instance and device as an engine creates them from Device::requirements(), with validation.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,7 +13,7 @@ namespace ibr::test {
 
 class HandmadeDevice {
  public:
-  /// On the physical device of testDevice(). `apiVersion` 0: as required.
+  /// Uses the physical device of testDevice(). `apiVersion` 0: the required version.
   explicit HandmadeDevice(std::uint32_t apiVersion = 0);
   HandmadeDevice(const HandmadeDevice&) = delete;
   HandmadeDevice& operator=(const HandmadeDevice&) = delete;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body made in code as files that a harmonised model is built from.
+// Writes a generated body as input files of a harmonised-model build.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace ibr::test {
 
-/// Writes FOLDER/mesh.obj, images/NAME.png, masks/NAME.png (the body is 255) and sparse/ (COLMAP's text); NAME as the
-/// cameras are called.
+/// Writes FOLDER/mesh.obj, images/NAME.png, masks/NAME.png (255: body) and sparse/ (COLMAP text). NAME: name of
+/// the camera.
 void writeHtmFiles(const BumpyModel& bumpy, const std::filesystem::path& folder);
 
-/// sparse/ alone, of pinholes and images called `name`.png.
+/// Writes sparse/ only: pinhole cameras and images named `name`.png.
 void writeSparse(const std::filesystem::path& folder, const std::vector<HtmCamera>& cameras);
 
 }  // namespace ibr::test

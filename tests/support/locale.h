@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The locale in which a test program runs.
+// Sets the locale in which a test program runs.
 #pragma once
 
 #include <clocale>
@@ -11,8 +11,8 @@
 
 namespace ibr::test {
 
-/// That of IBR_TEST_LOCALE, which must write 0,5, for C and C++ (programs that link the library set theirs so); without
-/// it that of all C programs. False where there is no such locale, which is told.
+/// Sets the C and C++ locale to IBR_TEST_LOCALE, which must have a decimal comma: programs that link the library may do
+/// so. An unset variable keeps the "C" locale. Returns false and prints a message if there is no such locale.
 inline bool setTestLocale() {
   const char* name = std::getenv("IBR_TEST_LOCALE");
   if (!name || !*name) return true;

@@ -3,8 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "support/locale.h"
+#include "support/skipped.h"
 
 int main(int argc, char** argv) {
   if (!ibr::test::setTestLocale()) return 77;
-  return Catch::Session().run(argc, argv);
+  return ibr::test::exitCodeOf(Catch::Session().run(argc, argv));
 }

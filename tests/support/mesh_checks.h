@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must be true of an alignment's triangles however its points were joined; written another way than the library's.
+// Invariants of an alignment's triangles, for any topology change. Implemented independently of the library.
 #pragma once
 
 #include <array>
@@ -22,14 +22,14 @@ inline std::vector<Texels> texelsOfAll(const Alignment& alignment) {
   return texels;
 }
 
-/// By the corner products of a shoelace; exact, for doubles hold all of them.
+/// Shoelace formula over the corners. Exact: doubles hold all products.
 inline double twiceArea(const std::array<glm::dvec2, 3>& at) {
   double area = 0;
   for (std::size_t k = 0; k < 3; ++k) area += at[k].x * at[(k + 1) % 3].y - at[(k + 1) % 3].x * at[k].y;
   return area;
 }
 
-/// Of pictures, means of two, mean of all: any non-empty set of at most two members, and the whole.
+/// Checks each picture, the mean of each pair, and the mean of all pictures for a triangle of no or negative area.
 inline bool foldedAnywhere(const std::vector<std::vector<glm::ivec2>>& at, const glm::uvec3& t) {
   for (unsigned set = 1; set < 1u << at.size(); ++set) {
     if (std::popcount(set) > 2 && set + 1 != 1u << at.size()) continue;
@@ -48,7 +48,7 @@ inline std::set<std::set<std::uint32_t>> cornersOf(const std::vector<glm::uvec3>
   return all;
 }
 
-/// Directed edges without another beside them; checks that no edge stands twice.
+/// Returns the directed edges that have no opposite edge; checks that no directed edge occurs twice.
 inline std::set<std::pair<unsigned, unsigned>> borderOf(const std::vector<glm::uvec3>& triangles) {
   std::set<std::pair<unsigned, unsigned>> edges;
   for (const glm::uvec3& t : triangles)

@@ -7,7 +7,7 @@
 namespace ibr::test {
 namespace {
 
-// Sums of waves, some of them short: defined everywhere, so that pictures may be shifted by fractions.
+// Sum of waves, some of them short. Defined everywhere, so pictures can be shifted by fractions of a pixel.
 struct Texture {
   struct Wave {
     glm::dvec2 frequency;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An alignment whose truth is known: one smooth random texture seen shifted, and a mesh whose matches are off.
+// Alignments with a known solution: one smooth random texture, shifted in each picture, and a mesh with wrong matches.
 #pragma once
 
 #include <random>
@@ -11,18 +11,18 @@ namespace ibr::test {
 struct Planted {
   std::vector<Image8> pictures;
   Alignment alignment;            // points at `pictures`
-  std::vector<glm::dvec2> shift;  // d: where a point of the texture is seen in a picture, px from picture 0
+  std::vector<glm::dvec2> shift;  // d: shift of the texture in a picture, px relative to picture 0
 
   Planted() = default;
-  Planted(Planted&&) = default;  // the pictures stay where they are
+  Planted(Planted&&) = default;  // moving keeps the pictures' addresses
   Planted(const Planted&) = delete;
 };
 
-/// `members` pictures of side px, a grid of cells × cells squares; the points of all but the first picture are off by
-/// up to offPx each way, those of the border are not.
+/// Builds `members` pictures of side × side px and a grid of cells × cells squares. In all but the first picture, inner
+/// points are off by up to offPx in x and in y. Border points are exact.
 Planted planted(int members, int side, int cells, double offPx, std::uint32_t seed);
 
-/// Mean and largest distance, px, between two pictures' positions of a point beyond their shift; inner points only.
+/// Mean and maximum distance, px, between a point's positions in two pictures after their shift; inner points only.
 struct MatchError {
   double mean = 0, largest = 0;
 };

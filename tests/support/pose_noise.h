@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras whose poses are off by a known amount, the same with every standard library.
+// Cameras with pose errors of known size. The numbers are the same with every standard library.
 #pragma once
 
 #include <cmath>
@@ -17,12 +17,12 @@ class PoseNoise {
   explicit PoseNoise(unsigned seed) : engine_(seed) {}
 
   double uniform(double low, double high) { return low + (high - low) * double(engine_()) / 4294967295.0; }
-  /// Each component at most `size`.
+  /// Returns a vector with components of at most `size`, absolute.
   glm::dvec3 vector(double size) {
     const double x = uniform(-size, size), y = uniform(-size, size);
     return {x, y, uniform(-size, size)};
   }
-  /// Turned about each axis by at most `radians`, shifted along each by at most `shift`.
+  /// Turns cameras by at most `radians` about each axis and shifts them by at most `shift` along each axis.
   std::vector<Camera> on(std::vector<Camera> cameras, double radians, double shift) {
     for (Camera& camera : cameras) {
       camera.pose.rotation = glm::normalize(camera.pose.rotation * glm::dquat(1, vector(radians) / 2.0));

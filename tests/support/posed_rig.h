@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Simulated rigs of cameras with the tracks they would share.
+// Simulated camera rigs with exact tracks.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,11 +9,11 @@
 #include <random>
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr::test {
 
-/// A camera at `position` that looks along `direction` with `up` up.
+/// Returns a camera at `position` that looks along `direction`, with `up` up.
 inline Camera lookingAlong(glm::dvec3 position, glm::dvec3 direction, int width = 200, int height = 150,
                            double fovY = 0.9, glm::dvec3 up = {0, 0, 1}) {
   const glm::dvec3 back = -glm::normalize(direction);
@@ -22,7 +22,7 @@ inline Camera lookingAlong(glm::dvec3 position, glm::dvec3 direction, int width 
   return {pinholeFromFov(width, height, fovY), {position, glm::normalize(glm::quat_cast(axes))}};
 }
 
-/// A model of the cameras ("000", "001", … or given names) that see the points; where each is seen is exact.
+/// Returns a model of the cameras (named "000", "001", …, or as given) that see the points; observations are exact.
 inline PosedModel modelOf(const std::vector<Camera>& cameras, const std::vector<glm::dvec3>& points) {
   PosedModel model;
   for (std::size_t i = 0; i < cameras.size(); ++i) model.images.push_back({fmt::format("{:03}.png", i), cameras[i]});
@@ -39,7 +39,7 @@ inline PosedModel modelOf(const std::vector<Camera>& cameras, const std::vector<
   return model;
 }
 
-/// Points on a sphere about `centre`, evenly spread at random.
+/// Returns points on a sphere around `centre`, uniformly random.
 inline std::vector<glm::dvec3> pointsAround(glm::dvec3 centre, double radius, std::size_t count) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;

@@ -8,7 +8,7 @@
 
 namespace ibr::test {
 
-/// A fresh folder that goes away with the object.
+/// A new folder that is deleted with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

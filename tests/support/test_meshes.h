@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small meshes, and what must be true of any mesh after a step; written another way than the library's.
+// Small meshes, and invariants of any mesh after an operation. Implemented independently of the library.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace ibr::test {
 
-/// Corners 0 or 1, outward faces.
+/// Corners at 0 or 1 (times size, plus `at`); faces point outwards.
 inline TriangleMesh cube(glm::dvec3 at = glm::dvec3(0.0), double size = 1.0) {
   TriangleMesh mesh;
   for (unsigned v = 0; v < 8; ++v) mesh.positions.push_back(at + size * glm::dvec3(v & 1u, v >> 1 & 1u, v >> 2));
@@ -24,7 +24,7 @@ inline TriangleMesh cube(glm::dvec3 at = glm::dvec3(0.0), double size = 1.0) {
   return mesh;
 }
 
-/// n × n squares in the plane z = 0, upwards, corners at whole numbers.
+/// n × n squares in the plane z = 0, facing +z; corners at whole numbers.
 inline TriangleMesh flatGrid(std::uint32_t n) {
   TriangleMesh mesh;
   for (std::uint32_t y = 0; y <= n; ++y)
@@ -38,7 +38,7 @@ inline TriangleMesh flatGrid(std::uint32_t n) {
   return mesh;
 }
 
-/// A sphere of radius 1 with two poles and n·(n/2 − 1) other vertices, outward.
+/// Sphere of radius 1 with two poles and n·(n/2 − 1) other vertices; faces point outwards.
 inline TriangleMesh sphere(std::uint32_t n) {
   TriangleMesh mesh;
   const std::uint32_t rows = n / 2 - 1;
@@ -70,7 +70,7 @@ inline double areaOf(const TriangleMesh& mesh) {
   return sum;
 }
 
-/// Vertices − edges + faces.
+/// Returns vertices − edges + faces.
 inline long eulerNumber(const TriangleMesh& mesh) {
   std::set<std::set<std::uint32_t>> edges;
   for (const glm::uvec3& t : mesh.triangles)
@@ -87,7 +87,7 @@ inline std::size_t borderEdges(const TriangleMesh& mesh) {
   return count;
 }
 
-/// Indices in range, all vertices used, each directed edge once, one fan at each vertex.
+/// Checks that indices are in range, all vertices are used, directed edges are unique and each vertex has one fan.
 inline bool isOrientedManifold(const TriangleMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> edges;
   std::vector<std::map<std::uint32_t, std::uint32_t>> around(mesh.positions.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs as cameras store them that are held upright or upside down.
+// Photographs as cameras store them when held upright, sideways or upside down.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace ibr::test {
 
-/// The picture as a camera stores it that writes this orientation: EXIF 2.32 §4.6.5, table of where row 0 and column 0
-/// are.
+/// Returns the picture as a camera stores it that writes this orientation. Source: the table of row 0 and column 0 in
+/// EXIF 2.32 §4.6.5.
 inline Image8 storedAs(int orientation, const Image8& upright) {
   const int w = upright.width, h = upright.height;
   Image8 stored(orientation < 5 ? w : h, orientation < 5 ? h : w, 3);
@@ -28,7 +28,7 @@ inline Image8 storedAs(int orientation, const Image8& upright) {
   return stored;
 }
 
-/// JPEG of best quality with this EXIF orientation, by a camera of "Ab".
+/// Writes a JPEG of best quality with this EXIF orientation; the camera's maker is "Ab".
 inline void writeTurned(const std::filesystem::path& file, const Image8& stored, int orientation) {
   std::filesystem::create_directories(file.parent_path());
   writeImage(file, stored, 100);

@@ -11,14 +11,14 @@ namespace ibr::test {
 namespace {
 
 struct Faults {
-  int left = -1;  // calls until the failure; negative: none fails
+  int left = -1;  // number of calls before the failure; negative: no failure
   VkResult result = VK_SUCCESS;
   bool losing = false, lost = false;
   const char* failed = nullptr;
 };
 Faults faults;
 
-std::mutex memoryMutex;  // drivers' threads allocate nothing, but tests of threads do
+std::mutex memoryMutex;  // drivers' own threads allocate no device memory, but tests' threads do
 DeviceMemory memory;
 std::map<VkDeviceMemory, std::uint64_t> allocations;
 
@@ -77,7 +77,7 @@ using namespace ibr::test;
     static const auto real = next<PFN_##name>(#name);        \
     return failsNow(#name) ? faults.result : real arguments; \
   }
-// A lost device still ends what it was doing.
+// A simulated loss leaves the real device running: all other calls, e.g. vkDeviceWaitIdle, are forwarded.
 #define IBR_MAY_TELL_OF_LOSS(name, parameters, arguments)         \
   IBR_FUNCTION(name, parameters) {                                \
     static const auto real = next<PFN_##name>(#name);             \

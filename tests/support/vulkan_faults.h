@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults of Vulkan, made. A program that is linked with vulkan_faults.cpp calls the loader through functions of the
-// same names there, which hand on until it is a call's turn to fail; the library itself has nothing for it.
+// Injects faults into Vulkan. A program linked with vulkan_faults.cpp calls the loader through that file's functions of
+// the same names. They forward each call until the selected one fails. The library itself needs no support for this.
 //
-// From one thread: which call is the N-th must not depend on chance.
+// Call from one thread only: the N-th call must be deterministic.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -17,34 +17,34 @@
 
 namespace ibr::test {
 
-/// The n-th call from now on (0: the next) answers `result` and does nothing; those after it work.
+/// The n-th Vulkan call after this one (0: the next) returns `result` and does nothing; later calls work.
 void failCall(int n, VkResult result);
 
-/// From the n-th of the calls on that may say so (submitting, waiting, reading queries), all say VK_ERROR_DEVICE_LOST.
+/// From the n-th call on, all calls that can report a loss (submit, wait, query results) return VK_ERROR_DEVICE_LOST.
 void loseDevice(int n);
 
-void failNothing();  // failedCall() stays as it is
+void failNothing();  // disables faults; failedCall() keeps its value
 
-/// Whether a call's turn has come since failCall or loseDevice, and which it was; null: none.
+/// Returns the name of the call that has failed since failCall or loseDevice; null: none has.
 const char* failedCall();
 
-/// Of all devices, as vkAllocateMemory and vkFreeMemory tell.
+/// Device memory of all devices, counted from vkAllocateMemory and vkFreeMemory.
 struct DeviceMemory {
-  std::uint64_t bytes = 0, most = 0;  // now; at most since the last resetMost()
-  int count = 0;                      // of allocations
+  std::uint64_t bytes = 0, most = 0;  // current; maximum since the last resetMost()
+  int count = 0;                      // number of allocations
 };
 DeviceMemory deviceMemory();
 void resetMost();
 
-/// How many calls failed, and how many of these failures were made good without an error.
+/// Number of failed calls, and number of failures from which the code recovered without an Error.
 struct WalkedFaults {
   int failures = 0, madeGood = 0;
 };
 
-/// `call` with its 1st, 2nd, … call of Vulkan failing, until none is left to fail. Each failure must be an Error{code}
-/// that names the call and leave no memory behind; `call`, which checks what it makes, must work right afterwards, as
-/// it is tried after each call of another name and in the end. With `mayMakeGood` it may also go on as if nothing had
-/// happened. With a `step` above 1 only every so manieth call fails, unless the environment has IBR_EVERY_FAULT.
+/// Runs `call` with its 1st, 2nd, … Vulkan call failing, until no call is left to fail. Each failure must throw
+/// Error{code} that names the Vulkan call, and must leak no memory. `call` checks its results and must succeed after a
+/// failure; this is tested once for each Vulkan function and at the end. `mayMakeGood`: `call` may recover without an
+/// Error. `step` above 1: only every step-th call fails, unless the environment variable IBR_EVERY_FAULT is set.
 template <class Call>
 WalkedFaults failEachCall(VkResult result, ErrorCode code, Call call, bool mayMakeGood = false, int step = 1) {
   WalkedFaults walked;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rooms and heads of every kind, for relations that hold for all of them.
+// Random tracking spaces and heads, for relations that hold for all of them.
 #pragma once
 
 #include <cmath>
@@ -24,14 +24,14 @@ class AnyTracking {
     }
   }
 
-  /// At distances of `far` from the origin, a scale of 10 to that power either way.
+  /// A tracking space at a distance of `far` from the origin, with a scale from 10^−powers to 10^powers.
   app::Tracking tracking(double far, double powers) {
     app::Tracking tracking = app::levelTracking(unit(), std::pow(10, between(-powers, powers)));
     tracking.origin = far * unit();
     return app::turned(tracking, {}, between(-3, 3));
   }
 
-  /// A person's, looking up to 80° up or down, tilted up to 40°.
+  /// A person's head, looking up to 80° up or down and tilted by up to 40°.
   Pose head() {
     const glm::dquat turn = glm::angleAxis(between(-3, 3), glm::dvec3(0, 1, 0)) *
                             glm::angleAxis(between(-1.4, 1.4), glm::dvec3(1, 0, 0)) *
@@ -43,7 +43,7 @@ class AnyTracking {
   std::mt19937 random_;
 };
 
-/// How exactly a point of a person's room is kept, world units.
+/// Rounding error of a point in the person's room, world units.
 inline double worldRounding(const app::Tracking& tracking) {
   return 1e-14 * (glm::length(tracking.origin) + 10 * tracking.unitsPerMetre);
 }

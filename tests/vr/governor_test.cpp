@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The governor on simulated devices: what a frame costs at each level is a model's, noise is a fixed generator's.
+// The governor on simulated devices: a model gives the cost of frames at each level, a seeded generator the noise.
 #include "vr/walk/governor.h"
 
 #include <algorithm>
@@ -19,18 +19,18 @@ constexpr double kPeriod90 = 1000.0 / 90;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A device whose frames take `load` (ms at level 0, by frame) times what the level leaves of it.
+// A device whose frames take `load` (ms at level 0, by frame) times the level's share.
 struct Simulated {
-  std::vector<double> share;  // of each level
+  std::vector<double> share;  // share of level 0's time, by level
   std::function<double(int)> load;
-  double noise = 0;  // of a frame's time, up to this share either way
+  double noise = 0;  // of a frame's time: maximum relative deviation
   double periodMs = kPeriod90;
-  int inFlight = 2;  // frames from a decision to the frame that shows it
+  int inFlight = 2;  // frames from a decision to the first frame that shows its effect
 };
 
 struct Run {
   int changes = 0, missed = 0, lastChange = 0;
-  std::vector<std::size_t> levels;  // decided, by frame
+  std::vector<std::size_t> levels;  // level decided in each frame
   std::vector<std::string> lines;
 };
 
@@ -92,7 +92,7 @@ TEST_CASE("governor: settles under any load that some level holds, and stays") {
       const double cost = load * device.share[state.level];
       CAPTURE(ratio, load, state.level, settled.changes, settled.missed);
       if (load * device.share.back() < 0.8) CHECK(cost <= 0.88);
-      // What would fit with room to spare is not left out.
+      // The next better level would take more than 0.6 of the period.
       if (state.level > 0) CHECK(load * device.share[state.level - 1] > 0.6);
       CHECK(settled.changes <= 22);
       if (load * device.share.back() < 0.8) CHECK(settled.missed <= 60);
@@ -124,7 +124,7 @@ TEST_CASE("governor: after a leap of the load few frames are missed, and all is 
     CHECK(leaped.missed <= 25);
     CHECK(leaped.missed >= 1);
     CHECK(leaped.lastChange < 560);
-    // One level in about 1.5 s.
+    // The governor raises quality by one level in about 1.5 s.
     device.load = [](int) { return 0.5 * kPeriod90; };
     const std::size_t deepest = state.level;
     const Run back = run(state, device, int(double(deepest + 1) * 1.7 * 90));
@@ -146,7 +146,7 @@ TEST_CASE("governor: a load between two levels does not make it go to and fro") 
         CAPTURE(fits, noise, over, between.changes, between.missed);
         CHECK(between.changes <= 24);
         CHECK(between.missed <= 80);
-        // In the last third it hardly tries.
+        // In the last third, the governor rarely tries higher levels.
         const auto late = std::vector<std::size_t>(between.levels.end() - 3000, between.levels.end());
         CHECK(std::ranges::count(late, fits) > 2700);
       }
@@ -189,7 +189,7 @@ TEST_CASE("governor: a frame that is late by itself changes nothing; two of them
     device.load = [&](int frame) { return frame % 40 == 7 ? hitch : 0.55 * kPeriod90; };
     CHECK(run(state, device, 4000).changes == 0);
   }
-  // Nor does it keep from going up again.
+  // A slow outlier does not prevent higher quality.
   GovernorState state = fresh();
   state.level = 2;
   Simulated device = steady(0, 0.85, 0);
@@ -201,7 +201,7 @@ TEST_CASE("governor: a frame that is late by itself changes nothing; two of them
   device.load = [](int frame) { return frame == 50 || frame == 53 ? 100 : 0.4 * kPeriod90; };
   const Run two = run(twice, device, 100);
   CHECK(two.levels[52] == 0);
-  CHECK(two.levels[53] == 2);  // far over
+  CHECK(two.levels[53] == 2);  // far over the budget
   CHECK(two.changes == 1);
 }
 
@@ -217,7 +217,7 @@ TEST_CASE("governor: a miss with little room before it is answered at once; near
     ++frames;
   }
   CHECK(frames == 3);
-  // Frames that were begun before are not looked at.
+  // Frames begun before the change are ignored.
   for (int i = 0; i < 3; ++i) CHECK(govern(near, {3 * kPeriod90, kPeriod90, true}).level == 1);
   CHECK(govern(near, {0.5 * kPeriod90, kPeriod90, false}).level == 1);
 }
@@ -243,7 +243,7 @@ TEST_CASE("governor: too slow at the cheapest level is said once") {
   run(again, steady(0.1 * kPeriod90), 2000);
   CHECK(again.level == 0);
   CHECK(run(again, steady(100 * kPeriod90), 300).lines.back().find("nothing is left") != std::string::npos);
-  // A moment of room is not 1.5 s of it.
+  // A short drop in load is not the required 1.5 s.
   Simulated device = steady(0, 1, 0);
   device.load = [](int frame) { return frame % 100 < 60 ? 0.3 * kPeriod90 : 2 * kPeriod90; };
   CHECK(run(state, device, 3000).changes == 0);
@@ -300,7 +300,7 @@ TEST_CASE("governor: other settings keep the level as far as there is one") {
   run(state, steady(0.1 * kPeriod90), 3000);
   CHECK(state.level == 0);
   CHECK((state.levels[0] == few));
-  // A ladder of one level has nowhere to go.
+  // A ladder of one level never changes.
   GovernorState one = startGovernor({RenderSettings{}});
   run(one, {{1.0}, [](int) { return 50.0; }}, 500);
   CHECK(one.level == 0);
@@ -324,7 +324,7 @@ TEST_CASE("governor: what was excused, and the frame that comes late because of 
   for (int i = 0; i < 50; ++i) CHECK(govern(excused, {5.8, kPeriod90, false}).reason.empty());
   CHECK(excused.level == 0);
   CHECK(blamed.level > 0);
-  // It does not last.
+  // The excuse expires.
   for (int i = 0; i < 5; ++i) govern(excused, {300, kPeriod90, true});
   CHECK(excused.level > 0);
 

@@ -17,7 +17,7 @@ std::vector<glm::dvec3> row(int count, double step, glm::dvec3 from = glm::dvec3
   return points;
 }
 
-// `each` points about each of `places`, off by up to `jitter`.
+// `each` points around each of `places`, with a deviation of at most `jitter`.
 std::vector<glm::dvec3> crowds(const std::vector<glm::dvec3>& places, int each, double jitter) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> off(-jitter, jitter);
@@ -52,7 +52,7 @@ TEST_CASE("groups: parts of a panorama are one place, exactly and up to rounding
     }
   }
   CHECK(groupsOf(crowds({{5, 6, 7}}, 8, 0)) == Groups{{0, 1, 2, 3, 4, 5, 6, 7}});
-  // Groups by their first, each ascending.
+  // Groups are ordered by their first member, and each group ascends.
   const std::vector<glm::dvec3> mixed{{1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {5, 0, 0}};
   CHECK(groupsOf(mixed) == Groups{{0, 2}, {1, 3}, {4}});
 }
@@ -61,7 +61,7 @@ TEST_CASE("groups: brackets of exposures are one place though estimated poses di
   const Groups groups = groupsOf(crowds(row(20, 1), 3, 2e-3));
   CHECK(groups.size() == 20);
   CHECK(sizeOfEach(groups) == 3);
-  // A few among many that stand alone.
+  // A few pairs among many single photographs.
   auto some = row(20, 1);
   for (int i = 0; i < 5; ++i) some.push_back(some[std::size_t(4 * i)] + glm::dvec3(0, 0.02, 0));
   CHECK(groupsOf(some).size() == 20);
@@ -77,7 +77,7 @@ TEST_CASE("groups: rooms that are far apart stay full of places") {
   for (int room = 0; room < 10; ++room)
     for (const glm::dvec3& place : row(5, 0.5, {room * 32.0, 0, 0})) many.push_back(place);
   CHECK(groupsOf(many).size() == 50);
-  // Photographs at distances of many kinds, as people take them.
+  // Photographs at many different distances, as people take them.
   std::mt19937 random(4);
   std::uniform_real_distribution<double> any(0, 30);
   std::vector<glm::dvec3> scattered;

@@ -14,7 +14,7 @@ int dearness(BlendMode mode) {
   return mode == BlendMode::dither ? 0 : 1;
 }
 
-// What may be changed, put back as it was asked for.
+// Returns `level` with all fields that the governor may change set to the requested values.
 RenderSettings elsewhere(RenderSettings level, const RenderSettings& asked) {
   level.maxCells = asked.maxCells;
   level.renderScale = asked.renderScale;
@@ -40,7 +40,7 @@ void checkFalls(const std::vector<RenderSettings>& levels) {
   }
 }
 
-// Of cells and photographs.
+// Counts of cells and photographs, without repetitions.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> counts(const std::vector<RenderSettings>& levels) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
   for (const RenderSettings& level : levels)
@@ -56,13 +56,13 @@ TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing
   const auto upTo = [&](unsigned most) { return std::uint32_t(random() % (most + 1)); };
   for (int i = 0; i < 500; ++i) {
     RenderSettings asked;
-    asked.maxCells = upTo(kLargestCellCount);
+    asked.maxCells = upTo(kMaxCellCount);
     asked.renderScale = 0.3 + 0.1 * upTo(12);
     asked.blend = BlendMode(upTo(2));
     asked.colourMapping = ColourMapping(upTo(3));
     asked.textureScale = 0.5;
     asked.mutedCells = {3};
-    asked.lowestTier = int(upTo(3));
+    asked.maxTier = int(upTo(3));
     asked.composition = Composition(upTo(2));
     asked.gatherCandidates = 1 + upTo(kMaxGatherCandidates - 1);
     asked.voteScale = 0.1 + 0.1 * upTo(9);
@@ -71,7 +71,7 @@ TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing
     REQUIRE(levels.size() <= 13);
     checkFalls(levels);
     REQUIRE(levels.back().renderScale == 0.5 * asked.renderScale);
-    if (asked.composition == Composition::gathered) continue;  // which neither is of
+    if (asked.composition == Composition::gathered) continue;  // does not use these settings
     REQUIRE(levels.back().blend == BlendMode::dither);
     REQUIRE(levels.back().colourMapping == ColourMapping::off);
   }

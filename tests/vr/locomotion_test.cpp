@@ -21,7 +21,7 @@ Tracking tilted(double far = 100, double scale = 2) {
   return tracking;
 }
 
-// Radians that the head has been turned to the left in the world.
+// Angle by which the head has turned to the left in the world, radians.
 double turnedBy(const Walker& walker, const Pose& before) {
   const glm::dvec3 up = walker.place.up, a = facingOf(before.rotation, up), b = facingOf(walker.head().rotation, up);
   return std::atan2(glm::dot(glm::cross(a, b), up), glm::dot(a, b));
@@ -87,7 +87,7 @@ TEST_CASE("walk: in a place without spots one stands at the origin, and there is
   walker.input.goTo.reset();
   CHECK(walker.steps(60).fade == 0);
   CHECK(same(walker.state.tracking, Tracking{}));
-  // A spot that there is not to begin with.
+  // A start at a spot that does not exist.
   const Walker at;
   CHECK(!startWalk(at.place, at.settings, 5).wanted);
 }
@@ -173,7 +173,7 @@ TEST_CASE("walk: what a hand points at is kept while it trembles between two") {
   const auto to = [&](std::size_t spot) {
     return glm::normalize(inTracking(walker.state.tracking, walker.place.spots[spot].position) - hand);
   };
-  const auto point = [&](double share) {  // of the way from the one to the other
+  const auto point = [&](double share) {  // share of the way from one spot to the other
     walker.pointAt(kRight, inWorld(walker.state.tracking, hand + (1 - share) * to(3) + share * to(4)));
     return walker.step().hands[kRight].pointed;
   };
@@ -194,7 +194,7 @@ TEST_CASE("walk: what is pressed on the panel is the panel's, and what is let go
   CHECK(!output.hands[kRight].aiming);
   walker.hand(kRight).onPanel = false;
   output = walker.step();
-  CHECK(output.hands[kRight].panelSelect);  // dragged off it
+  CHECK(output.hands[kRight].panelSelect);  // the drag continues off the panel
   CHECK(!output.showMarks);
   walker.hand(kRight).select = false;
   CHECK(!walker.step().hands[kRight].panelSelect);
@@ -227,7 +227,7 @@ TEST_CASE("walk: presses of hands and heads that come or go lead nowhere") {
   pressed(lostHand);
   lostHand.hand(kRight).active = false;
   CHECK(!lostHand.step().showMarks);
-  lostHand.hand(kRight).active = true;  // still held: nobody has seen it let go
+  lostHand.hand(kRight).active = true;  // still held: the release was not observed
   CHECK(!lostHand.step().showMarks);
   CHECK(released(lostHand));
 
@@ -248,7 +248,7 @@ TEST_CASE("walk: presses of hands and heads that come or go lead nowhere") {
   lostHead.input.head = head;
   CHECK(released(lostHead));
 
-  Walker held;  // since before the place was entered
+  Walker held;  // held since before the document was opened
   pressed(held);
   held.state = startWalk(held.place, held.settings, 2);
   CHECK(!held.steps(40).showMarks);
@@ -275,7 +275,7 @@ TEST_CASE("walk: the stick turns by 30°, once each way it is pushed, the head i
     CHECK(!push(0.69));
     CHECK(push(0.71));
     CHECK(turnedBy(walker, before) == Approx(-glm::radians(60.0)).margin(1e-9));
-    CHECK(push(-1));  // the other way, seen in no frame between
+    CHECK(push(-1));  // to the opposite side without a frame at rest
     CHECK(!push(0));
     CHECK(push(-1));
     CHECK(std::abs(turnedBy(walker, before)) < 1e-9);
@@ -287,9 +287,9 @@ TEST_CASE("walk: the stick turns by 30°, once each way it is pushed, the head i
 TEST_CASE("walk: which hand turns, by what, and by how much") {
   Walker walker;
   walker.hand(kLeft).stick.x = 1;
-  CHECK(!walker.step().turned);  // the right one's
+  CHECK(!walker.step().turned);  // only the right stick turns
   walker.hand(kRight).active = false;
-  CHECK(!walker.step().turned);  // held since before it was its turn
+  CHECK(!walker.step().turned);  // held since before the stick's turn
   walker.hand(kLeft).stick.x = 0;
   walker.step();
   walker.hand(kLeft).stick.x = 1;
@@ -328,12 +328,12 @@ TEST_CASE("walk: a hand that is not tracked asks for nothing, nor when it comes 
   for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
   walker.hand(kRight).stick.x = 0;
   walker.step();
-  walker.hand(kRight).active = false;  // the only one there was
+  walker.hand(kRight).active = false;  // the only active hand
   walker.step();
   walker.hand(kRight).active = true;
   walker.hand(kRight).stick.x = 1;
   REQUIRE(quiet(walker.step()));
-  // The left one alone turns with what would else go to the side.
+  // A single left hand turns with the stick axis that otherwise moves sideways.
   walker.hand(kRight).active = false;
   walker.hand(kLeft).active = true;
   walker.hand(kLeft).stick = {0, 0};
@@ -388,7 +388,7 @@ TEST_CASE("walk: smooth motion is off until it is asked for, level, along where 
     walker.steps(45);
     const glm::dvec3 right = glm::cross(facingOf(before.rotation, walker.place.up), walker.place.up);
     CHECK(angleBetween(walker.head().position - from, right) < 1e-6);
-    // Obliquely no faster, and at rest at rest.
+    // Diagonal motion is not faster, and a small deflection does not move.
     walker.hand(kLeft).stick = {-1, -1};
     const glm::dvec3 corner = walker.head().position;
     walker.steps(90);
@@ -405,7 +405,7 @@ TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e5, 0.1)}) {
     Walker walker(to, 1.5);
     walker.settings.smoothMotion = true;
-    // Eyes are wherever a person's are: only the way along the ground counts.
+    // The eyes' height does not matter: only horizontal distance counts.
     walker.input.head->position.y = 4;
     walker.hand(kLeft).stick = {0, 1};
     double most = 0;
@@ -414,13 +414,13 @@ TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the
       most = std::max(most, walker.awayFrom(2));
     }
     CHECK(most == Approx(1.5).epsilon(1e-6));
-    CHECK(walker.state.vignette < 0.05);  // it stands
+    CHECK(walker.state.vignette < 0.05);  // standing still
     const double height = inTracking(walker.state.tracking, walker.place.spots[2].position).y;
     CHECK(height == Approx(1.6).margin(1e-6));
     walker.input.head->rotation = glm::angleAxis(-1.2, glm::dvec3(0, 1, 0));
     walker.steps(120);
     CHECK(walker.awayFrom(3) < walker.awayFrom(2));
-    // However long one slides, level.
+    // Sliding stays level, however long it lasts.
     walker.input.head->rotation = glm::angleAxis(0.4, glm::dvec3(0, 1, 0));
     walker.steps(20000);
     CHECK(inTracking(walker.state.tracking, walker.place.spots[2].position).y == Approx(height).margin(1e-6));
@@ -496,7 +496,7 @@ TEST_CASE("walk: asked for during a fade, the last spot is gone to, always throu
   int jumps = 0;
   while (jumps == 0) jumps += walker.step().jumped;
   CHECK(walker.awayFrom(4) < 1e-9);
-  walker.steps(9);  // on its way in
+  walker.steps(9);  // while fading in
   CHECK(walker.state.fade > 0);
   CHECK(walker.state.fade < 1);
   const double fade = walker.state.fade;
@@ -574,10 +574,10 @@ TEST_CASE("walk: the menu button toggles when it goes down, of either hand") {
   step(false, true);
   walker.hand(kRight).active = true;
   step(false, true);
-  CHECK(toggles == 2);  // it came back held
+  CHECK(toggles == 2);  // the button was held when the hand became active
   step(false, false);
   step(true, true);
-  CHECK(toggles == 2);  // both at once: to and fro
+  CHECK(toggles == 2);  // both at once cancel out
   walker.state = startWalk(walker.place, walker.settings, 2);
   step(true, true);
   CHECK(toggles == 2);

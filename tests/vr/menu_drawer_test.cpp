@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu's panel in a layer's image: the same values in every format, and what a person sees change.
+// The menu's panel in the image of a layer: equal values in all formats, and visible changes.
 #include "vr/menu/menu_drawer.h"
 
 #include <catch2/catch.hpp>
@@ -40,14 +40,14 @@ struct Drawn {
   explicit Drawn(VkFormat format) : layer(testDevice(), {800, 600}, format), drawer(testDevice(), panel, format, 2) {
     hand.away();
   }
-  // Twice, as frames follow each other.
+  // Draws twice, as successive frames do.
   Image8 picture() {
     return layer.render([&](VkCommandBuffer commands) {
       drawer.record(commands, layer.target().image, use::kUndefined, use::kColourAttachment);
       drawer.record(commands, layer.target().image, use::kColourAttachment, use::kTransferSource);
     });
   }
-  // Where IBR_MENU_PICTURES is set, pictures for people go there.
+  // Also writes the image to the folder IBR_MENU_PICTURES, if set, for visual inspection.
   Image8 picture(const std::string& name) {
     Image8 image = picture();
     if (const char* folder = std::getenv("IBR_MENU_PICTURES")) writeImage(std::string(folder) + "/" + name, image);
@@ -121,7 +121,7 @@ TEST_CASE("the menu's map shows spots, where the person is, and the spot that is
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}));
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}));
   CHECK(isColour(menu.picture(), first, kMenuMarked));
-  // It stays so while it is held, wherever the hand goes.
+  // The item stays marked while the trigger is held, wherever the hand points.
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}), true);
   menu.hand.point(second, true);
   CHECK(isColour(menu.picture(), first, kMenuMarked));

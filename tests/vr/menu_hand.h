@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hand that points at the menu's panel and presses what it finds there.
+// A simulated hand that points at the menu's panel and presses its items.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace ibr::test {
 
-/// A frame's time, s.
+/// Duration of a frame, s.
 inline constexpr double kMenuFrame = 1.0 / 90;
 
 struct MenuHand {
@@ -23,7 +23,7 @@ struct MenuHand {
   bool has(const std::string& name) const {
     return std::ranges::any_of(panel.items(), [&](const auto& item) { return item.name == name; });
   }
-  /// A place in something, of the whole panel's sides; `part` of the thing's. Fails where it is not there.
+  /// A position inside an item, as shares of the panel's sides; `part`: of the item's. Fails if the item is missing.
   glm::dvec2 in(const std::string& name, glm::dvec2 part = {0.5, 0.5}) const {
     for (const app::MenuItem& item : panel.items())
       if (item.name == name)
@@ -32,7 +32,7 @@ struct MenuHand {
     return {};
   }
 
-  /// Presses and lets go; what is wished then. Nothing is wished before.
+  /// Presses and releases. Returns the resulting wishes; there are none before the release.
   app::MenuWishes press(glm::dvec2 at) {
     CHECK(point(at) == app::MenuWishes{});
     CHECK(point(at) == app::MenuWishes{});

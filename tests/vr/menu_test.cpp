@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the menu wishes when a hand points at it and presses, found where the menu says that its things are.
+// Wishes of the menu when a hand points and presses. Positions of items come from the menu itself.
 #include "menu_hand.h"
 
 #include <catch2/catch.hpp>
@@ -69,7 +69,7 @@ TEST_CASE("the menu forgets that exit was pressed once: after something else, af
   menu.hand.press("exit");
   menu.hand.press("picture");
   CHECK(menu.hand.press("exit") == MenuWishes{});
-  menu.hand.press(glm::dvec2(0.99, 0.01));  // nothing is there
+  menu.hand.press(glm::dvec2(0.99, 0.01));  // no item is there
   CHECK(menu.hand.press("exit") == MenuWishes{});
   for (int i = 0; i < 50; ++i) menu.panel.show(menu.shown, {}, 0.1);
   CHECK(menu.hand.press("exit") == MenuWishes{});
@@ -86,14 +86,14 @@ TEST_CASE("the menu's map: the spot that is pressed is gone to, however the hand
     CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuWishes::teleport, i));
   CHECK(menu.hand.press(menu.hand.in("map", {0.5, 0.9})) == MenuWishes{});
   CHECK(menu.hand.press(menu.hand.in("map", {0.3, 0.3})) == MenuWishes{});
-  // From the first to the third while it is held.
+  // The press starts on the first spot and ends on the third.
   const glm::dvec2 first = menu.hand.in("map", menu.shown.spots[0].at);
   const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
   menu.hand.point(first);
   menu.hand.point(first, true);
   menu.hand.point(third, true);
   CHECK(menu.hand.point(third) == wish(&MenuWishes::teleport, std::size_t(0)));
-  // Away from the map: not meant after all.
+  // A release away from the map cancels.
   menu.hand.point(first);
   menu.hand.point(first, true);
   menu.hand.away(true);
@@ -149,11 +149,11 @@ TEST_CASE("the menu's scenes: many are scrolled, and the open one is in sight to
   end("scenes up");
   CHECK(menu.hand.has("scene 0"));
   CHECK(menu.hand.press("scene 0").scene == 0u);
-  // One press passes over none.
+  // One press scrolls past no scene.
   menu.hand.press("scenes down");
   menu.hand.away();
   CHECK(menu.hand.has("scene 6"));
-  // It was opened from elsewhere.
+  // Another interface opened a scene.
   menu.shown.scene = 30;
   menu.hand.away();
   CHECK(menu.hand.has("scene 30"));
@@ -202,7 +202,7 @@ TEST_CASE("the menu has no settings that are no choice") {
 TEST_CASE("a press on the menu counts where it began on the panel, and was not held before") {
   Opened menu;
   const glm::dvec2 picture = menu.hand.in("picture"), close = menu.hand.in("close");
-  // It began beside the panel.
+  // A press that began beside the panel.
   for (const glm::dvec2 beside : {glm::dvec2(-0.1, 0.5), glm::dvec2(0.5, 1.01), glm::dvec2(kNaN, 0.5)}) {
     menu.hand.point(beside);
     menu.hand.point(beside, true);
@@ -214,12 +214,12 @@ TEST_CASE("a press on the menu counts where it began on the panel, and was not h
   menu.hand.point(picture, true);
   menu.hand.point(picture, true);
   CHECK(menu.hand.point(picture) == MenuWishes{});
-  // It began on something else.
+  // A press that began on another item.
   menu.hand.point(close);
   menu.hand.point(close, true);
   menu.hand.point(picture, true);
   CHECK(menu.hand.point(picture) == MenuWishes{});
-  // It was held when the panel was opened.
+  // A press that began before the panel was opened.
   menu.panel.open();
   menu.hand.point(picture, true);
   menu.hand.point(picture, true);
@@ -266,7 +266,7 @@ TEST_CASE("the menu survives a place with nothing in it") {
   CHECK(menu.hand.press("map") == MenuWishes{});
   menu.page("scenes page");
   CHECK_FALSE(menu.hand.has("scene 0"));
-  menu.shown.scene = 7;  // of none
+  menu.shown.scene = 7;  // no such scene
   CHECK(menu.hand.away() == MenuWishes{});
 }
 
@@ -302,7 +302,7 @@ TEST_CASE("the menu survives numbers that are none") {
     const glm::dvec2 middle = menu.hand.in("map", m.spots[1].at);
     CHECK(menu.hand.press(middle).teleport == 1u);
     if (!std::isfinite(bad)) {
-      // A spot that is nowhere is not at the map's corner either.
+      // A spot with an invalid position does not appear at the map's corner.
       CHECK(menu.hand.press(menu.hand.in("map", {0.01, 0.01})) == MenuWishes{});
     }
     menu.page("settings page");

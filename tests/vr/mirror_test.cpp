@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window beside the headset: the eye's very values, all of them, in the middle.
+// The mirror window: exact values of the eye's image, uncropped and centred.
 #include "vr/menu/mirror.h"
 
 #include <array>
@@ -24,7 +24,7 @@ using Rgb = std::array<int, 3>;
 
 constexpr Rgb kBar{28, 31, 33};
 
-// The value at a pixel: dark ones too, which encoding again would change most.
+// Test value of a pixel. Dark values are included, because a second encoding would change them most.
 Rgb valueAt(std::uint32_t x, std::uint32_t y, std::uint32_t layer) {
   return {int(x * 5 % 256), int(y * 7 % 256), int((x + y) * 3 % 128 + 100 * layer)};
 }
@@ -60,7 +60,7 @@ GpuImage makeEyes(VkFormat format, VkExtent2D extent, bool flat) {
   return eyes;
 }
 
-// Twice, as frames follow each other.
+// Records twice, as successive frames do.
 Image8 seen(const Mirror& mirror, const MirrorSource& source, VkExtent2D window, VkFormat format) {
   Offscreen frame(testDevice(), window, format);
   const Target target = frame.target();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tracking space moves under a person who walks.
+// Recentring of the tracking space while a person walks.
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -45,7 +45,7 @@ TEST_CASE("recentred: who stands stays where they are and sees what they saw, by
         REQUIRE(!output.jumped);
         REQUIRE(output.fade == 0);
         REQUIRE(angleBetween(upInWorld(output.tracking), walker.place.up) < 1e-9);
-        // Only once: the head's next moves are the person's.
+        // Only once: later head motion is the person's own.
         const Tracking tracking = output.tracking;
         walker.input.head = any.head();
         REQUIRE(same(walker.step().tracking, tracking));

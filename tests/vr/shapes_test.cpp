@@ -35,7 +35,7 @@ double cross(glm::dvec2 a, glm::dvec2 b) {
   return a.x * b.y - a.y * b.x;
 }
 
-// How much of what lies behind is covered at a tangent, all triangles one after another.
+// Coverage of the background at a tangent by all triangles, drawn one after another.
 double cover(const Vertices& vertices, glm::dvec2 at) {
   double left = 1;
   for (std::size_t i = 0; i + 2 < vertices.size(); i += 3) {
@@ -110,7 +110,7 @@ TEST_CASE("shapes: a vignette is clear in the middle and black around it, narrow
     CHECK(total >= last);
     last = total;
     if (strength >= 0.3) CHECK(before > 0.99);
-    if (strength < 0.01) CHECK(before < 0.02);  // nothing springs up
+    if (strength < 0.01) CHECK(before < 0.02);  // nothing appears suddenly
   }
 }
 
@@ -148,13 +148,13 @@ TEST_CASE("shapes: of spots the nearest 500 within 60 m, the farthest first; one
     const double away = -vertex.position.z;
     least = std::min(least, away);
     most = std::max(most, away);
-    REQUIRE(away < last + 2);  // a ring's width
+    REQUIRE(away < last + 2);  // the width of a ring
     last = away;
   }
   CHECK(least < 2);
   CHECK(most > 57);
   CHECK(most < 62);
-  // Towards the limit they fade.
+  // Marks fade towards the distance limit.
   CHECK(alpha(some.inSpace.front()) < 0.05);
   CHECK(alpha(some.inSpace[some.inSpace.size() / 2]) > 0.4);
 
@@ -171,7 +171,7 @@ TEST_CASE("shapes: of spots the nearest 500 within 60 m, the farthest first; one
   CHECK(alpha(pointed.inSpace.front()) > alpha(plain.inSpace.front()) + 0.2);
   CHECK(pointed.inSpace.front().colour != plain.inSpace.front().colour);
   CHECK((marks({row[2]}, 5).inSpace.front().colour == plain.inSpace.front().colour));
-  // What is pointed at is seen also near the limit.
+  // A pointed-at mark is visible also near the limit.
   CHECK(alpha(marks({row[14]}, 0).inSpace.front()) > 0.9);
 }
 
@@ -221,7 +221,7 @@ TEST_CASE("shapes: finite at any origin, scale and up, and with spots that are n
 
 TEST_CASE("shapes: a hand is a wand whose tip points along −z") {
   Shapes shapes;
-  const Pose aim{{1, 1, 1}, glm::angleAxis(glm::half_pi<double>(), glm::dvec3(0, 1, 0))};  // −z is −x
+  const Pose aim{{1, 1, 1}, glm::angleAxis(glm::half_pi<double>(), glm::dvec3(0, 1, 0))};  // −z is the world's −x
   addHand(shapes, aim);
   REQUIRE(isWhole(shapes.inSpace));
   CHECK(shapes.inSpace.size() == 12);
@@ -294,7 +294,7 @@ TEST_CASE("shapes: the floor lies at the feet and ends softly; its lines keep th
       most = std::max(most, alpha(vertex));
       brightness += alpha(vertex);
     }
-    if (last > 0) CHECK(std::abs(brightness / last - 1) < 0.01);  // nothing springs up
+    if (last > 0) CHECK(std::abs(brightness / last - 1) < 0.01);  // nothing appears suddenly
     last = brightness;
   }
   CHECK(most > 0.6);
@@ -306,7 +306,7 @@ TEST_CASE("shapes: the ring of a progress fills clockwise from the top, before w
     Shapes base, shapes;
     addProgressRing(base, head, 0, 0);
     addProgressRing(shapes, head, progress, seconds);
-    std::vector<glm::dvec2> points;  // to the head's right, and up, from the ring's middle
+    std::vector<glm::dvec2> points;  // relative to the ring's middle, towards the head's right and up
     const glm::dvec3 right = head.rotation * glm::dvec3(1, 0, 0);
     const glm::dvec3 middle = glm::dvec3(1, 1, 2) + 2.0 * (head.rotation * glm::dvec3(0, 0, -1));
     for (std::size_t i = base.inSpace.size(); i < shapes.inSpace.size(); ++i) {
@@ -325,7 +325,7 @@ TEST_CASE("shapes: the ring of a progress fills clockwise from the top, before w
   CHECK(std::ranges::any_of(half, [](glm::dvec2 p) { return p.y < -0.13; }));
   CHECK(std::ranges::any_of(all, [](glm::dvec2 p) { return p.x < -0.13; }));
   CHECK((all == more));
-  // Unknown: a quarter that goes round.
+  // Unknown progress: a rotating quarter.
   CHECK((filled(std::nullopt, 0) != filled(std::nullopt, 0.3)));
   CHECK((filled(std::nullopt, 0) == filled(kNaN, 0)));
   CHECK(std::ranges::all_of(filled(std::nullopt, 0), [](glm::dvec2 p) { return p.x > -1e-6 && p.y > -1e-6; }));

@@ -44,7 +44,7 @@ TEST_CASE("spots: one for each place, with the middle of its photographs and the
   CHECK(angleBetween(spots[1].facing, looking(1) * glm::dvec3(0, 0, -1)) < 1e-12);
   CHECK(spots[2].nodes == std::vector<std::uint32_t>{3});
   CHECK(spotsOf({}, kUp).empty());
-  // A bracket whose poses were estimated each by itself.
+  // An exposure bracket whose poses were estimated separately.
   cameras.push_back({{3.006, 0.003, 0}, looking(1)});
   cameras.push_back({{3, 0, -0.006}, looking(1)});
   const std::vector<Spot> bracketed = spotsOf(cameras, kUp);
@@ -59,7 +59,7 @@ TEST_CASE("spots: photographs all around face as the first does; facing is level
   const std::vector<Spot> spots = spotsOf(cameras, kUp);
   REQUIRE(spots.size() == 2);
   CHECK(spots[0].nodes.size() == 8);
-  CHECK((spots[0].position == cameras[0].position));  // to the last bit
+  CHECK((spots[0].position == cameras[0].position));  // bit for bit
   CHECK(angleBetween(spots[0].facing, looking(0.7) * glm::dvec3(0, 0, -1)) < 1e-9);
 
   AnyTracking any(11);
@@ -89,7 +89,7 @@ TEST_CASE("standing at a spot: the head above its ground, photographs as high ab
       REQUIRE(std::abs(inRoom.y - height) <= metres);
       REQUIRE(stood.rotation == now.rotation);
       REQUIRE(stood.unitsPerMetre == now.unitsPerMetre);
-      // A person's own height is kept true.
+      // A person's own height is preserved.
       const glm::dvec3 eyes = inWorld(stood, head.position), up = upInWorld(stood);
       REQUIRE(glm::dot(eyes - spot.position, up) ==
               Approx((head.position.y - height) * now.unitsPerMetre).margin(rounding));
@@ -99,7 +99,7 @@ TEST_CASE("standing at a spot: the head above its ground, photographs as high ab
       REQUIRE(glm::distance(inTracking(faced, spot.position), glm::dvec3(head.position.x, height, head.position.z)) <=
               metres);
 
-      // Scaled there is what standing there at the new scale is.
+      // Scaling at the spot equals standing at the spot with the new scale.
       const double scale = now.unitsPerMetre * any.between(0.01, 100);
       Tracking larger = now;
       larger.unitsPerMetre = scale;
@@ -119,7 +119,7 @@ TEST_CASE("pointing: at the photographs' place or at the mark on the ground, wit
   CHECK(!pointedSpot(spots, {hand, {0, 0.1, 1}}, kUp, 1.6));
   CHECK(!pointedSpot(spots, {hand, {1, 0.1, -1}}, kUp, 1.6));
   CHECK(!pointedSpot({}, {hand, {0, 0, -1}}, kUp, 1.6));
-  // The cone's edge, to both sides.
+  // The cone's edge, on both sides.
   const auto off = [&](double degrees) {
     return Ray{{0, 1.6, 0}, glm::angleAxis(glm::radians(degrees), kUp) * glm::dvec3(0, 0, -1)};
   };
@@ -142,11 +142,11 @@ TEST_CASE("pointing: the nearest of those in line, and the same until another is
   CHECK(pointedSpot(pair, at(-0.4), kUp, 1.6, 0) == 0u);
   CHECK(pointedSpot(pair, at(-0.7), kUp, 1.6, 0) == 1u);
   CHECK(pointedSpot(pair, at(0.4), kUp, 1.6, 1) == 1u);
-  // A trembling hand on the middle changes nothing.
+  // A trembling hand aimed between both does not change the selection.
   AnyTracking any(13);
   std::optional<std::size_t> held = pointedSpot(pair, at(2), kUp, 1.6);
   for (int i = 0; i < 200; ++i) REQUIRE((held = pointedSpot(pair, at(any.between(-0.4, 0.4)), kUp, 1.6, held)) == 0u);
-  // What is held is held a little beyond the cone, and no further; what does not exist is not held.
+  // A selected spot stays selected slightly beyond the cone. A spot that does not exist is not selected.
   CHECK(pointedSpot(pair, at(2.86 + 6.8), kUp, 1.6, 0) == 0u);
   CHECK(!pointedSpot(pair, at(2.86 + 6.8), kUp, 1.6));
   CHECK(!pointedSpot(pair, at(2.86 + 7.3), kUp, 1.6, 0));
@@ -177,7 +177,7 @@ TEST_CASE("pointing: the same at any origin, scale and up; nothing behind, too n
   CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0, std::nullopt, far));
   for (const Ray& ray : {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{kNaN, 0, 0}, {0, 0, -1}}, Ray{{0, 0, 0}, {0, kNaN, -1}}})
     CHECK(!pointedSpot(one, ray, kUp, 0));
-  CHECK(!pointedSpot(one, {{0, 0, -1}, {0, 0, -1}}, kUp, 0));  // at its very place
+  CHECK(!pointedSpot(one, {{0, 0, -1}, {0, 0, -1}}, kUp, 0));  // exactly at the spot
   const std::vector<Spot> broken{spotAt({kNaN, 0, 0}), spotAt({0, 0, -1})};
   CHECK(pointedSpot(broken, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 1u);
 }
@@ -205,7 +205,7 @@ TEST_CASE("the map: all spots within it, one scale, x to the right and what is a
   const double side = 40 / (1 - 0.16);
   CHECK(glm::distance(map.places[0], glm::dvec2(0.08, 0.5 + 5 / side)) < 1e-12);
   CHECK(glm::distance(map.places[1], glm::dvec2(0.92, 0.5 + 5 / side)) < 1e-12);
-  CHECK(glm::distance(onMap(map, {0, 99, -5}), map.places[2]) < 1e-12);  // from above
+  CHECK(glm::distance(onMap(map, {0, 99, -5}), map.places[2]) < 1e-12);  // seen from above
   CHECK(onMap(map, {1e9, 0, -1e9}) == glm::dvec2(1, 0));
   CHECK(glm::distance(directionOnMap(map, {0, 3, -2}), glm::dvec2(0, -1)) < 1e-12);
   CHECK(directionOnMap(map, {0, 3, 0}) == glm::dvec2(0));
@@ -230,7 +230,7 @@ TEST_CASE("the map: at any origin, scale and up; of one spot, and of none") {
       REQUIRE(least >= 0.08 - 1e-6);
       REQUIRE(most <= 0.92 + 1e-6);
       REQUIRE(most - least > 0.5);
-      // Distances on the map are those seen from above, and heights are none.
+      // Distances on the map equal horizontal distances; heights do not count.
       const glm::dvec3 between = spots[0].position - spots[1].position, flat = between - glm::dot(between, up) * up;
       REQUIRE(glm::distance(map.places[0], map.places[1]) == Approx(glm::length(flat) / map.side).epsilon(1e-6));
     }

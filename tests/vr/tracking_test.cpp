@@ -32,7 +32,7 @@ TEST_CASE("tracking: to the world and back, at any origin, scale and up") {
       REQUIRE(glm::distance(back.position, head.position) <= rounding);
       REQUIRE(std::abs(glm::dot(back.rotation, head.rotation)) >= 1 - 1e-14);
       REQUIRE(glm::distance(inTracking(tracking, world.position), back.position) == 0);
-      // A metre is a metre: lengths grow by the scale, and axes turn with the head.
+      // Lengths grow by the scale, and axes turn with the tracking space.
       const glm::dvec3 a = inWorld(tracking, glm::dvec3(0)), b = inWorld(tracking, glm::dvec3(0, 0, -1));
       REQUIRE(glm::distance(a, b) == Approx(tracking.unitsPerMetre).margin(worldRounding(tracking)));
       REQUIRE(angleBetween(viewAxis(world), tracking.rotation * viewAxis(head)) < 1e-12);
@@ -70,13 +70,13 @@ TEST_CASE("facing: the horizontal part of a view, and where the head's top or ch
       CHECK(glm::length(facing) == Approx(1).margin(1e-12));
       CHECK(std::abs(facing.y) < 1e-12);
     }
-  // A head that looks at its feet and trembles does not face all ways.
+  // A trembling head that looks at its feet keeps its heading.
   for (const double roll : {-0.02, -0.001, 0.0, 0.003, 0.02})
     for (const double pitch : {-1.59, -1.5708, -1.56}) {
       const glm::dquat rotation = glm::angleAxis(roll, glm::dvec3(0, 0, 1)) * pitched(0, pitch);
       CHECK(std::abs(headingOf(rotation)) < 0.03);
     }
-  // About any up.
+  // With any up axis.
   AnyTracking any(3);
   for (int i = 0; i < 100; ++i) {
     const Tracking tracking = any.tracking(0, 0);
@@ -138,7 +138,7 @@ TEST_CASE("another scale keeps the eyes horizontally, the floor under the feet a
       REQUIRE(glm::length(gone - glm::dot(gone, up) * up) <= rounding);
       const glm::dvec3 pin(head.position.x, kept, head.position.z);
       REQUIRE(glm::distance(inWorld(after, pin), inWorld(before, pin)) <= rounding);
-      // With nothing kept above it the floor itself stays.
+      // With height 0, the floor stays in place.
       REQUIRE(glm::distance(ground(scaled(before, head, 0, scale), head), ground(before, head)) <= rounding);
     }
 }
@@ -172,7 +172,7 @@ TEST_CASE("after the room has moved the head is where it was and faces as it did
       REQUIRE(std::abs(glm::dot(was.rotation, is.rotation)) >= 1 - 1e-13);
       REQUIRE(angleBetween(upInWorld(after), upInWorld(before)) < 1e-13);
     }
-  // A new floor, or one that is not level, is the world's floor all the same.
+  // A new floor, even one that is not level, becomes the world's floor.
   const Tracking before = levelTracking({0, 1, 0}, 2);
   const Tracking after = recentred(before, {{1, -0.4, 2}, glm::angleAxis(0.2, glm::dvec3(1, 0, 0))});
   CHECK(glm::distance(after.origin, glm::dvec3(2, 0, 4)) < 1e-12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person with a head and two hands who walks through a row of spots, frame by frame.
+// A simulated person with a head and two hands who walks through a row of spots, frame by frame.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@ struct Walker {
   app::WalkState state;
   app::WalkInput input;
 
-  /// Spots 3 m apart along the world's x as tilted by `to`, facing its −z; stands at the middle one, all faded in, with
-  /// hands that hold nothing.
+  /// Spots 3 m apart along the world's x axis, which `to` tilts, facing −z. The person stands at the middle spot, faded
+  /// in, with empty hands.
   explicit Walker(const app::Tracking& to = {}, double radius = 0, int spots = 5) {
     input.seconds = kFrame;
     input.head = Pose{{0.4, 1.7, -0.3}, {1, 0, 0, 0}};
@@ -49,14 +49,14 @@ struct Walker {
   Pose head() const { return inWorld(state.tracking, *input.head); }
   app::HandInput& hand(app::Hand hand) { return input.hands[hand]; }
 
-  /// Points a hand from the tracking space's own place at a point of the world.
+  /// Points a hand from its own position at a point of the world.
   void pointAt(app::Hand which, glm::dvec3 world) {
     Pose& aim = hand(which).aim;
     const glm::dvec3 to = glm::normalize(inTracking(state.tracking, world) - aim.position);
     aim.rotation = glm::normalize(glm::dquat(1 - to.z, glm::cross(glm::dvec3(0, 0, -1), to)));
   }
 
-  /// Metres that the head is from standing at a spot, horizontally.
+  /// Horizontal distance of the head from a spot, m.
   double awayFrom(std::size_t spot) const {
     const glm::dvec3 off = inTracking(state.tracking, place.spots[spot].position) - input.head->position;
     return std::hypot(off.x, off.z);

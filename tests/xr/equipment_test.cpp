@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tests' own equipment: the runtime, the scripted headset, the faults and the record, seen by a program that does
-// nothing but ask.
+// Tests of the test equipment: the runtime, the scripted headset, the faults and the record, as seen by a minimal
+// program (probe).
 #include <openxr/openxr.h>
 
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ namespace {
 struct Seen {
   int code = -1;
   json start;                // of the first session
-  std::vector<json> frames;  // as the program saw them
+  std::vector<json> frames;  // as the program received them
   std::vector<json> sessions;
   std::string out, err;
 };
@@ -76,7 +76,7 @@ TEST_CASE("a headset is moved, its eyes and hands with it") {
   CHECK(near(last["stick"], {-0.5, 0.25}));
   CHECK(last["select"] == true);
   CHECK(seen.frames[0]["select"] == false);
-  // The same by the record.
+  // The record contains the same values.
   const json recorded = setup.frames()[moved - 1];
   const json& view = recorded["layers"][0]["views"][1];
   INFO(recorded.dump());

@@ -73,7 +73,7 @@ XrResult getVisibilityMask(XrSession session, XrViewConfigurationType type, std:
   if (isLost(session)) return XR_ERROR_SESSION_LOST;
   const bool half = stands("half-mask") && kind == XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR;
   if (!half && !stands("empty-mask")) return behind.getVisibilityMask(session, type, view, kind, mask);
-  // On the plane z = −1 of a view; wider than any field of view that the tests have.
+  // Triangles on the plane z = −1 of a view, wider than any field of view in the tests.
   std::vector<XrVector2f> vertices{{-9, -9}, {0, -9}, {0, 9}, {-9, 9}};
   std::vector<std::uint32_t> indices{0, 1, 2, 0, 2, 3};
   if (!half) vertices.clear(), indices.clear();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the runtime in front gets between the loader and the runtime behind.
+// Loader interface of the fault runtime: hooks its functions between the loader and the runtime behind.
 #include "fault_runtime.h"
 
 #include <dlfcn.h>
@@ -85,7 +85,7 @@ const Override kOverrides[]{
 };
 
 XrResult getInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFunction* function) {
-  if (instance && !behind.requestExitSession) {  // called by us whether or not by the program
+  if (instance && !behind.requestExitSession) {  // called by this runtime, even if the program never uses the function
     behind.getInstanceProcAddr(instance, "xrRequestExitSession", slot(behind.requestExitSession));
     behind.getInstanceProcAddr(instance, "xrEnumerateSwapchainImages", slot(behind.enumerateSwapchainImages));
   }
@@ -104,7 +104,7 @@ const char* variable(const char* name) {
   return value ? value : "";
 }
 
-// Prints why not.
+// Prints the reason for a failure.
 bool start() {
   try {
     if (!state) state = new State(variable("IBR_XR_FAULTS"), variable("IBR_XR_RECORD"), variable("IBR_XR_PICTURES"));

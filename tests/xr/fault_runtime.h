@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenXR runtime in front of another: passes everything on, except for the faults that it is told to make, and
-// writes down what a program submits. A layer of the loader would see less: the loader asks the runtime itself for its
-// extensions.
+// An OpenXR runtime in front of another runtime. Passes all calls on, except for the requested faults,
+// and records the frames that a program submits. An API layer would not suffice: the loader asks the runtime itself
+// for the extensions.
 //
-// By environment variables: IBR_XR_RUNTIME_BEHIND, the file of the other runtime's library; IBR_XR_FAULTS (faults.h);
+// Environment variables: IBR_XR_RUNTIME_BEHIND, the file of the other runtime's library; IBR_XR_FAULTS (faults.h);
 // IBR_XR_RECORD, a file (frame_record.h); IBR_XR_PICTURES, a folder (submitted_pictures.h). Calls may come from several
 // threads.
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace ibr::test {
 
-/// The functions of the runtime behind, filled in as the loader asks for its functions.
+/// Functions of the runtime behind, filled in when the loader requests each function.
 struct Behind {
   PFN_xrGetInstanceProcAddr getInstanceProcAddr = nullptr;
   PFN_xrEnumerateInstanceExtensionProperties enumerateInstanceExtensionProperties = nullptr;
@@ -56,33 +56,33 @@ struct Behind {
 };
 extern Behind behind;
 
-/// Where a session is that was told to stop for a while.
+/// Progress of a session that was stopped temporarily by the fault "stopping".
 enum class Pause { none, told, ended };
 
 struct State {
-  std::mutex mutex;  // of everything here
+  std::mutex mutex;  // guards all members
   Faults faults;
   FrameRecord record;
   SubmittedPictures pictures;
-  std::deque<XrEventDataBuffer> events;  // made up, to be told before the runtime's own
+  std::deque<XrEventDataBuffer> events;  // generated events, delivered before the runtime's own
   std::set<XrSession> lost;
-  XrSession session = XR_NULL_HANDLE;  // the last that was made
+  XrSession session = XR_NULL_HANDLE;  // the most recently created session
   bool running = false;
-  int lookedFor = 0;  // a headset that is away
+  int lookedFor = 0;  // number of times a missing headset was looked for
   Pause pause = Pause::none;
 
   State(const char* words, const char* file, const char* folder) : faults(words), record(file), pictures(folder) {}
 };
-/// Frames are counted beyond the life of an instance, as long as which the loader takes this library for loaded: it is
-/// linked to stay.
+/// Frames are counted across instances. The library must therefore stay loaded after the loader unloads it; the library
+/// is linked to be permanent.
 extern State* state;
 
-/// Whether a fault stands at this frame, and its value or nothing.
+/// Returns whether a fault is active at this frame; valueOf returns its value, or an empty string.
 bool stands(const char* name);
 std::string valueOf(const char* name);
 std::vector<std::string> split(const std::string& value, char by);
 
-/// Whether its session is lost, or gets lost now.
+/// Returns whether the session is lost, including a loss that is due at this frame.
 bool isLost(XrSession session);
 template <class Handle>
 bool ownerIsLost(Handle handle) {
@@ -94,10 +94,10 @@ bool ownerIsLost(Handle handle) {
   return isLost(owner);
 }
 
-/// Whether the session was told to stop and has ended, so that frames are the program's error.
+/// Returns whether the session was stopped and has ended, so that frames are errors of the program.
 bool rests(XrSession session);
 
-/// The two-call way of handing out a list.
+/// Returns a list with OpenXR's two-call idiom.
 template <class T>
 XrResult handOut(const std::vector<T>& list, std::uint32_t capacity, std::uint32_t* count, T* into) {
   *count = std::uint32_t(list.size());
@@ -107,7 +107,7 @@ XrResult handOut(const std::vector<T>& list, std::uint32_t capacity, std::uint32
   return XR_SUCCESS;
 }
 
-// What stands in for the runtime's functions.
+// Replacements of the runtime's functions.
 
 XrResult enumerateInstanceExtensionProperties(const char* layer, std::uint32_t capacity, std::uint32_t* count,
                                               XrExtensionProperties* into);

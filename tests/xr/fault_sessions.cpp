@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The instance, the system, and the session's life.
+// Faults of the instance, the system, and the session's life cycle.
 #include <cstring>
 
 #include "fault_runtime.h"
@@ -81,7 +81,7 @@ XrResult createSession(XrInstance instance, const XrSessionCreateInfo* info, XrS
   const XrResult result = behind.createSession(instance, info, session);
   if (XR_FAILED(result)) return result;
   const std::lock_guard lock(state->mutex);
-  state->lost.erase(*session);  // handles are used again
+  state->lost.erase(*session);  // handles are reused
   state->session = *session;
   state->events.clear();
   state->pause = Pause::none;
@@ -180,7 +180,7 @@ XrResult pollEvent(XrInstance instance, XrEventDataBuffer* event) {
       return XR_SUCCESS;
     }
   }
-  if (exit) behind.requestExitSession(state->session);  // the whole sequence of states is the runtime's own
+  if (exit) behind.requestExitSession(state->session);  // the runtime behind sends the whole sequence of states
   const XrResult result = behind.pollEvent(instance, event);
   const std::lock_guard lock(state->mutex);
   if (result == XR_SUCCESS) state->record.event(*event);

@@ -12,27 +12,27 @@ namespace ibr::test {
 namespace {
 
 constexpr std::array<std::string_view, 21> kNames{
-    // Once, at a frame.
-    "session-loss",   // every call of the session fails from then on
-    "loss-pending",   // the state LOSS_PENDING
+    // Faults that happen once, at a frame.
+    "session-loss",   // every later call of the session fails
+    "loss-pending",   // the session state LOSS_PENDING
     "instance-loss",  // XrEventDataInstanceLossPending
     "stopping",       // the headset is taken off: STOPPING and IDLE, then READY again
-    "exit",           // the runtime wants the program to end: STOPPING, IDLE, EXITING
-    "recentre",       // XrEventDataReferenceSpaceChangePending; =stage: of that space instead of LOCAL
+    "exit",           // the runtime ends the program: STOPPING, IDLE, EXITING
+    "recentre",       // XrEventDataReferenceSpaceChangePending; =stage: of STAGE instead of LOCAL
     "mask-changed",   // XrEventDataVisibilityMaskChangedKHR of view 0
-    // As long as they last.
-    "frame-discarded",  // xrBeginFrame answers XR_FRAME_DISCARDED
+    // Faults that persist for a range of frames.
+    "frame-discarded",  // xrBeginFrame returns XR_FRAME_DISCARDED
     "not-rendered",     // shouldRender is false
-    "no-view-pose",     // xrLocateViews knows neither position nor orientation; the poses are NaN
-    "half-view-pose",   // it knows the orientation only
-    "formats",          // =97:91: the formats of swapchains, best first
-    "no-array",         // swapchains of more than one layer are refused
-    "no-stage",         // no reference space STAGE
-    "no-headset",       // xrGetSystem finds none; =2: twice, then it is back
+    "no-view-pose",     // xrLocateViews returns neither position nor orientation; the poses are NaN
+    "half-view-pose",   // xrLocateViews returns only the orientation
+    "formats",          // =97:91: the swapchain formats, best first
+    "no-array",         // swapchains of several layers are refused
+    "no-stage",         // the reference space STAGE is missing
+    "no-headset",       // xrGetSystem finds no headset; =2: twice, then finds one
     "odd-size",         // =333x217: the recommended size of a view
-    "hide",             // =XR_KHR_composition_layer_depth: an extension that is not there
+    "hide",             // =XR_KHR_composition_layer_depth: hides an extension
     "empty-mask",       // the visibility masks have no triangles
-    "half-mask",        // the visibility masks hide what is left of the view's middle
+    "half-mask",        // the visibility masks hide the left half of the view
     "loss-at-exit",     // a session that the program asks to end is lost instead
     "no-swapchain",     // xrCreateSwapchain fails
 };

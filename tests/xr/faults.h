@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What shall go wrong between a program and its OpenXR runtime, from words such as
-// "session-loss@40,formats=97:91,not-rendered@20-30,no-stage": name[=value][@first[-last]], first and last being
-// frames.
+// Faults between a program and its OpenXR runtime, parsed from words such as
+// "session-loss@40,formats=97:91,not-rendered@20-30,no-stage". Syntax: name[=value][@first[-last]], where first and
+// last are frame numbers.
 #pragma once
 
 #include <limits>
@@ -14,22 +14,22 @@ namespace ibr::test {
 struct Fault {
   std::string name, value;
   int first = 0, last = std::numeric_limits<int>::max();  // without frames: always
-  bool spent = false;                                     // one that happens once has happened
+  bool spent = false;                                     // a one-time fault has happened
 };
 
 class Faults {
  public:
   Faults() = default;
-  /// Throws std::invalid_argument for a name that there is not and for what is not written as above.
+  /// Throws std::invalid_argument for an unknown name or a syntax error.
   explicit Faults(const std::string& words);
 
-  /// Frames are counted from 1 by xrWaitFrame, through all sessions and instances of the process; 0 is before.
+  /// xrWaitFrame counts frames from 1, across all sessions and instances of the process; 0 is before the first frame.
   void nextFrame() { ++frame_; }
   int frame() const { return frame_; }
 
-  /// The value of a fault that lasts, while it does.
+  /// Returns the value of a persistent fault while the fault is active.
   std::optional<std::string> active(const std::string& name) const;
-  /// The value of a fault that happens once, the first time that this is asked at its frame or later.
+  /// Returns the value of a one-time fault at the first call at or after its frame.
   std::optional<std::string> due(const std::string& name);
 
  private:

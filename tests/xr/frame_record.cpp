@@ -20,7 +20,7 @@ json asJson(const XrFovf& fov) {
   return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown};
 }
 
-// But for roundings, as of a rotation that was made unit again.
+// Compares values up to rounding errors, for example of a normalised rotation.
 template <class T>
 bool same(const T& a, const T& b) {
   std::array<float, sizeof(T) / sizeof(float)> x, y;
@@ -117,7 +117,7 @@ json FrameRecord::view(const XrCompositionLayerProjectionView& view, std::uint32
     line["depth"] = subImage(depth->subImage);
     line["depth"]["range"] = {depth->minDepth, depth->maxDepth};
     line["depth"]["near"] = depth->nearZ;
-    // JSON has no infinity, which is where a reversed depth's far plane may be.
+    // JSON has no infinity; the far plane of reversed depth may be infinite.
     if (std::isfinite(depth->farZ)) line["depth"]["far"] = depth->farZ;
   }
   return line;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program hands to an OpenXR runtime, written down line by line as JSON, because a runtime that shows nothing
-// never looks at it: every frame with its layers, and what was made and told before.
+// Records the calls of a program to an OpenXR runtime as JSON lines, because a null compositor does not check them:
+// every frame with its layers, and the objects and events before the frame.
 #pragma once
 
 #include <openxr/openxr.h>
@@ -15,7 +15,7 @@
 
 namespace ibr::test {
 
-/// Of what hangs on `next`, that of a type.
+/// Returns the structure of a type in the `next` chain, or nullptr.
 template <class T>
 const T* chained(const void* next, XrStructureType type) {
   const auto* base = static_cast<const XrBaseInStructure*>(next);
@@ -25,31 +25,31 @@ const T* chained(const void* next, XrStructureType type) {
 
 class FrameRecord {
  public:
-  /// Appends to the file; an empty name writes nothing.
+  /// Appends to the file. An empty name disables the record.
   explicit FrameRecord(const std::string& file);
 
-  // What has to be known of things that a frame names.
+  // Objects that frames refer to.
   void session(XrSession session);
   void space(XrSpace space, XrSession session, std::string type) { spaces_[space] = {session, std::move(type)}; }
   void swapchain(XrSwapchain swapchain, XrSession session, const XrSwapchainCreateInfo& info);
   void acquired(XrSwapchain swapchain, std::uint32_t image) { swapchains_[swapchain].held.push_back(int(image)); }
   void released(XrSwapchain swapchain);
   struct Given {
-    int image = -1;  // that was given back last
+    int image = -1;  // the image released last
     std::int64_t format = 0;
   };
   Given given(XrSwapchain swapchain) const { return find(swapchains_, swapchain).given; }
   XrSession ownerOf(XrSwapchain swapchain) const { return find(swapchains_, swapchain).owner; }
   XrSession ownerOf(XrSpace space) const { return find(spaces_, space).owner; }
 
-  // The frame as the runtime gave it.
+  // A frame as the runtime reported it.
   void waited(const XrFrameState& state) { waited_.push_back(state); }
   void begun();
-  /// What is not known of the views is NaN, which is like nothing.
+  /// Unknown parts of the views are recorded as NaN, which equals nothing.
   void located(const XrViewLocateInfo& info, const XrView* views, std::uint32_t count);
 
   void event(const XrEventDataBuffer& event);
-  /// A line {"frame": …}; `result` is what the runtime answered.
+  /// Writes a line {"frame": …}. `result`: returned by the runtime.
   void ended(int frame, const XrFrameEndInfo& info, XrResult result);
 
  private:
@@ -60,7 +60,7 @@ class FrameRecord {
   struct Swapchain {
     XrSession owner = XR_NULL_HANDLE;
     int number = -1;
-    std::deque<int> held;  // images that the program has
+    std::deque<int> held;  // images acquired by the program
     Given given;
   };
   struct Located {

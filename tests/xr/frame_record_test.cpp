@@ -17,7 +17,7 @@ const auto kSession = reinterpret_cast<XrSession>(1);
 const auto kStage = reinterpret_cast<XrSpace>(2), kOther = reinterpret_cast<XrSpace>(3);
 const auto kImages = reinterpret_cast<XrSwapchain>(4);
 
-// A frame at time 1000 as a program should submit it.
+// A correctly submitted frame at time 1000.
 struct Submitted {
   std::array<XrCompositionLayerProjectionView, 2> views{};
   XrCompositionLayerProjection layer{XR_TYPE_COMPOSITION_LAYER_PROJECTION};
@@ -33,7 +33,7 @@ std::array<XrView, 2> places() {
   return views;
 }
 
-// What the record says of it, after `change`.
+// Returns the record of the frame after `change`.
 json recorded(const std::function<void(Submitted&)>& change, bool holds = false) {
   const TemporaryFolder folder;
   FrameRecord record(folder / "record");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a loader of OpenXR and a runtime meet, from the loader's specification ("Runtime Interface Negotiation"):
-// Debian's package of the headers leaves it out.
+// Interface between an OpenXR loader and a runtime, from the loader's specification ("Runtime Interface Negotiation").
+// Debian's header package does not include the interface.
 #pragma once
 
 #include <openxr/openxr.h>

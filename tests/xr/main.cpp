@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of the main of ibr_test_support: without a runtime the tests are skipped.
+// Replaces the main of ibr_test_support: skips the tests if no runtime is given.
 #define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <cstdlib>
+
+#include "support/skipped.h"
 
 int main(int argc, char** argv) {
   const auto given = [](const char* name) {
@@ -15,5 +17,5 @@ int main(int argc, char** argv) {
                  given("IBR_REQUIRE_XR") ? "failed" : "skipped");
     return given("IBR_REQUIRE_XR") ? 1 : 77;
   }
-  return Catch::Session().run(argc, argv);
+  return ibr::test::exitCodeOf(Catch::Session().run(argc, argv));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads back the layers of a program's swapchain images, on the program's own device and queue, between two of its
-// frames.
+// Reads back the layers of a program's swapchain images, on the program's own device and queue, between two frames of
+// the program.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -15,8 +15,8 @@ class PictureTap {
   PictureTap() = default;
   PictureTap(VkPhysicalDevice physical, VkDevice device, std::uint32_t family, std::uint32_t queue);
 
-  /// Pixels of four bytes from a layer of a colour image, which is and stays in the layout in which a program gives
-  /// images back. Nothing else may use the queue meanwhile. Empty where anything fails.
+  /// Reads pixels of four bytes from a layer of a colour image, which must be in the layout of released images and
+  /// stays there. Nothing else may use the queue during the call. Empty if a Vulkan call fails.
   std::vector<std::uint8_t> read(VkImage image, std::uint32_t layer, VkRect2D rect) const;
 
  private:

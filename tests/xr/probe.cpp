@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// probe FRAMES: submits so many frames and prints what each was given, as lines of JSON. Makes its session, its
-// instance anew where these are lost. Exit code 0 after the last frame, 1 after a call that failed, 2 where the runtime
-// wants it to end.
+// probe FRAMES: submits the given number of frames and prints the state of each frame as JSON lines. Recreates its
+// session and its instance if these are lost. Exit code 0 after the last frame, 1 after a failed call, 2 if the runtime
+// ends the program.
 #include "probe.h"
 
 #include <cstdlib>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smallest program for a headset: what the tests' own equipment is tested with. It draws nothing.
+// The smallest program for a headset, which tests the test equipment. The program draws nothing.
 #pragma once
 
 #define XR_USE_GRAPHICS_API_VULKAN
 #include <vulkan/vulkan.h>
-// After the types that it builds on.
+// After the types that openxr_platform.h uses.
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
@@ -15,13 +15,13 @@
 
 namespace ibr::test {
 
-/// What a call answered that failed; printed as a line.
+/// Result of a failed call; printed as a line.
 struct ProbeFailure {
   std::string call;
   XrResult result;
 };
 
-/// An instance with a session on a Vulkan device of the runtime's choice.
+/// An instance with a session on a Vulkan device that the runtime chose.
 struct ProbeSession {
   XrInstance instance = XR_NULL_HANDLE;
   XrSystemId system = XR_NULL_SYSTEM_ID;
@@ -33,7 +33,7 @@ struct ProbeSession {
   VkInstance vulkan = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
-  bool depthLayer = false, visibilityMask = false;  // the runtime has these extensions
+  bool depthLayer = false, visibilityMask = false;  // the runtime supports these extensions
   std::uint32_t width = 0, height = 0;
 };
 

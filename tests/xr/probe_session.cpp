@@ -132,7 +132,7 @@ std::vector<int> spacesOf(XrSession session) {
   return {types.begin(), types.end()};
 }
 
-// How many corners the hidden mesh of the left view has; −1 without the extension.
+// Number of corners of the left view's hidden mesh; −1 without the extension.
 int maskIndicesOf(const ProbeSession& p) {
   if (!p.visibilityMask) return -1;
   XrVisibilityMaskKHR mask{XR_TYPE_VISIBILITY_MASK_KHR};
@@ -154,7 +154,7 @@ void makeSpaces(ProbeSession& p, const std::vector<int>& types) {
   checkXr("xrCreateActionSpace", xrCreateActionSpace(p.session, &hand, &p.handSpace));
 }
 
-// Two layers, or where these are refused one.
+// Creates a swapchain of two layers, or of one layer if two are refused.
 int makeSwapchain(ProbeSession& p, std::int64_t format) {
   XrSwapchainCreateInfo info{XR_TYPE_SWAPCHAIN_CREATE_INFO};
   info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT;

@@ -13,7 +13,7 @@
 namespace ibr::test {
 namespace {
 
-// The packet, in the machine's own byte order.
+// The packet of Monado's driver "remote", in native byte order.
 struct WirePose {
   float rotation[4];  // x, y, z, w
   float position[3];
@@ -28,7 +28,7 @@ struct WireEye {
 struct WireHand {
   WirePose pose;
   float linearVelocity[3], angularVelocity[3];
-  float curl[5];  // of fingers
+  float curl[5];  // curl of the fingers
   float trigger, squeeze, squeezeForce;
   float stick[2];
   float trackpadForce, trackpad[2];
@@ -100,7 +100,7 @@ bool RemoteHeadset::connect() {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const int noDelay = 1;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &noDelay, sizeof noDelay);
-  // The runtime greets with its first state and its present one.
+  // The runtime sends its initial and its current state as a greeting.
   WirePacket greeting[2];
   if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
       ::recv(socket_, greeting, sizeof greeting, MSG_WAITALL) == sizeof greeting)
@@ -118,7 +118,7 @@ bool RemoteHeadset::send(const RemoteState& state) {
   if (socket_ < 0 && !connect()) return false;
   const WirePacket packet = wire(state);
   if (::send(socket_, &packet, sizeof packet, MSG_NOSIGNAL) == sizeof packet) return true;
-  disconnect();  // another session may have come since
+  disconnect();  // another session may have connected since
   return connect() && ::send(socket_, &packet, sizeof packet, MSG_NOSIGNAL) == sizeof packet;
 }
 

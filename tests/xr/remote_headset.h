@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A headset and two controllers that a test moves: the other end of Monado's driver "remote". What is sent lasts until
-// the next is sent.
+// A headset and two controllers controlled by a test: the client side of Monado's driver "remote". A state persists
+// until the next one is sent.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@ struct RemoteFov {
 };
 
 struct RemoteEye {
-  Pose pose;  // within the head
+  Pose pose;  // relative to the head
   RemoteFov fov;
 };
 
-/// A controller as of a Valve Index.
+/// A controller like that of a Valve Index.
 struct RemoteHand {
-  Pose pose;  // of grip and aim alike
+  Pose pose;  // of both grip and aim
   bool there = true;
   double trigger = 0, squeeze = 0;  // 0 … 1; the trigger clicks at 1
   glm::vec2 stick{0};               // −1 … 1, right and up
@@ -31,7 +31,7 @@ struct RemoteHand {
 /// Poses are in the space STAGE, metres. LOCAL is 1.6 m above it.
 struct RemoteState {
   Pose head{{0, 1.6, 0}, {1, 0, 0, 0}};
-  bool ownEyes = false;  // otherwise the runtime has eyes of its own, 63 mm apart
+  bool ownEyes = false;  // false: the runtime uses its own eyes, 63 mm apart
   std::array<RemoteEye, 2> eyes{};
   RemoteHand left{{{-0.2, 1.3, -0.5}, {1, 0, 0, 0}}}, right{{{0.2, 1.3, -0.5}, {1, 0, 0, 0}}};
 };
@@ -43,7 +43,7 @@ class RemoteHeadset {
   RemoteHeadset(const RemoteHeadset&) = delete;
   RemoteHeadset& operator=(const RemoteHeadset&) = delete;
 
-  /// Connects where it must, for which the runtime has to run. False while there is nobody; then nothing is sent.
+  /// Sends a state; connects first if necessary. Returns false, and sends nothing, while no runtime is running.
   bool send(const RemoteState& state);
 
  private:

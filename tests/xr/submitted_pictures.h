@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures in the images that a program submits, read back from its swapchains when somebody wants them.
+// Reads back the images that a program submits from its swapchains, on request.
 #pragma once
 
 #define XR_USE_GRAPHICS_API_VULKAN
 #include <vulkan/vulkan.h>
-// After the types that it builds on.
+// After the types that openxr_platform.h uses.
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
@@ -19,14 +19,14 @@ namespace ibr::test {
 
 class SubmittedPictures {
  public:
-  /// Where the folder holds a file "wanted", the next frame's pictures are written beside it as eye0 and eye1 ("width
-  /// height format" in a line, then the pixels' four bytes), and the file is removed. An empty name: never.
+  /// If the folder contains a file "wanted", the next frame's images are written there as eye0 and eye1 (a line "width
+  /// height format", then four bytes a pixel), and "wanted" is removed. An empty name disables this.
   explicit SubmittedPictures(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   bool active() const { return !folder_.empty(); }
   void session(const XrSessionCreateInfo& info);
   void swapchain(XrSwapchain swapchain, PFN_xrEnumerateSwapchainImages enumerate);
-  /// Before the runtime is told of the frame.
+  /// Called before the frame is passed to the runtime.
   void frame(const XrFrameEndInfo& info, const FrameRecord& record) const;
 
  private:

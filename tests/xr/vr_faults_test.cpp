@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong with a headset: ibr-vr goes on, or ends with a message and an exit code that say why.
+// Faults of a headset: ibr-vr continues, or ends with a message and an exit code that state the reason.
 #include "vr_harness.h"
 
 using namespace ibr::test;
@@ -10,7 +10,7 @@ namespace {
 
 struct End {
   Outcome outcome;
-  json report;  // null where it failed
+  json report;  // null if the program failed
   std::vector<json> record;
   std::string states;
 };
@@ -24,7 +24,7 @@ End visit(const std::string& faults, int frames, std::vector<std::string> more =
   return end;
 }
 
-// Goes on to its end, and every frame that was handed over has been taken.
+// Checks that the program runs to its end and the runtime accepted every submitted frame.
 End survives(const std::string& faults, int frames = 40) {
   End end = visit(faults, frames);
   INFO(faults);

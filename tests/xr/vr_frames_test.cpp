@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ibr-vr hands to the runtime, frame by frame, by the record.
+// Frames that ibr-vr submits to the runtime, from the record.
 #include <fstream>
 
 #include "vr_harness.h"
@@ -9,7 +9,7 @@ using nlohmann::json;
 
 namespace {
 
-// What must hold for each frame that shows something.
+// Checks the properties of every frame that shows something.
 void checkFrame(const json& frame, const std::string& space) {
   INFO(frame.dump());
   CHECK(frame["result"] == 0);
@@ -58,7 +58,7 @@ TEST_CASE("hundreds of frames are handed over as they were asked for") {
   const std::vector<json> frames = shownFrames(setup);
   REQUIRE(frames.size() >= 200);
   for (const json& frame : frames) checkFrame(frame, "STAGE");
-  // The head was somewhere else all the time, and the last place has come.
+  // The head moved all the time. The last frame shows the last pose.
   const json& last = frames.back()["layers"][0]["views"][0];
   const glm::dvec3 eye = state.head.position + state.head.rotation * state.eyes[0].pose.position;
   for (int k = 0; k < 3; ++k) CHECK(last["pose"][std::size_t(k)].get<double>() == Approx(eye[k]).margin(1e-5));
@@ -72,10 +72,10 @@ TEST_CASE("colour goes into a format that is decoded as sRGB, though another is 
   Visitor visitor(setup, {"--frames", "3"});
   CHECK(visitor.finish().code == 0);
   std::vector<json> swapchains = setup.record();
-  std::erase_if(swapchains, [](const json& line) { return line.value("width", 0) != 320; });  // the eyes' own
+  std::erase_if(swapchains, [](const json& line) { return line.value("width", 0) != 320; });  // only those of the eyes
   REQUIRE(swapchains.size() == 2);
   CHECK((swapchains[0]["format"] == 43 || swapchains[0]["format"] == 50));
-  CHECK((swapchains[1]["format"] == 126 || swapchains[1]["format"] == 130));  // depth as floats
+  CHECK((swapchains[1]["format"] == 126 || swapchains[1]["format"] == 130));  // floating-point depth
   for (const json& one : swapchains) {
     CHECK(one["layers"] == 2);
     CHECK(one["samples"] == 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walking with the hands: by the views in the world that the screenshots tell.
+// Locomotion with the hands, checked with the world views stored in screenshots.
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtx/quaternion.hpp>
 
@@ -11,7 +11,7 @@ using nlohmann::json;
 
 namespace {
 
-// Somebody who walks, and where their head comes to be in the world.
+// A simulated person who walks, and the resulting head pose in the world.
 class Walker {
  public:
   explicit Walker(std::vector<std::string> more = {}) : visitor_(setup_, arguments(std::move(more))) {
@@ -23,14 +23,14 @@ class Walker {
   Visitor& visitor() { return visitor_; }
   RemoteState& state() { return state_; }
 
-  // The head's pose in the world after all that was sent.
+  // The head's pose in the world after all sent input.
   Pose head() {
     visitor_.move(state_);
-    visitor_.pass(22);  // of fades, and until a picture is taken again
+    visitor_.pass(22);  // until fades are over and the next screenshot is taken
     const std::array<Camera, 2> views = viewsIn(lastPictures(pictures_.path()));
     return {0.5 * (views[0].pose.position + views[1].pose.position), views[0].pose.rotation};
   }
-  // Holds something that was free, and lets go.
+  // Presses a button from a released state, and releases the button.
   void press(const std::function<void(RemoteState&)>& hold) {
     const RemoteState before = state_;
     visitor_.move(state_);
@@ -55,7 +55,7 @@ bool near(glm::dvec3 a, glm::dvec3 b) {
   return glm::distance(a, b) < 1e-4;
 }
 
-// A hand at rest that points at a place in the room.
+// A hand at rest that points at a position in the room.
 RemoteHand pointing(glm::dvec3 from, glm::dvec3 at) {
   return {{from, glm::rotation(glm::dvec3(0, 0, -1), glm::normalize(at - from))}};
 }
@@ -66,7 +66,7 @@ TEST_CASE("the world stays where it is while the head moves, and turns by steps 
   Walker walker;
   walker.state().right.there = true;
   const Pose start = walker.head();
-  CHECK(near(start.position, {0, 0, 0}));  // the first photograph's place
+  CHECK(near(start.position, {0, 0, 0}));  // the position of the first photograph
   walker.state().head.position += glm::dvec3(0.3, -0.1, 0.2);
   const Pose moved = walker.head();
   CHECK(near(moved.position, {0.3, -0.1, 0.2}));
@@ -84,17 +84,17 @@ TEST_CASE("where the trigger is let go one stands, facing as before") {
   Walker walker;
   const Pose start = walker.head();
   CHECK(near(start.position, {0, 0, 0}));
-  // The second photograph's place is half a metre to the right; its mark is on the floor.
+  // The second photograph's position is half a metre to the right, with a mark on the floor.
   walker.state().right = pointing({0.4, 1.2, 0.3}, {0.5, 0, 0});
   walker.press([](RemoteState& s) { s.right.trigger = 1; });
   const Pose there = walker.head();
   CHECK(near(there.position, tinySet().cameras[1].camera.pose.position));
   CHECK(near(there.rotation * glm::dvec3(0, 0, -1), {0, 0, -1}));
-  // Nothing is where nobody has photographed.
+  // Far from all photographs, pointing has no target.
   walker.state().right = pointing({0.4, 1.2, 0.3}, {0.4, 3, 4});
   walker.press([](RemoteState& s) { s.right.trigger = 1; });
   CHECK(near(walker.head().position, there.position));
-  // The stick of the left hand moves nobody unless that was asked for.
+  // The left stick moves the person only if smooth motion is enabled.
   walker.state().left.there = true;
   walker.press([](RemoteState& s) { s.left.stick = {0, 1}; });
   CHECK(near(walker.head().position, there.position));

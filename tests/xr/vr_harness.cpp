@@ -60,7 +60,7 @@ void Visitor::pass(int frames) {
 }
 
 void Visitor::waitForScene() {
-  // Only frames of a scene are in its log; it comes within a fifth of a second.
+  // The log has a line only for frames of a scene. The scene fades in within a fifth of a second.
   const auto lines = [&] {
     std::ifstream in(logOf(setup_));
     return std::count(std::istreambuf_iterator<char>(in), {}, '\n');
@@ -93,7 +93,7 @@ std::vector<json> shownFrames(const XrSetup& setup) {
 }
 
 std::array<fs::path, 2> lastPictures(const fs::path& folder) {
-  // Those before the last, which may be about to be written.
+  // Skips the last images, which may be incomplete.
   std::vector<fs::path> rights;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().string().ends_with("_r.png")) rights.push_back(entry.path());

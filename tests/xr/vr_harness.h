@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `ibr-vr` on a scripted headset: what its tests share.
+// Runs the program `ibr-vr` on a scripted headset. Shared by its tests.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -14,26 +14,26 @@
 
 namespace ibr::test {
 
-/// A head in the room that has eyes of its own, with fields of view unlike each other, and no hands that would be seen.
+/// A head in the room with its own eyes, whose fields of view differ, and with invisible hands.
 RemoteState lookingAhead(glm::dvec3 head = {0, 1.6, 0});
 
-/// ibr-vr on the tiny scene with validation and the report on stdout, without a window.
+/// Runs ibr-vr on the tiny scene, with validation, with the report on stdout, and without a window.
 class Visitor {
  public:
   explicit Visitor(XrSetup& setup, std::vector<std::string> more = {}, std::vector<std::string> environment = {});
 
   XrSetup& setup() { return setup_; }
   RunningProgram& program() { return program_; }
-  /// Moves the headset; it must arrive.
+  /// Moves the headset. Fails the test if the state does not arrive.
   void move(const RemoteState& state);
-  /// Waits for so many frames more; the program must live to show them.
+  /// Waits for the given number of frames. Fails the test if the program ends before.
   void pass(int frames);
-  /// Waits until the scene is shown: its first cells are drawn, and the fade that it comes with is over.
+  /// Waits until the scene is shown: its first cells are drawn, and its fade-in is over.
   void waitForScene();
 
-  /// Ctrl-C, then the end: the exit code that says so, and no messages of validation.
+  /// Sends Ctrl-C and waits for the end. Checks the exit code, and that there are no validation messages.
   nlohmann::json leave();
-  /// The end by itself.
+  /// Waits for the program's own end.
   Outcome finish();
 
  private:
@@ -41,16 +41,16 @@ class Visitor {
   RunningProgram program_;
 };
 
-/// Frames of the record that show something.
+/// Frames of the record that have layers.
 std::vector<nlohmann::json> shownFrames(const XrSetup& setup);
 
-/// The left and right eye's last pictures in a folder (--screenshot-every).
+/// The last images of the left and right eye in a folder (--screenshot-every).
 std::array<std::filesystem::path, 2> lastPictures(const std::filesystem::path& folder);
-/// The views in the world that pictures tell.
+/// World views stored in the images' metadata.
 std::array<Camera, 2> viewsIn(const std::array<std::filesystem::path, 2>& pictures);
 
-/// What `ibr render --stereo` draws of the left eye's picture NAME_l.png and its partner beside it, on the same device
-/// and with the same floor.
+/// Renders the views of the left eye's image NAME_l.png and of the right eye's image with `ibr render --stereo`, on the
+/// same device and with the same floor.
 std::array<Image8, 2> drawnAgain(const XrSetup& setup, const std::filesystem::path& left,
                                  const std::filesystem::path& folder, const std::vector<std::string>& more);
 

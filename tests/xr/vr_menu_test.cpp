@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu of ibr-vr by a scripted hand.
+// The menu of ibr-vr, operated by a scripted hand.
 #include <fmt/format.h>
 
 #include "io/image_file.h"
@@ -31,7 +31,7 @@ double eyesApart(const std::array<Camera, 2>& eyes) {
   return glm::distance(eyes[0].pose.position, eyes[1].pose.position);
 }
 
-// A photograph's dot, of the map's sides.
+// Position of a photograph's dot, as shares of the map's sides.
 glm::dvec2 dotOf(std::size_t photograph) {
   std::vector<Pose> poses;
   for (const NamedCamera& one : tinySet().cameras) poses.push_back(one.camera.pose);
@@ -56,7 +56,7 @@ TEST_CASE("the menu opens before the head; its map, its picture and its way back
   CHECK(near(middle(there), tinySet().cameras[1].camera.pose.position));
   CHECK(near(ahead(there[0]), {0, 0, -1}));
 
-  // Elsewhere and turned; then as the nearest photograph again.
+  // The head moves and turns; then recentring restores the nearest photograph's pose.
   user.state().head.position += glm::dvec3(0.06, 0, 0.05);
   user.state().head.rotation = glm::angleAxis(0.6, glm::dvec3(0, 1, 0));
   user.send();
@@ -85,12 +85,12 @@ TEST_CASE("the menu's settings are obeyed at once") {
   CHECK(near(middle(larger), middle(first)));
   user.press("turn 90");
   user.press("smooth motion");
-  // The eyes rise, and with them the panel in its space: in the room it stays where it is.
+  // The eyes rise, and the panel rises with them in its space; in the room the panel does not move.
   const double panelBefore = recordedPose(user.panel()["pose"]).position.y;
   user.press("higher");
   CHECK(near(user.head() - middle(larger), {0, 1.25 * 0.05, 0}));
   CHECK(recordedPose(user.panel()["pose"]).position.y == Approx(panelBefore + 0.05));
-  user.pressMenuButton();  // it is no longer where a hand in STAGE would look for it
+  user.pressMenuButton();  // a hand at rest in STAGE does not point at the moved panel
   user.state().right.pose = RemoteState().right.pose;
   for (const float x : {0.f, 1.f, 0.f}) {
     user.state().right.stick = {x, 0};
@@ -159,7 +159,7 @@ TEST_CASE("another scene is gone to while the head is followed; one that cannot 
   const glm::dvec3 stood = user.head();
   user.pressOn("scenes page", "scene 2");
   user.waitUntil([&] { return user.says("broken"); });
-  // The former one is shown again where one stood, and the menu tells why.
+  // The previous scene is shown again at the same position, and the menu shows the reason.
   user.waitUntil([&] { return !user.panel().is_null(); });
   CHECK(near(user.head(), stood));
   user.pressOn("scenes page", "scene 1");

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kPanelWidth = 960, kPanelHeight = 720;
 
-// Of the panel's sides, on whichever page it is.
+// Position of an item, as shares of the panel's sides, on the page that contains the item.
 glm::dvec2 placeOf(const std::string& name, glm::dvec2 part, std::size_t scenes) {
   for (const std::string page : {"", "scenes page", "settings page"}) {
     app::MenuPanel panel(kPanelWidth, kPanelHeight);
@@ -82,7 +82,7 @@ void MenuUser::pointAt(const std::string& name, glm::dvec2 part) {
   const Pose pose = recordedPose(layer["pose"]);
   const glm::dvec2 size{layer["size"][0].get<double>(), layer["size"][1].get<double>()};
   const glm::dvec2 at = placeOf(name, part, scenes_);
-  // The panel looks along +z, a hand along −z.
+  // The panel faces +z, a hand points along −z.
   const glm::dvec3 from{(at.x - 0.5) * size.x, (0.5 - at.y) * size.y, 0.3};
   state_.right.pose = {pose.position + pose.rotation * from, pose.rotation};
 }
@@ -97,18 +97,18 @@ void MenuUser::press(const std::string& name, glm::dvec2 part) {
 
 Outcome MenuUser::exit() {
   press("exit");
-  visitor_.pass(5);  // asked for confirmation it stays
+  visitor_.pass(5);  // the program waits for confirmation
   state_.right.trigger = 1;
   send();
   state_.right.trigger = 0;
-  setup_.move(visitor_.program(), state_);  // it may end at once
+  setup_.move(visitor_.program(), state_);  // the program may end at once
   return visitor_.finish();
 }
 
 std::array<Camera, 2> MenuUser::eyes() {
   const auto count = [&] { return std::distance(std::filesystem::directory_iterator(pictures_.path()), {}); };
   const auto before = count();
-  waitUntil([&] { return count() >= before + 24; });  // each is two files of two; until fades are over
+  waitUntil([&] { return count() >= before + 24; });  // two views of two files each, until fades are over
   return viewsIn(lastPictures(pictures_.path()));
 }
 

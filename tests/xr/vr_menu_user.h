@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody in a headset who opens the menu of ibr-vr and presses what is on it: the panel is where the record of frames
-// says that it is, and its parts are where the same panel without a headset has them.
+// A simulated person in a headset who opens the menu of ibr-vr and presses its items. The frame record gives the
+// panel's pose; the same panel without a headset gives the positions of its items.
 #pragma once
 
 #include "vr/menu/menu_panel.h"
@@ -8,36 +8,36 @@
 
 namespace ibr::test {
 
-/// A pose or a view's pose as the record has it.
+/// A recorded pose, or the pose of a recorded view.
 Pose recordedPose(const nlohmann::json& pose);
 
 class MenuUser {
  public:
-  /// On the tiny scene and as many `others` as `more` names.
+  /// Starts on the tiny scene and `others` further scenes. `more`: additional command-line words.
   explicit MenuUser(const std::string& faults = "", std::vector<std::string> more = {}, std::size_t others = 0);
 
   XrSetup& setup() { return setup_; }
   Visitor& visitor() { return visitor_; }
   RemoteState& state() { return state_; }
   void send() { visitor_.move(state_); }
-  /// Waits until it answers true; the program must live.
+  /// Waits until `come` returns true. Fails the test if the program ends.
   void waitUntil(const std::function<bool()>& come);
   bool says(const std::string& text) { return visitor_.program().err().find(text) != std::string::npos; }
 
-  /// The button of the right hand, held and let go.
+  /// Presses and releases the menu button of the right hand.
   void pressMenuButton();
-  /// The layer of the menu in the last frame; null where it is closed.
+  /// The menu's layer in the last frame; null while the menu is closed.
   nlohmann::json panel() const;
-  /// The right hand points into something on a page of the menu, which is open and shows that page, or none; `part` of
-  /// its sides. Presses and lets go.
+  /// Points the right hand at an item of the menu's open page, or of no page; `part`: as shares of the item's sides.
+  /// Then presses and releases.
   void press(const std::string& name, glm::dvec2 part = {0.5, 0.5});
-  /// Presses what asks for confirmation, and once more; the program then ends by itself.
+  /// Presses exit and confirms with a second press. The program then ends by itself.
   Outcome exit();
   void pressOn(const std::string& page, const std::string& name) { press(page), press(name); }
 
-  /// Both eyes in the world, from pictures that were begun after all that was sent.
+  /// World views of both eyes, from images taken after all sent input.
   std::array<Camera, 2> eyes();
-  /// Between them.
+  /// Midpoint of both eyes.
   glm::dvec3 head();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The eyes' pictures: what is in the images that the runtime gets, what a screenshot keeps, and what `ibr render
-// --stereo` draws of the same poses are the same.
+// Images of the eyes: the runtime's swapchain images, screenshots, and the output of `ibr render --stereo` for the same
+// poses are equal.
 #include "io/image_file.h"
 #include "vr_harness.h"
 
@@ -16,12 +16,12 @@ bool isEmpty(const Image8& image) {
 }
 
 struct Asked {
-  std::vector<std::string> headset = {}, renderer = {};  // options of ibr-vr alone, and of ibr render too
+  std::vector<std::string> headset = {}, renderer = {};  // options of ibr-vr alone, and of both ibr-vr and ibr render
   std::string faults = "";
   bool stockDevice = false;
   double unitsPerMetre = 1;
-  // Colours that are filled in are no photographs' bytes: where a format encodes them as sRGB they are rounded
-  // otherwise.
+  // Filled pixels have fractional values. If a format encodes sRGB, their rounding
+  // differs.
   int tolerance = 1;
 };
 
@@ -30,7 +30,7 @@ bool same(const Image8& a, const Image8& b, int tolerance) {
          std::ranges::equal(a.values, b.values, [&](int p, int q) { return std::abs(p - q) <= tolerance; });
 }
 
-// The views that the pictures tell are those of the headset's eyes.
+// Checks that the views stored in the images are those of the headset's eyes.
 void checkViews(const std::array<Camera, 2>& views, const RemoteState& state, double unitsPerMetre) {
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const Intrinsics& k = views[eye].intrinsics;
@@ -103,7 +103,7 @@ TEST_CASE("what lenses hide is not drawn, and all the rest is; pictures to be ke
   XrSetup setup("half-mask");
   setup.readPictures();
   Visitor visitor(setup, {"--no-governor", "--no-floor", "--frames", "60", "--tiers", "2", "--screenshot",
-                          setup.folder() / "shot.png"});  // what is filled depends on what is hidden beside it
+                          setup.folder() / "shot.png"});  // filled colours depend on hidden neighbours
   const RemoteState state = lookingAhead();
   visitor.move(state);
   visitor.waitForScene();
@@ -115,7 +115,7 @@ TEST_CASE("what lenses hide is not drawn, and all the rest is; pictures to be ke
     INFO("eye " << eye);
     const fs::path file = setup.folder() / (eye == 0 ? "shot_l.png" : "shot_r.png");
     const Image8 kept = readImage(file);
-    const double middle = viewsIn({file, file})[0].intrinsics.cx;  // what is left of it is hidden
+    const double middle = viewsIn({file, file})[0].intrinsics.cx;  // columns left of `middle` are hidden
     std::size_t hidden = 0, left = 0, wrong = 0;
     for (int y = 0; y < kept.height; ++y)
       for (int x = 0; x < kept.width; ++x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A head that is tracked by halves, or by no numbers, in ibr-vr; and where its results cannot go.
+// Partial or invalid head tracking in ibr-vr, and output files that cannot be written.
 #include <cmath>
 
 #include "vr_menu_user.h"

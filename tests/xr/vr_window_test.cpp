@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// With the runtime's real compositor, in a window of a virtual display: what a person would see, which the one that
-// shows nothing cannot tell.
+// Tests with the runtime's real compositor, in a window of a virtual display. They check the visible result, which the
+// null compositor cannot show.
 #include <cmath>
 #include <glm/common.hpp>
 
@@ -14,15 +14,15 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr int kWidth = 480, kHeight = 540;  // of half of the compositor's window
-constexpr int kBlock = 20;                  // pixels: of the squares whose colours are compared
+constexpr int kWidth = 480, kHeight = 540;  // of half the compositor's window
+constexpr int kBlock = 20;                  // px, side of the squares whose colours are compared
 
 std::string compositorWindow(Visitor& visitor) {
   std::string found;
   const bool came = visitor.program().runsUntil([&] {
     try {
       found = xdotool({"search", "--onlyvisible", "--name", "^Monado$"});
-    } catch (const std::runtime_error&) {  // none yet
+    } catch (const std::runtime_error&) {  // no window yet
     }
     return !found.empty();
   });
@@ -31,7 +31,7 @@ std::string compositorWindow(Visitor& visitor) {
   return found.substr(0, found.find('\n'));
 }
 
-// Mean of a square of pixels, by channel.
+// Mean colour of a square of kBlock × kBlock px, by channel.
 glm::dvec3 meanOf(const Image8& image, int left, int top) {
   glm::dvec3 sum(0);
   for (int y = top; y < top + kBlock; ++y)
@@ -40,7 +40,7 @@ glm::dvec3 meanOf(const Image8& image, int left, int top) {
   return sum / double(kBlock * kBlock);
 }
 
-// An eye's picture as it is seen in other fields of view; black where it does not reach.
+// An eye's image resampled to another field of view; black outside the image.
 Image8 seenIn(const RemoteFov& to, const Image8& picture, const RemoteFov& from) {
   Image8 seen(kWidth, kHeight, 3);
   const auto place = [](double pixel, int size, double first, double last, double newFirst, double newLast, int count) {
@@ -57,7 +57,7 @@ Image8 seenIn(const RemoteFov& to, const Image8& picture, const RemoteFov& from)
   return seen;
 }
 
-// The largest difference of coarse colours between a half of the window and what should be there.
+// Largest difference between the mean colours of a half of the window and of the expected image.
 double difference(const Image8& window, int half, const Image8& expected) {
   double largest = 0;
   for (int y = 0; y < kHeight; y += kBlock)
@@ -68,13 +68,13 @@ double difference(const Image8& window, int half, const Image8& expected) {
   return largest;
 }
 
-// The fields of view in which the compositor shows things, as long as the headset has no eyes of its own.
+// Fields of view of the compositor, used while the headset has no eyes of its own.
 RemoteFov shownFov(const XrSetup& setup) {
   const auto fov = shownFrames(setup).back()["layers"][0]["views"][0]["fov"].get<std::array<double, 4>>();
   return {fov[0], fov[1], fov[2], fov[3]};
 }
 
-// With faults of the runtime, too.
+// Checks the window, optionally with faults of the runtime.
 void checkWindow(const std::string& faults) {
   XrSetup setup("odd-size=480x540" + faults, XrCompositor::window);
   Visitor visitor(setup,

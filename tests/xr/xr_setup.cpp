@@ -29,7 +29,7 @@ int freePort() {
   return ntohs(address.sin_port);
 }
 
-// RGB of what submitted_pictures.h writes.
+// Reads an image that SubmittedPictures wrote, as RGB.
 Image8 readPicture(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   int width = 0, height = 0, format = 0;
@@ -50,7 +50,7 @@ Image8 readPicture(const std::filesystem::path& file) {
 
 std::string runtimeFolder() {
   const char* folder = std::getenv("IBR_XR_RUNTIME");
-  REQUIRE(folder);  // main.cpp has seen to it
+  REQUIRE(folder);  // main.cpp ensures this
   return folder;
 }
 
@@ -91,7 +91,7 @@ bool XrSetup::pass(RunningProgram& program, int count) {
 }
 
 bool XrSetup::move(RunningProgram& program, const RemoteState& state) {
-  // The first of the frames to come may have been located before.
+  // The first of the next frames may have located its views before.
   return program.runsUntil([&] { return headset_.send(state); }) && pass(program, 4);
 }
 
@@ -105,7 +105,7 @@ std::vector<json> XrSetup::record() const {
   std::vector<json> lines;
   std::ifstream in(folder_ / "record");
   for (std::string line; std::getline(in, line);)
-    if (!in.eof()) lines.push_back(json::parse(line));  // the last may not be whole yet
+    if (!in.eof()) lines.push_back(json::parse(line));  // the last line may be incomplete
   return lines;
 }
 

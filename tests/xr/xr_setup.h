@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A headset of its own for a test: the runtime's settings in a fresh folder and at a free port, so that tests can run
-// side by side, with faults to be made and a record of what the program submits.
+// A headset for one test: the runtime's settings in a new folder and at a free port, so that tests can run in parallel,
+// with requested faults and a record of the submitted frames.
 #pragma once
 
 #include <functional>
@@ -19,30 +19,30 @@ enum class XrCompositor { null, window };
 
 class XrSetup {
  public:
-  /// `faults` as in faults.h. The compositor that shows nothing needs no display; the other opens a window.
+  /// `faults`: as in faults.h. The null compositor needs no display; the other one opens a window.
   explicit XrSetup(std::string faults = "", XrCompositor compositor = XrCompositor::null);
 
-  /// What a program needs to come upon this headset; NAME=value.
+  /// Environment with which a program finds this headset; entries NAME=value.
   std::vector<std::string> environment() const;
 
-  /// Moves the headset and the hands, and waits until the program has submitted a few frames after that; true when it
-  /// has.
+  /// Moves the headset and the hands, and waits until the program has submitted a few more frames. Returns false if the
+  /// program ends first.
   bool move(RunningProgram& program, const RemoteState& state);
-  /// Lets the program submit so many frames more.
+  /// Waits until the program has submitted the given number of frames.
   bool pass(RunningProgram& program, int frames);
 
-  /// What the program submits next, by eye; read back from its swapchains, which readPictures() must have prepared
-  /// before the program was started. Nothing where it ends before.
+  /// The images of both eyes in the next submitted frame, read back from the program's swapchains. readPictures() must
+  /// be called before the program starts. Empty if the program ends first.
   std::vector<Image8> pictures(RunningProgram& program);
   void readPictures() { reads_ = true; }
 
-  /// Debian 12's own software device, whose multiview is broken, instead of the one that is laid beside it.
+  /// Uses Debian 12's own software device, whose multiview is broken, instead of the device installed for the tests.
   void useStockDevice() { stock_ = true; }
 
-  /// Lines of the record (frame_record.h): all, or those of frames.
+  /// Lines of the record (frame_record.h): all lines, or only those of frames.
   std::vector<nlohmann::json> record() const;
   std::vector<nlohmann::json> frames() const;
-  /// The states that the session went through, in one line.
+  /// The session's states in order, in one line.
   std::string states() const;
 
   const TemporaryFolder& folder() const { return folder_; }

@@ -43,7 +43,7 @@ struct Measured {
 
 Json benchFormats(const PhotographBench& bench, const Context& context) {
   Device device = Device::create({.device = context.options().device, .log = context.log()});
-  check(device.samplesBlocks(), ErrorCode::unsupported, "{}: cannot sample blocks", device.name());
+  check(device.supportsBlockCompression(), ErrorCode::unsupported, "{}: cannot sample blocks", device.name());
   const Intrinsics& size = bench.views[0].camera.intrinsics;
   const VkExtent2D extent{std::uint32_t(size.width), std::uint32_t(size.height)};
   const SceneBounds bounds = sceneBounds(bench.scene);
@@ -64,7 +64,7 @@ Json benchFormats(const PhotographBench& bench, const Context& context) {
   }
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const FramePlan plan = planFrame(bench.scene, bounds, {{bench.views[v].camera}, bench.settings});
-    for (int repeat = -1; repeat < bench.repeat; ++repeat) {  // the first warms up and is not counted
+    for (int repeat = -1; repeat < bench.repeat; ++repeat) {  // the first repeat warms up and is not counted
       check(progress.show({"measuring", std::size(kWays) + v, steps}), ErrorCode::cancelled, "stopped");
       double first = 0;
       Image8 expected;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr bench`, of photographs on a device: what formats and filters cost, and a walk under a budget of memory.
+// `ibr bench` of the photographs on a device: cost of texture formats and filters, and a walk within a memory budget.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,15 +16,15 @@ struct PhotographBench {
   const std::vector<View>& views;  // all of one size
   RenderSettings settings;
   GpuSceneOptions gpuScene;
-  int repeat = 1;  // frames of each way and view
+  int repeat = 1;  // frames for each way and view
 };
 
-/// Frames of all formats and filters in turn, with the scene's textures encoded anew. Prints a table, returns what the
-/// report says.
+/// Renders frames with all formats and filters in turn; encodes the scene's textures again. Prints a table and returns
+/// the report's fields.
 nlohmann::ordered_json benchFormats(const PhotographBench& bench, const Context& context);
 
-/// Goes through the views as a viewer does: a frame streams what it can and is shown, whatever is still missing. Two
-/// frames are taken to be in flight.
+/// Renders the views in order, as a viewer does: a frame streams what it can and is shown even if textures are missing.
+/// Assumes two frames in flight.
 nlohmann::ordered_json benchWalk(const PhotographBench& bench, const Context& context);
 
 }  // namespace ibr::app

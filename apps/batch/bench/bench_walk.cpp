@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kFramesInFlight = 2;
 
-// Share of the pixels in which nothing was drawn; alpha tells.
+// Share of the pixels with alpha 0, where nothing was drawn.
 double emptyShare(const Image8& picture) {
   std::size_t empty = 0;
   for (std::size_t i = 3; i < picture.values.size(); i += 4) empty += picture.values[i] == 0;
@@ -26,10 +26,10 @@ double emptyShare(const Image8& picture) {
 
 struct Walk {
   GpuScene::Memory peak;
-  std::uint64_t uploadedBytes = 0, mostUploadedBytes = 0;  // in all, and in one frame
+  std::uint64_t uploadedBytes = 0, mostUploadedBytes = 0;  // in total, and maximum of a frame
   std::size_t framesWithStandIns = 0, framesWithGaps = 0;
-  std::vector<double> standIns, empty, streamMs, frameMs;  // of every frame: shares, milliseconds
-  std::uint32_t failed = 0;                                // photographs of one frame at most
+  std::vector<double> standIns, empty, streamMs, frameMs;  // of every frame: shares, ms
+  std::uint32_t failed = 0;                                // photographs, maximum of a frame
 };
 
 Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScene, const Context& context) {

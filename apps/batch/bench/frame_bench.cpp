@@ -15,7 +15,7 @@ namespace ibr::app {
 namespace {
 
 constexpr double kEyeDistance = 0.064;  // m
-constexpr double kHiddenCorner = 0.3;   // of a picture's sides, as headsets have it: 18 % of all pixels
+constexpr double kHiddenCorner = 0.3;   // of the image's sides; hides 18 % of the pixels, as in headsets
 
 std::vector<BenchWay> waysOf(const BenchCase& wanted) {
   const BlendMode blend = wanted.settings.blend;
@@ -55,7 +55,7 @@ std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
   return count;
 }
 
-// The four corners of a centred picture.
+// Triangles over the four corners of the image.
 std::vector<glm::vec2> hiddenCorners(const Intrinsics& k) {
   const glm::dvec2 corner(0.5 * k.width / k.fx, 0.5 * k.height / k.fy);  // tangents
   std::vector<glm::vec2> triangles;
@@ -71,7 +71,7 @@ std::vector<glm::vec2> hiddenCorners(const Intrinsics& k) {
 
 RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
   RendererOptions options = optionsFor(wanted.settings, extent);
-  options.views = wanted.stereo ? 2 : 1;
+  options.maxViews = wanted.stereo ? 2 : 1;
   options.orders = {DrawOrder::ours, DrawOrder::paper};
   options.compositions.push_back(Composition::cells);
   if (wanted.settings.blend == BlendMode::blend) options.blends.push_back(BlendMode::dither);
@@ -149,7 +149,7 @@ struct FrameBench::State {
   std::vector<Offscreen> pictures;
   std::vector<Target> targets;
   ScopeTimer timer;
-  std::uint64_t frame = 0;  // of streaming
+  std::uint64_t frame = 0;  // number of the last frame that streamed
 };
 
 FrameBench::FrameBench(Device& device, const BenchSubject& subject, const BenchCase& wanted)
@@ -167,7 +167,7 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
       plans.push_back(plansOf(s.subject, s.bounds, wanted.settings, times.way, eyesOf(view, times.way.views)));
     result.drawn = std::max(result.drawn, plans[0][0].plan.cells.size());
     result.triangles = std::max(result.triangles, triangleCount(s.subject.scene, plans[0][0].plan));
-    for (int repeat = -1; repeat < wanted.repeat; ++repeat) {  // the first warms up and is not counted
+    for (int repeat = -1; repeat < wanted.repeat; ++repeat) {  // the first repeat warms up and is not counted
       step();
       std::vector<double> frame(count, 0.0);
       for (std::size_t w = 0; w < count; ++w) {

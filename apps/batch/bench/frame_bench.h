@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of frames of a scene in several ways, measured in turn, frame by frame, so that a machine whose speed drifts
-// does not favour one; a ratio is the median of the ratios of frames measured next to each other.
+// Frame times of a scene drawn in several ways. The ways alternate frame by frame, so that a change of the machine's
+// speed favours none of them; a ratio is the median of the ratios of frames measured next to each other.
 #pragma once
 
 #include <cstddef>
@@ -20,21 +20,21 @@ struct BenchWay {
   ColourMapping colour;
   BlendMode blend;
   std::size_t views;
-  bool hidden = false;  // corners that a headset's lenses leave out are not drawn
+  bool hidden = false;  // true: corners that a headset's lenses hide are not drawn
 };
-/// The paper's way draws cells; ours what the settings name.
+/// Returns cells for the paper's way, else the composition of the settings.
 Composition compositionOf(const BenchWay& way, const RenderSettings& settings);
 
 struct WayTimes {
   BenchWay way;
   std::vector<double> milliseconds;         // of frames
-  std::vector<double> toPaper, toUnmapped;  // ratios: to the paper's order and to the same way, without mapping
-  std::vector<double> toTwoMono;            // of two views: to a frame of each alone
-  std::vector<double> toWhole;              // with hidden corners: to the same way without
+  std::vector<double> toPaper, toUnmapped;  // ratios: to the paper's order, and to the same way without colour mapping
+  std::vector<double> toTwoMono;            // of two views: ratio to two frames of one view
+  std::vector<double> toWhole;              // with hidden corners: ratio to the same way without hidden corners
   std::map<std::string, std::vector<double>> passes;  // ms by pass
 };
 
-/// What is measured. Views are single; a stereo frame is a pair of eyes at one of them.
+/// Scene and views that are measured. Each view is single; a stereo frame has a pair of eyes at the view.
 struct BenchSubject {
   std::string name;
   Scene scene;
@@ -43,34 +43,34 @@ struct BenchSubject {
 };
 
 struct BenchCase {
-  RenderSettings settings;  // cells among them; order, blend (unless asked for) and mapping are the ways'
-  bool stereo = false;      // also with two views
-  int repeat = 9;           // frames a way and view
+  RenderSettings settings;  // order, mapping, the paper's composition and the added dithered blend are set by each way
+  bool stereo = false;      // true: also with two views
+  int repeat = 9;           // frames for each way and view
 };
 
 struct BenchResult {
-  std::size_t drawn = 0, triangles = 0;  // of a view, at most
+  std::size_t drawn = 0, triangles = 0;  // maximum over the views
   std::vector<WayTimes> ways;
 };
 
-/// Plans whose times, weighted, are those of a frame: colours are counted in one frame of a period, and not in others.
+/// Plans whose weighted times sum to the mean time of a frame: colours are counted in one frame of a period only.
 struct WeightedPlan {
   FramePlan plan;
   double weight;
 };
-/// A frame by itself, and where colours are mapped our way one that follows it.
+/// Returns a single frame; with ColourMapping::ours also a frame that follows, which counts no colours.
 std::vector<WeightedPlan> weightedPlans(const Scene& scene, const SceneBounds& bounds, FrameInput input);
 
-/// The left and the right eye, so far apart in world units.
+/// Returns the left and the right eye at the given distance, world units.
 std::vector<Camera> eyesAround(const Camera& middle, double distance);
 
-/// A scene on a device, with everything that any way needs.
+/// A scene on a device, with the renderers and targets that the ways need.
 class FrameBench {
  public:
   FrameBench(Device& device, const BenchSubject& subject, const BenchCase& wanted);
   ~FrameBench();
-  /// `step` is called before each round and may throw. Throws Error{unsupported} where the queue has no timestamps.
-  /// `wanted` is as at first but for its number of cells.
+  /// Measures all ways. `step` is called before each round and may throw. Throws Error{unsupported} if the queue has no
+  /// timestamps. `wanted` must equal the constructor's, except for the number of cells.
   BenchResult measure(const BenchCase& wanted, const std::function<void()>& step) const;
 
  private:

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
@@ -11,7 +9,7 @@
 #include "batch/command.h"
 #include "batch/inspect/advice_report.h"
 #include "batch/inspect/unused_photographs.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "shared/cli/progress.h"
 #include "shared/report/table.h"
 
@@ -32,7 +30,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-// A line or two, for people.
+// Formats the prediction in one or two lines, for people.
 std::string predictionText(const BuildPrediction& p) {
   std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
                                  p.megapixels, p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
@@ -65,65 +63,63 @@ Json predictionJson(const BuildPrediction& p) {
 
 using StageSeconds = std::vector<std::pair<std::string, double>>;
 
-// A screen is not filled with hundreds of rows; a file or a pipe gets them all.
-std::size_t rowsShown(std::size_t rows) {
-  constexpr std::size_t kMost = 24;
-  return ::isatty(STDOUT_FILENO) && rows > kMost ? kMost : rows;
-}
-std::string restText(std::size_t rows) {
-  return rows > 0 ? fmt::format("… and {} more: --json writes all\n", rows) : std::string();
+std::string percent(double share) {
+  return fmt::format("{:.0f} %", 100 * share);
 }
 
-void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
-                 const Context& context) {
-  Table cells;
+// Tables of the cells, the dropped cells, the masks and the stages.
+std::string tablesText(const BuildReport& report, const StageSeconds& stages) {
+  Table cells, dropped, masks;
   cells.row({"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
-  std::size_t points = 0, triangles = 0, resumed = 0;
-  const std::size_t shown = rowsShown(report.cells.size());
-  for (std::size_t c = 0; c < report.cells.size(); ++c) {
-    const auto& cell = report.cells[c];
-    if (c < shown)
-      cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
-                 fmt::format("{}", cell.triangles), fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3),
-                 numberText(cell.quality.ecc, 3), numberText(cell.quality.residualPx, 2),
-                 numberText(cell.quality.score, 3), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
-    points += cell.points;
-    triangles += cell.triangles;
-    resumed += cell.resumed;
-  }
-  context.print("{}{}\n", cells.text(), restText(report.cells.size() - shown));
-  std::size_t backdropPoints = 0, backdropTriangles = 0;
-  double known = 0;
-  for (const auto& backdrop : report.backdrops) {
-    backdropPoints += backdrop.points;
-    backdropTriangles += backdrop.triangles;
-    known += backdrop.known / double(report.backdrops.size());
-  }
-  if (!report.backdrops.empty())
-    context.print("{} backdrops: {} points, {} triangles; {:.0f} % of their depth was matched, the rest is completed\n",
-                  report.backdrops.size(), backdropPoints, backdropTriangles, 100 * known);
+  for (const auto& cell : report.cells)
+    cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
+               fmt::format("{}", cell.triangles), fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3),
+               numberText(cell.quality.ecc, 3), numberText(cell.quality.residualPx, 2),
+               numberText(cell.quality.score, 3), cell.resumed ? "cached" : numberText(cell.seconds, 1)});
+  std::string text = cells.text() + "\n";
   if (!report.dropped.empty()) {
-    Table dropped;
     dropped.row({"dropped cell", "why"});
-    const std::size_t rows = rowsShown(report.dropped.size());
-    for (std::size_t d = 0; d < rows; ++d) dropped.row({report.dropped[d].what, report.dropped[d].reason});
-    context.print("{}{}\n", dropped.text(), restText(report.dropped.size() - rows));
+    for (const auto& [what, reason] : report.dropped) dropped.row({what, reason});
+    text += dropped.text() + "\n";
   }
-  context.print("{}", unusedText(report.unused));
   if (!report.masks.empty()) {
-    Table masks;
     masks.row({"masked photograph", "given", "moved"});
     for (const auto& [photograph, given, moved] : report.masks)
       masks.row({photograph, fmt::format("{:.2f} %", 100 * given), fmt::format("{:.2f} %", 100 * moved)});
-    context.print("{}\n", masks.text());
+    text += masks.text() + "\n";
   }
-  for (const std::string& text : {report.exposures.text, report.exposures.vignetting})
-    if (!text.empty()) context.print("{}\n\n", text);
-  for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
-  context.print("{:>9.1f} s  in all ({} were predicted), at most {} of memory (of {})\n\n", report.seconds,
-                durationText(report.prediction.seconds), bytesText(report.memory), bytesText(report.prediction.memory));
-  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} cells dropped\n",
-                options.output.string(), report.cells.size(), resumed, points, triangles, report.dropped.size());
+  for (const auto& [stage, seconds] : stages) text += fmt::format("{:>9.1f} s  {}\n", seconds, stage);
+  return text + "\n";
+}
+
+std::string masksText(const BuildReport& report) {
+  double given = 0, moved = 0;
+  for (const auto& mask : report.masks) given += mask.given, moved += mask.moved;
+  return fmt::format("{} photographs have masks: given {:.2f} %, moving objects {:.2f} % of all photographs\n",
+                     report.masks.size(), 100 * given / double(report.prediction.photographs),
+                     100 * moved / double(report.prediction.photographs));
+}
+
+// One line for each part of the scene.
+std::string summaryText(const BuildReport& report, const BuildOptions& options) {
+  std::size_t triangles = 0, cached = 0;
+  for (const auto& cell : report.cells) triangles += cell.triangles, cached += cell.resumed;
+  double known = 0;
+  for (const auto& backdrop : report.backdrops) known += backdrop.known / double(report.backdrops.size());
+  std::string text = fmt::format("{}: {} photographs, {} cells of {} triangles", options.output.string(),
+                                 report.prediction.photographs, report.cells.size(), triangles);
+  if (cached > 0) text += fmt::format(" ({} cells cached)", cached);
+  if (!report.dropped.empty()) text += fmt::format("; {} cells dropped (-v lists them)", report.dropped.size());
+  text += '\n';
+  if (!report.backdrops.empty())
+    text += fmt::format("depth: {} of the photographs matched, the rest completed\n", percent(known));
+  text += unusedText(report.unused);
+  if (!report.masks.empty()) text += masksText(report);
+  for (const std::string& line : {report.exposures.text, report.exposures.vignetting})
+    if (!line.empty()) text += line + '\n';
+  return text + fmt::format("took {} ({} predicted), at most {} of memory ({} predicted)\n",
+                            durationText(report.seconds), durationText(report.prediction.seconds),
+                            bytesText(report.memory), bytesText(report.prediction.memory));
 }
 
 Json reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
@@ -175,7 +171,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
 ExitCode buildScene(const Options& options, const Context& context) {
   BuildOptions build = buildOptionsOf(options.choices, options.photographs, context);
   build.output = options.output;
-  build.predicted = [&](const BuildPrediction& prediction) {
+  build.onPrediction = [&](const BuildPrediction& prediction) {
     if (options.dryRun)
       context.print("{}\n", predictionText(prediction));
     else
@@ -194,7 +190,8 @@ ExitCode buildScene(const Options& options, const Context& context) {
     return kExitOk;
   }
   if (!report.refinement.steps.empty()) context.print("{}\n", text(report.refinement));
-  printReport(report, stages, build, context);
+  if (context.options().verbose) context.print("{}", tablesText(report, stages));
+  context.print("{}", summaryText(report, build));
   Json json = reportJson(report, stages, build);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   if (build.draft) {
@@ -202,7 +199,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   } else {
     const Scene scene = loadScene(build.output);
     const CaptureAdvice advice = adviseCapture(scene);
-    context.print("\nadvice\n{}", adviceText(advice));
+    context.print("\n{}", adviceSummary(advice, build.output.string()));
     json["capture"] = adviceJson(scene, advice);
   }
   context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -213,7 +210,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
 
 const Command kBuildCommand{
     .name = "build",
-    .summary = "Makes a scene from photographs",
+    .summary = "Builds a scene from photographs",
     .examples =
         "ibr build photographs -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
@@ -226,25 +223,24 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --refine-poses auto\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS are photographs; their poses are a COLMAP model (text or binary), transforms.json, or for panoramas a "
-        "model with EQUIRECTANGULAR cameras or --panoramas. Where there are none, the program COLMAP estimates them, "
-        "in "
-        "SCENE/.poses. Photographs of lenses that distort are undistorted; those of pinholes are stored as they are. "
-        "The "
-        "same input, options and seed give the same scene. A build that was stopped goes on where it was. Where "
-        "photographs were added, it matches only what they change: finished depth and cells stay in SCENE/.build, "
-        "which "
-        "may be deleted, and COLMAP adds photographs to the poses in SCENE/.poses.",
-    .afterInterrupt = "What was finished is kept: run the same command again to go on.",
+        "PHOTOS is a folder of photographs. Their poses come from a COLMAP model (text or binary)\n"
+        "or from transforms.json. Poses of panoramas come from a model with EQUIRECTANGULAR\n"
+        "cameras or from --panoramas. The program COLMAP estimates missing poses in SCENE/.poses.\n"
+        "Photographs of distorting lenses are undistorted; photographs of pinholes are stored\n"
+        "unchanged. The same input, options and seed give the same scene.\n\n"
+        "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
+        "be deleted. After photographs are added, a build matches only what the new photographs\n"
+        "change. COLMAP adds the new photographs to the poses in SCENE/.poses.",
+    .afterInterrupt = "Finished work is cached: run the same command again to resume.",
+    .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
-      app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
+      app.add_option("-o,--output", options->output, "Scene folder; created if missing")
           ->required()
           ->type_name("SCENE");
       declareBuildOptions(app, options->choices);
-      app.add_flag("--dry-run", options->dryRun,
-                   "Only say how long it will take, and how much memory and disk; make nothing");
+      app.add_flag("--dry-run", options->dryRun, "Only predict time, memory and disk space; build nothing");
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-// Models are usually kept beside the photographs, or in the folder that holds their folder.
+// Looks for a model in the photographs' folder, or beside it in the parent folder.
 fs::path findModel(const fs::path& photographs, const Context& context) {
   const fs::path parent = fs::weakly_canonical(photographs).parent_path();
   for (const fs::path& candidate :
@@ -46,7 +46,7 @@ std::vector<std::string> namesIn(const fs::path& file) {
   return names;
 }
 
-SceneFinisher optimiser(AlignmentMethod method, const Context& context) {
+ScenePostProcess optimiser(AlignmentMethod method, const Context& context) {
   OptimiseCellsOptions options;
   options.alignment.method = method;
   options.alignment.seed = context.options().seed;
@@ -63,10 +63,10 @@ SceneFinisher optimiser(AlignmentMethod method, const Context& context) {
 
 void declareInputOptions(CLI::App& app, BuildChoices& choices) {
   app.add_option("--model", choices.model,
-                 "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
+                 "COLMAP model folder [sparse or sparse/0 in PHOTOS or in its parent folder, else PHOTOS]")
       ->type_name("DIR");
   app.add_option("--transforms", choices.transforms,
-                 "transforms.json (nerfstudio, instant-ngp) with the poses, instead of a model")
+                 "transforms.json of nerfstudio or instant-ngp with the poses, instead of a model")
       ->type_name("FILE")
       ->excludes("--model");
   app.add_option("--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
@@ -75,8 +75,8 @@ void declareInputOptions(CLI::App& app, BuildChoices& choices) {
       ->excludes("--transforms");
   app.add_option(
          "--masks", choices.build.masks,
-         "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
-         "neither matched nor shown")
+         "Folder of masks, as in COLMAP: NAME.jpg.png or NAME.png, of the same size as the photograph; pixels with "
+         "value 0 are neither matched nor shown")
       ->type_name("DIR");
 }
 
@@ -84,75 +84,79 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   const std::vector<CLI::Option*> before = app.get_options();
   declareInputOptions(app, choices);
   app.add_flag("--draft", choices.build.draft,
-               "A first look: depth found fast, no cells, nothing refined, removed or optimised; poses that it had to "
-               "estimate are those of the build after it");
-  app.add_option("--colmap", choices.build.colmap, "Program that estimates poses where there are none [colmap]")
+               "Build a preview: fast depth search, no cells, nothing refined, removed or optimised. A later build "
+               "reuses the estimated poses.");
+  app.add_option("--colmap", choices.build.colmap, "Program that estimates missing poses [colmap]")
       ->type_name("PROGRAM");
   addChoice<TrackSource>(
       app, "--tracks", choices.build.tracks,
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
-      "Points that photographs share: the model's, our own, or our own where the model has few [auto]");
+      "Source of points that photographs share: the model, own features, or own features where the model has few "
+      "points [auto]");
   addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
-                  "auto: mend poses first where points confirm it, as ibr refine does (its --help) [off]");
+                  "auto: first refine poses where points confirm the refinement, as ibr refine does [off]");
   app.add_flag("--keep-border", choices.build.keepBorder,
-               "Keep all of photographs whose lens distorts; what was not photographed is black and in no mesh [the "
-               "largest full rectangle]");
+               "Keep all pixels of photographs with lens distortion; pixels without content are black and in no mesh "
+               "[crop to the largest full rectangle]");
   addChoice<Orientation>(
       app, "--orientation", choices.build.orientation,
       {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
-      "How photographs that EXIF says are turned lie before their cameras: as stored (COLMAP), or upright [auto: as "
-      "their shapes say]");
+      "Orientation of photographs that EXIF marks as turned: as stored (as in COLMAP), or upright (exif) [auto: by "
+      "aspect ratio]");
   addChoice<bool>(
       app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
-      "Mask who moved, people and cars, where another photograph shows the place without them; who hides what "
-      "none shows is seen as one photograph has him [keep]");
+      "Mask moving objects (people, cars) where another photograph shows the background; elsewhere, an object appears "
+      "as in one photograph [keep]");
   addChoice<bool>(app, "--match-exposure", choices.build.matchExposures, {{"on", true}, {"off", false}},
-                  "Measure how photographs were exposed and white-balanced, for what render's --exposure shows [on]");
+                  "Measure exposure and white balance of the photographs, for --exposure of ibr render [on]");
   addChoice<bool>(app, "--vignetting", choices.build.fitVignetting, {{"fit", true}, {"off", false}},
-                  "fit: measure what lenses take from corners, and store photographs without it [off]");
-  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
+                  "fit: measure the vignetting of lenses, and store photographs without vignetting [off]");
+  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by name in the model")
       ->type_name("NAME...");
-  app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");
+  app.add_option("--exclude-from", choices.excludeFrom, "File of names to leave out, one per line")->type_name("FILE");
   app.add_option_function<std::string>(
          "--memory",
          [&choices](const std::string& text) { choices.build.memory = double(parsedBytes("--memory", text)); },
-         "Memory that building may take, as 800M or 8G [half of what there is, or of what a container may have]")
+         "Maximum memory of the build, such as 800M or 8G [half of the memory of the machine or container]")
       ->type_name("BYTES");
-  addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of stored photographs; 0 = as they are");
+  addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of stored photographs, px; 0 = unchanged");
   declareTextureFormat(app, choices.build.texture);
   addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
-                 "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
+                 "Maximum dimension of cells: lines (1), triangles (2) or tetrahedra (3) [auto: as the camera "
+                 "positions span]");
   addChoice<MatchMethod>(app, "--matcher", choices.build.matcher,
                          {{"auto", MatchMethod::automatic},
                           {"sweep", MatchMethod::sweep},
                           {"homographic", MatchMethod::homographic},
                           {"flow", MatchMethod::flow}},
-                         "How members of a cell are matched [auto: sweep where poses reproject to 1 px, else flow]");
+                         "Method that matches the photographs of a cell [auto: sweep where poses reproject to 1 px, "
+                         "else flow]");
   addChoice<TriangleFilter>(
       app, "--triangle-filter", choices.build.triangleFilter,
       {{"consistency", TriangleFilter::consistency}, {"homogeneous", TriangleFilter::homogeneous}},
-      "Blend all triangles that look alike [consistency], or of a homographic match only those on one plane");
+      "Triangles to blend: all that look alike in the photographs [consistency], or in a homographic match only those "
+      "on one plane");
   app.add_flag_callback(
       "--no-backdrops", [&choices] { choices.build.backdrops = false; },
-      "Make no meshes and textures of photographs' depth: views are drawn by cells alone");
+      "Build no meshes and textures of the depth of photographs; only cells draw views");
   addChoice<DepthSearch>(app, "--depth", choices.build.depth,
                          {{"fast", DepthSearch::fast},
                           {"swept", DepthSearch::swept},
                           {"refined", DepthSearch::refined},
                           {"fine", DepthSearch::fine}},
-                         "How the depth of each photograph, and of the cells, is found: it is matched against ten "
-                         "photographs, fast in pictures of half the sides; refined mends it by slanted planes, fine in "
-                         "twice the sides [refined]");
+                         "Depth search in photographs and cells, against ten others: plane sweep (swept), at half size "
+                         "(fast), refined by slanted planes, or refined at double size (fine) [refined]");
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
-                 "Least distance of vertices of a photograph's depth in px of a picture of 512 px [2]");
+                 "Minimum vertex distance in the depth mesh of a photograph, in px of the photograph scaled to 512 px "
+                 "(panoramas: 2048 px) [2]");
   app.add_option(
-         "--cache", choices.build.finishedCells,
-         "Keep matched cells and depth in this folder, for further builds of any scene [SCENE/.build: what its last "
-         "build used]")
+         "--cache", choices.build.cacheFolder,
+         "Cache folder of matched cells and depth, for further builds of any scene [SCENE/.build: data of the last "
+         "build only]")
       ->type_name("DIR");
   app.add_flag("--optimise{gradient}", choices.optimise,
-               "Optimise the cells as ibr optimise does, or, as --optimise=METHOD, another way")
+               "Optimise the cells as ibr optimise does; --optimise=METHOD selects another method")
       ->check([](const std::string& word) {
         parsedMethod("--optimise", word);
         return std::string();
@@ -172,7 +176,7 @@ BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photogr
     build.model = findModel(photographs, context);
   build.seed = context.options().seed;
   build.threads = context.options().threads;
-  if (!choices.optimise.empty()) build.finish = optimiser(parsedMethod("--optimise", choices.optimise), context);
+  if (!choices.optimise.empty()) build.postProcess = optimiser(parsedMethod("--optimise", choices.optimise), context);
   if (!choices.excludeFrom.empty())
     for (std::string& name : namesIn(choices.excludeFrom)) build.exclude.push_back(std::move(name));
   return build;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options of building, for all commands that build scenes: declared once, so that they build the same.
+// Options of builds, declared once for all commands that build scenes, so that all of them build the same.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,25 +7,25 @@
 #include <string>
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {
 
 struct BuildChoices {
-  BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are not set yet
+  BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are set by buildOptionsOf
   std::string model, transforms, panoramas, excludeFrom;
-  std::string optimise;  // the optimiser's method; empty: cells stay as they are matched
+  std::string optimise;  // method of the optimiser; empty: cells are not optimised
 };
 
-/// What lies beside the photographs: --model, --transforms or --panoramas, and --masks.
+/// Declares the options for input beside the photographs: --model, --transforms or --panoramas, and --masks.
 void declareInputOptions(CLI::App& app, BuildChoices& choices);
 
-/// All (those, too) but the photographs' and the scene's folder. Gives what it declared.
+/// Declares all options, the input options included, but not the photographs' and scene's folders. Returns them.
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
-/// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
-/// building runs COLMAP. Throws Error.
+/// Returns complete options but for the output. Looks for a model near the photographs if no poses are given; without a
+/// model the build runs COLMAP. Throws Error.
 BuildOptions buildOptionsOf(const BuildChoices& choices, const std::filesystem::path& photographs,
                             const Context& context);
 

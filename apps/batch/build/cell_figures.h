@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "ibr/optimise_scene.h"
+#include "ibr/author/optimise_scene.h"
 
 namespace ibr::app {
 
-/// Its name in JSON, and its value: NaN where a cell has none.
+/// Name in JSON, and value: NaN if a cell lacks the figure.
 using CellFigure = std::pair<const char*, double (*)(const OptimisedCell&)>;
 inline constexpr CellFigure kCellFigures[] = {
     {"points", [](const OptimisedCell& c) { return double(c.points); }},
@@ -21,10 +21,10 @@ inline constexpr CellFigure kCellFigures[] = {
     {"seconds", [](const OptimisedCell& c) { return c.seconds; }},
 };
 
-/// Over the cells that have the figure; NaN where none has.
+/// Returns the mean over the cells that have the figure; NaN if none has.
 double meanOf(const OptimiseSceneReport& report, double (*figure)(const OptimisedCell&));
 
-/// Mutations, pixels, points and edges of all cycles together.
+/// Returns the sums of mutations, pixels, points and edges over all cycles.
 AlignmentCycle sumOf(const std::vector<AlignmentCycle>& cycles);
 
 }  // namespace ibr::app

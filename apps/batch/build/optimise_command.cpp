@@ -22,7 +22,7 @@ struct Options {
   std::string input, output, pictures;
 };
 
-// The columns of [T] table 4, with ECC both ways.
+// Columns of [T] table 4, with both definitions of ECC.
 void printTable(const OptimiseSceneReport& report, const Context& context) {
   Table table;
   table.row({"cell", "images", "resolution", "points", "initial ECC", "final ECC", "initial (paper)", "final (paper)",
@@ -122,32 +122,33 @@ ExitCode optimise(Options options, const Context& context) {
 
 const Command kOptimiseCommand{
     .name = "optimise",
-    .summary = "Moves the points of a scene's meshes until its photographs agree best between them",
+    .summary = "Optimises the meshes of a scene until its photographs agree best",
     .examples =
         "ibr optimise scene -o sharper\n"
         "ibr optimise scene -o sharper --pictures compared --json report.json\n"
         "ibr optimise scene -o sharper --cells-only 0 3 --radius 8 --threshold 0\n"
         "ibr build photographs -o scene --optimise",
     .details =
-        "Each point moves in each photograph to a place around it where the triangles around it correlate better "
-        "half-way between the photographs. No triangle folds over; a move after which the photographs' rays part "
-        "is "
-        "refused. The table has the mean correlation (ECC) of all points before and after, with a mean for each "
-        "channel and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "
-        "--pictures draws, for each cell, the picture half-way between its photographs under a map of the correlation "
-        "(hot: bad), "
-        "before and after side by side, and the places that changed most.",
-    .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
+        "Each point moves in each photograph to a nearby position. There, the triangles around\n"
+        "the point correlate better half-way between the photographs. No triangle folds over. A\n"
+        "move is rejected if the rays of the photographs diverge after the move. The table lists\n"
+        "the mean correlation (ECC) of all points before and after. The ECC uses one mean per\n"
+        "channel; the columns of the paper use one mean for all. Photographs and textures are\n"
+        "linked, not copied.\n"
+        "--pictures draws the image half-way between the photographs of each cell, under a map of\n"
+        "the correlation (hot: bad). Images before and after are side by side, together with the\n"
+        "positions that changed most.",
+    .afterInterrupt = "Finished cells are cached: run the same command again to resume.",
+    .mainOptions = "output method instances radius decay threshold rigidity flip-edges pictures json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->input, "Scene folder")->required();
-      app.add_option("-o,--output", options->output, "Folder of the optimised scene; made where it is missing")
+      app.add_option("-o,--output", options->output, "Folder of the optimised scene; created if missing")
           ->required()
           ->type_name("SCENE2");
       declareAlignment(app, options->scene.cells.alignment);
-      declareCellsOnly(app, options->scene.cells.cells,
-                       "Optimise these cells, by number, and leave the others as they are");
-      app.add_option("--pictures", options->pictures, "Folder for pictures of each cell before and after")
+      declareCellsOnly(app, options->scene.cells.cells, "Optimise only these cells, by number");
+      app.add_option("--pictures", options->pictures, "Folder for images of each cell before and after")
           ->type_name("DIR");
       return [options](const Context& context) { return optimise(*options, context); };
     }};

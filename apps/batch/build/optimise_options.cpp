@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "ibr/device.h"
 #include "shared/cli/options.h"
 
 namespace ibr::app {
@@ -40,38 +41,37 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   options.method = AlignmentMethod::gradient;
   app.add_option_function<std::string>(
          "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
-         "gradient: places are computed [gradient]. Else they are drawn at random and judged: on the processor, on the "
-         "device all at once, or as the paper draws them")
+         "Search for positions: computed steps [gradient], or random candidates on the CPU (cpu), on the device in "
+         "parallel (compute), or as in the paper (raster)")
       ->type_name("gradient|cpu|compute|raster");
   addInt(app, "--instances", options.instances, kInstancesLimits.first, kInstancesLimits.second,
-         "Not gradient: candidates of a point, the first where it stands");
+         "cpu, compute, raster: number of candidates per point, including the current position");
   addDouble(app, "--radius", options.radiusPx, kRadiusLimits.first, kRadiusLimits.second,
-            "Largest way of a candidate in the first cycle, px");
+            "Maximum displacement of a candidate in the first cycle, px");
   addDouble(app, "--decay", options.decay, kDecayLimits.first, kDecayLimits.second,
-            "Factor on the radius from cycle to cycle");
+            "Factor on the radius from one cycle to the next");
   addDouble(app, "--threshold", options.threshold, kThresholdLimits.first, kThresholdLimits.second,
-            "Relative gain of a cycle below which it was the last");
+            "Relative gain of a cycle at or below which the optimiser stops");
   addChoice<EccDefinition>(app, "--definition", options.definition, {kDefinitions.begin(), kDefinitions.end()},
-                           "Correlation with a mean for each channel and target, or with one for all as in the paper "
-                           "[channels]");
+                           "Correlation (ECC) with one mean per channel and target (channels), or with one mean for "
+                           "all as in the paper [channels]");
   addDouble(app, "--rigidity", options.rigidity, kRigidityLimits.first, kRigidityLimits.second,
-            "What a match that goes a pixel from where it began must explain, grey^2 a sample and channel");
+            "Penalty for a match that is 1 px from its initial position, grey^2 per sample and channel");
   addDouble(app, "--epipolar", options.epipolarWeight, 0, 10000,
-            "gradient: the same for each pixel off the line on which exact poses would have the match");
+            "gradient: penalty for a match that is 1 px from its epipolar line, grey^2 per sample and channel");
   addInt(app, "--levels", options.levels, 1, 8,
-         "gradient: blurred pictures that are aligned before the photographs, and these");
-  addInt(app, "--escape", options.escape, 0, 256, "gradient: candidates at random before a step is computed");
+         "gradient: number of scale levels, from blurred images to the photographs");
+  addInt(app, "--escape", options.escape, 0, 256, "gradient: number of random candidates before each computed step");
   app.add_flag("--flip-edges", options.flipEdges,
-               "Join points anew where their photographs then agree better; not in cells of panoramas");
-  addDouble(app, "--flip-gain", options.flipGain, 0, 1,
-            "ECC by which the two triangles beside a flipped edge must rise");
+               "Flip edges of triangles where the photographs then agree better; not in cells of panoramas");
+  addDouble(app, "--flip-gain", options.flipGain, 0, 1, "Minimum gain in ECC of the two triangles at a flipped edge");
   app.add_flag("--insert-points", options.insertPoints,
-               "Add points where photographs agree badly and then agree better; not in cells of panoramas");
-  addDouble(app, "--insert-below", options.insertBelow, -1, 1, "ECC of a triangle below which it may get a point");
+               "Insert points where bad agreement of photographs improves; not in cells of panoramas");
+  addDouble(app, "--insert-below", options.insertBelow, -1, 1, "ECC of a triangle below which a point may be inserted");
   addDouble(app, "--insert-gain", options.insertGain, 0, 1,
-            "ECC by which the triangles around an inserted point must rise");
+            "Minimum gain in ECC of the triangles around an inserted point");
   app.add_flag("--prune", options.prune,
-               "cpu, compute: judge all candidates on every 8th row first, and only the best whole");
+               "cpu, compute: evaluate all candidates on every 8th row first, then only the best in full");
 }
 
 void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description) {

@@ -8,31 +8,31 @@
 #include <utility>
 #include <vector>
 
-#include "ibr/optimise_scene.h"
+#include "ibr/author/optimise_scene.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {
 
-/// All but the seed.
+/// Declares all options of the alignment but the seed.
 void declareAlignment(CLI::App& app, AlignmentOptions& options);
 
-/// What the options take.
+/// Limits of the options' values.
 inline constexpr std::pair kInstancesLimits{2, 256};
 inline constexpr std::pair kRadiusLimits{0.01, 64.0};
 inline constexpr std::pair kDecayLimits{0.01, 1.0};
 inline constexpr std::pair kThresholdLimits{0.0, 1.0};
 inline constexpr std::pair kRigidityLimits{0.0, 10000.0};
 
-/// --cells-only
+/// Declares --cells-only.
 void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description);
 
-/// Words of --method and --definition, also of reports.
+/// Words of --method and --definition, also in reports.
 const char* wordOf(AlignmentMethod method);
 const char* wordOf(EccDefinition definition);
 AlignmentMethod parsedMethod(const std::string& option, const std::string& word);
 
-/// align(), with a device of its own for the methods that need one. Copies share it. Throws Error{unsupported} where
-/// there is none.
+/// Returns align(), with its own device for the methods that need one; copies share the device. Throws
+/// Error{unsupported} if there is no device.
 Aligner makeAligner(AlignmentMethod method, const Context& context);
 
 }  // namespace ibr::app

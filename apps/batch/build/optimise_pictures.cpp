@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-constexpr std::uint8_t kNothing = 32;        // grey where the mesh shows nothing
+constexpr std::uint8_t kNothing = 32;        // grey level of pixels without a triangle
 constexpr double kHeat = 0.6, kLine = 0.35;  // opacity
 constexpr std::size_t kMostCrops = 4;
 
-// Half-way between a cell's photographs, on the processor.
+// Morph to the midpoint of a cell's photographs, computed on the CPU.
 class CentreMorph {
  public:
   CentreMorph(const Scene& scene, const Cell& cell, const std::vector<Image8>& photographs)
@@ -40,7 +40,7 @@ class CentreMorph {
     return picture;
   }
 
-  /// `star`: ECC of each point; NaN where there is none.
+  /// `star`: ECC of each point; NaN if undefined.
   Image8 heatMap(Image8 picture, const std::vector<float>& star) const {
     forTriangles(kTierAgrees, [&](const glm::uvec3& t) {
       glm::dvec3 bad;
@@ -78,7 +78,7 @@ class CentreMorph {
     return project(first.intrinsics, glm::conjugate(first.pose.rotation) * direction).value_or(mean);
   }
 
-  // The mean of the first `members`.
+  // Draws the mean colour of the first `members` photographs.
   void draw(Image8& picture, Tier tier, std::size_t members) const {
     forTriangles(tier, [&](const glm::uvec3& t) {
       forPixels(t, [&](int x, int y, const glm::dvec3& w) {
@@ -94,7 +94,7 @@ class CentreMorph {
     });
   }
 
-  // Those across a panorama's seam are left out.
+  // Visits the triangles of a tier, except those across a panorama's seam.
   template <class Visit>
   void forTriangles(Tier tier, Visit&& visit) const {
     for (std::size_t n = 0; n < mesh_.triangles.size(); ++n) {
@@ -138,7 +138,7 @@ class CentreMorph {
   std::vector<glm::dvec2> place_;
 };
 
-// Top-left corners of squares that differ most, apart from each other, the most different first.
+// Returns the top-left corners of the squares with the largest differences, without overlap, largest first.
 std::vector<glm::ivec2> changedMost(const Image8& a, const Image8& b, int side) {
   const int width = a.width, height = a.height;
   const std::size_t row = std::size_t(width) + 1;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// What optimising a cell has changed, as pictures ([T] figs 18 and 19).
+// Images that show the effect of optimising a cell ([T] figs 18 and 19).
 #pragma once
 
 #include <filesystem>
 
-#include "ibr/optimise_scene.h"
+#include "ibr/author/optimise_scene.h"
 
 namespace ibr::app {
 
-/// Writes, below `folder`, of a cell of two versions of a scene:
-///   cellNNN_before.png, cellNNN_after.png  the picture half-way between its photographs: their mean
-///                      in tier 0, the first one alone in tier 1
-///   cellNNN_heat.png   both side by side under the mesh and the ECC of its points: 1 as it is, then yellow, red at 0
-///   cellNNN_crops.png  before and after, enlarged, where that picture has changed most: at most four places, in rows
-/// In cells of panoramas the picture is what the first one's camera would see half-way. Throws Error.
+/// Compares a cell in two versions of a scene; writes below `folder`:
+///   cellNNN_before.png, cellNNN_after.png  the morph half-way between the cell's photographs: their mean
+///                      in tier 0, the first photograph alone in tier 1
+///   cellNNN_heat.png   both images side by side under the mesh and the points' ECC: 1 clear, then yellow, 0 red
+///   cellNNN_crops.png  before and after, enlarged, at the largest changes: at most four rows
+/// In cells of panoramas the image has the first member's camera orientation. Throws Error.
 void writeOptimisePictures(const Scene& before, const Scene& after, const OptimisedCell& facts,
                            const std::filesystem::path& folder);
 

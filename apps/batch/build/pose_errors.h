@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far poses are off those of another model of the same photographs.
+// Errors of a model's poses against another model of the same photographs.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr::app {
 
 struct PoseErrors {
-  std::size_t photographs = 0;        // that both models have, all pinholes
-  double turnPx = 0, mostTurnPx = 0;  // rotation × focal length: root mean square, and the largest
-  double shift = 0, mostShift = 0;    // of positions, units of the truth's world
-  double focalFactor = 1;             // mean, of focal lengths to the truth's
+  std::size_t photographs = 0;        // in both models, pinholes only
+  double turnPx = 0, mostTurnPx = 0;  // rotation × focal length, px: root mean square, and maximum
+  double shift = 0, mostShift = 0;    // of positions, units of the truth's world: root mean square, and maximum
+  double focalFactor = 1;             // mean ratio of the focal lengths to the truth's
 };
 
-/// After the similarity that brings the model closest to the truth: where a world lies and its scale are no errors.
-/// Photographs are known by their names.
+/// Compares after the similarity that aligns the model with the truth: origin, orientation and scale of a world are no
+/// errors. Photographs are matched by name.
 PoseErrors poseErrors(const PosedModel& model, const PosedModel& truth);
 
 nlohmann::ordered_json json(const PoseErrors& errors);

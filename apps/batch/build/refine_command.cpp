@@ -8,7 +8,7 @@
 #include "batch/build/pose_errors.h"
 #include "batch/build/refinement_report.h"
 #include "batch/command.h"
-#include "ibr/refine_poses.h"
+#include "ibr/author/build.h"
 #include "shared/cli/progress.h"
 
 namespace fs = std::filesystem;
@@ -68,33 +68,38 @@ ExitCode refine(const Options& options, const Context& context) {
 
 const Command kRefineCommand{
     .name = "refine",
-    .summary = "Refines poses and focal lengths by what matching says about all photographs",
+    .summary = "Refines poses and focal lengths with matches of all photographs",
     .examples =
         "ibr refine photographs -o refined\n"
         "ibr refine photographs --model colmap/sparse/0 -o refined --max-size 1600\n"
         "ibr refine photographs --model colmap/sparse/0 -o refined --masks masks\n"
         "ibr refine photographs --model noisy -o refined --truth exact",
     .details =
-        "Cells are matched as ibr build matches them; bundle adjustments over the model's points, then those of all "
-        "cells as well, then with focal lengths and principal points, make poses agree; place, direction and scale of "
-        "the world stay. Each is taken only if, made with half of the points, it suits the other half better, those of "
-        "cells and those of the model, by 3 standard errors: poses that an estimator has settled are mostly kept, and "
-        "the report says so. ibr build --refine-poses auto does the same first; this is for poses that several "
-        "commands are to share. It takes about as long as a build. Options are those of ibr build; of them, what only "
-        "changes how the scene is stored does nothing.\n\nMODEL is a COLMAP model in text. Intrinsics of lenses that "
-        "distort stay. Poses stay where the model's points reproject exactly. Parts of a model that share no points "
-        "are each mended by themselves.",
-    .afterInterrupt = "What was finished is kept: run the same command again to go on.",
+        "Cells are matched as in ibr build. The first bundle adjustment uses the points of the\n"
+        "model, the second one also the points of all cells. A third one also refines focal\n"
+        "lengths and principal points. Position, orientation and scale of the world stay fixed.\n"
+        "Each step is accepted only if a cross-validation confirms the step. For this, a fit to\n"
+        "half of the points must improve the other half by 3 standard errors. Both the points of\n"
+        "cells and the points of the model must improve. Accurate poses are mostly kept, and the\n"
+        "report states this.\n"
+        "ibr build --refine-poses auto runs the same refinement first. Use ibr refine if several\n"
+        "commands share the poses. A refinement takes about as long as a build. The options are\n"
+        "those of ibr build; options that only change the stored scene have no effect.\n\n"
+        "MODEL is a COLMAP model in text. Intrinsics of distorting lenses stay fixed. Poses stay\n"
+        "fixed where the points of the model reproject exactly. Parts of a model that share no\n"
+        "points are refined separately.",
+    .afterInterrupt = "Finished work is cached: run the same command again to resume.",
+    .mainOptions = "output truth model masks tracks exclude-from cache json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
-      app.add_option("-o,--output", options->output, "Folder of the refined model; made where it is missing")
+      app.add_option("-o,--output", options->output, "Folder of the refined model; created if missing")
           ->required()
           ->type_name("MODEL");
       app.add_option(
              "--truth", options->truth,
-             "COLMAP model whose poses are exact: also tells how far off the poses are before and after, brought "
-             "onto it by a similarity")
+             "COLMAP model with exact poses, to report the pose errors before and after refinement, after alignment by "
+             "a similarity")
           ->type_name("DIR");
       declareBuildOptions(app, options->choices);
       return [options](const Context& context) { return refine(*options, context); };

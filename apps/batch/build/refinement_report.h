@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What refining poses came to, in words and as JSON.
+// Results of pose refinement, as text and as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "ibr/pose_refinement.h"
+#include "ibr/author/pose_refinement.h"
 
 namespace ibr::app {
 
-std::string text(const PoseRefinement& refinement);  // lines
+std::string text(const PoseRefinement& refinement);  // several lines
 nlohmann::ordered_json json(const PoseRefinement& refinement);
 
 }  // namespace ibr::app

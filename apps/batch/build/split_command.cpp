@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/command.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 
@@ -55,23 +55,25 @@ ExitCode split(Options options, const Context& context) {
 
 const Command kSplitCommand{
     .name = "split",
-    .summary = "Splits panoramas into pinhole pictures, with their cameras as a COLMAP model",
+    .summary = "Splits panoramas into pinhole images and writes their cameras as a COLMAP model",
     .examples =
         "ibr split panorama.jpg -o faces\n"
         "ibr split panorama.jpg -o faces --views 8 --poles --fov 90 --size 1024\n"
         "ibr split hall --panoramas hall/panoramas.json -o faces",
     .details =
-        "PANORAMA is one equirectangular picture, whose camera is put at the origin; or, with --model or --panoramas, "
-        "the folder that the names of posed panoramas are relative to: all of them are split, and the points they "
-        "share "
-        "go with them. The pictures are images/NAME_FACE below DIR, JPEG where the panorama is one; sparse/ holds the "
-        "model, so that `ibr build DIR/images` finds it. Above 90 degrees the faces of a cube overlap. Faces as sharp "
-        "as the panorama's horizon are the default; smaller ones are averaged, not skipped over.",
-    .afterInterrupt = "Pictures that are there are whole, the model is missing; run the same command again.",
+        "PANORAMA is an equirectangular image, whose camera is placed at the origin. With --model\n"
+        "or --panoramas, PANORAMA is the folder that the names of posed panoramas are relative\n"
+        "to. Then all panoramas are split, and their shared points are kept. The images are\n"
+        "images/NAME_FACE below DIR, in JPEG for JPEG panoramas. The model is in sparse/, so that\n"
+        "`ibr build DIR/images` finds the model.\n"
+        "Above 90 degrees, the faces of a cube overlap. By default, faces are as sharp as the\n"
+        "panorama's horizon; smaller faces are averaged, without aliasing.",
+    .afterInterrupt = "Written images are complete, but the model is missing; run the same command again.",
+    .mainOptions = "output views poles fov size format model json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("PANORAMA", options->input, "A panorama, or a folder of posed ones")->required();
-      app.add_option("-o,--output", options->output, "Folder for images/ and sparse/; made where it is missing")
+      app.add_option("PANORAMA", options->input, "Panorama, or folder of posed panoramas")->required();
+      app.add_option("-o,--output", options->output, "Folder for images/ and sparse/; created if missing")
           ->required()
           ->type_name("DIR");
       app.add_option_function<std::string>(
@@ -79,9 +81,9 @@ const Command kSplitCommand{
              [options](const std::string& text) {
                options->split.views = text == "cube" ? 0 : int(parsedInt("--views", text, 1, 360));
              },
-             "Faces of a cube, or so many views round the horizon [cube]")
+             "Faces of a cube, or N views around the horizon [cube]")
           ->type_name("cube|N");
-      app.add_flag("--poles", options->split.poles, "Up and down besides views round the horizon");
+      app.add_flag("--poles", options->split.poles, "Add views up and down to the views around the horizon");
       app.add_option_function<std::string>(
              "--fov",
              [options](const std::string& text) {
@@ -90,14 +92,14 @@ const Command kSplitCommand{
                  throw CLI::ValidationError("--fov", "'" + text + "' is not between 0 and 180: no pinhole has it");
                options->split.fovDegrees = degrees;
              },
-             "Field of view of a picture in degrees, both ways [105]")
+             "Horizontal and vertical field of view of an image, degrees [105]")
           ->type_name("DEGREES");
       addInt(app, "--size", options->split.size, 0, 16384,
-             "Width and height of a picture in px; 0 = as sharp in its middle as the panorama's horizon");
+             "Width and height of an image, px; 0 = centre as sharp as the panorama's horizon");
       addChoice<PictureFormat>(
           app, "--format", options->split.format,
           {{"source", PictureFormat::asSource}, {"jpg", PictureFormat::jpeg}, {"png", PictureFormat::png}},
-          "Of the pictures; source: PNG where the panorama is no JPEG [source]");
+          "File format of the images; source: that of the panorama, PNG unless it is a JPEG [source]");
       app.add_option("--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras")->type_name("DIR");
       app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
           ->type_name("FILE")

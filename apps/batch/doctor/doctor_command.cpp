@@ -72,19 +72,21 @@ ExitCode examine(const std::string& path, const BuildChoices& choices, const Con
 
 const Command kDoctorCommand{
     .name = "doctor",
-    .summary = "Says what is wrong with this machine, a folder of photographs or a scene, and what to do about it",
+    .summary = "Diagnoses this machine, a folder of photographs or a scene, and suggests remedies",
     .examples =
-        "ibr doctor\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 --masks masks\n"
+        "ibr doctor\nibr doctor --json -\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 "
+        "--masks masks\n"
         "ibr doctor scene\nibr doctor photographs --json findings.json",
     .details =
-        "Sentences with a remedy each, the gravest first: !! is serious, ! makes pictures worse, - is a hint. Exit "
-        "code 0 "
-        "where nothing is serious; else 3 for photographs and scenes, 5 where no Vulkan device can be used, 2 where a "
-        "disk is full or there is no such folder.",
+        "Prints findings with remedies, the most serious first: !! is serious, ! makes images\n"
+        "worse, - is a hint. The exit code is 0 if no finding is serious. Other exit codes: 3 for\n"
+        "photographs and scenes; 5 without a usable Vulkan device; 2 for a full disk or a missing\n"
+        "folder. --device takes the number of a Vulkan device, or part of its name.",
     .afterInterrupt = "",
+    .mainOptions = "model transforms panoramas masks json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto path = std::make_shared<std::string>();
-      app.add_option("FOLDER_OR_SCENE", *path, "Folder of photographs, or a scene; without one, the machine");
+      app.add_option("FOLDER_OR_SCENE", *path, "Folder of photographs, or scene [this machine]");
       const auto choices = std::make_shared<BuildChoices>();
       declareInputOptions(app, *choices);
       return [path, choices](const Context& context) { return examine(*path, *choices, context); };

@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-constexpr int kSharpnessSide = 1600;  // px
-constexpr int kSignatureSide = 16;    // px
-constexpr double kBytesPerPixel = 8;  // while a picture is read
-constexpr double kSmall = 1e6;        // bytes, of memory beside that
+constexpr int kSharpnessSide = 1600;  // side of the image for the sharpness, px
+constexpr int kSignatureSide = 16;    // side of the image for the signature, px
+constexpr double kBytesPerPixel = 8;  // peak memory while an image is read
+constexpr double kSmall = 1e6;        // bytes of further memory for a photograph
 
 double sharpnessOf(const Image8& picture) {
   const double scale = std::min(1.0, double(kSharpnessSide) / std::max(picture.width, picture.height));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `ibr doctor` knows of a photograph once it has read it.
+// Data that `ibr doctor` reads from a photograph.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace ibr::app {
 
 struct ExaminedPhotograph {
   std::string name;
-  std::string trouble;                       // why it cannot be read; then the rest is not known, and …
-  ErrorCode code = ErrorCode::invalidInput;  // … of which kind that is
+  std::string trouble;                       // reason why the file is unreadable; other fields are then unset
+  ErrorCode code = ErrorCode::invalidInput;  // error code of `trouble`
   ImageFileInfo info;
   double sharpness = std::numeric_limits<double>::quiet_NaN();  // image/sharpness.h
   std::uint64_t hash = 0;                                       // of the file's bytes
-  std::vector<float> signature;  // of 16×16 greys, of mean 0 and length 1; empty for a picture of one grey
+  std::vector<float> signature;  // 16×16 grey levels, of mean 0 and length 1; empty for a uniform image
 };
 
-/// −1 to 1: how alike two photographs look, whatever their brightness and contrast; 0 where one is of one grey.
+/// Returns the correlation of two signatures, −1 to 1, independent of brightness and contrast; 0 for uniform images.
 double alikeness(const ExaminedPhotograph& a, const ExaminedPhotograph& b);
 
-/// Reads them all, with the threads that memory allows for the largest of them. Throws Error{cancelled}.
+/// Reads all photographs, with as many threads as memory allows for the largest one. Throws Error{cancelled}.
 std::vector<ExaminedPhotograph> lookAtAll(const std::filesystem::path& folder, const std::vector<std::string>& names,
                                           const Context& context);
 

@@ -22,14 +22,41 @@ namespace ibr::app {
 namespace {
 
 constexpr double kGiB = 1024.0 * 1024 * 1024;
-constexpr double kLeastMemory = 2 * kGiB;  // free, for photographs of 24 megapixels
+constexpr double kLeastMemory = 2 * kGiB;  // free memory, bytes, enough for photographs of 24 megapixels
 constexpr double kLittleDisk = 5 * kGiB, kNoDisk = 0.2 * kGiB;
-constexpr auto kPatience = std::chrono::seconds(5);  // for a program to tell its version
-constexpr std::size_t kMostOfALine = 200;            // that it prints, bytes
+constexpr auto kPatience = std::chrono::seconds(5);  // time limit for a program to print its version
+constexpr std::size_t kMostOfALine = 200;            // of the printed line, bytes
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
+}
+
+const char* typeName(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "processor";
+    default:
+      return "other";
+  }
+}
+
+std::string versionText(std::uint32_t version) {
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
+}
+
+std::string describe(std::size_t index, const DeviceDescription& device) {
+  return fmt::format("Vulkan device {}: {} ({}), driver {}, Vulkan {}, {} of its own memory{}{}", index, device.name,
+                     typeName(device.type), device.driver, versionText(device.apiVersion),
+                     bytesText(double(device.memoryBytes)), device.features.empty() ? "" : ", has ",
+                     fmt::join(device.features, ", "));
 }
 
 void examineDevices(Findings& findings) {
@@ -45,17 +72,27 @@ void examineDevices(Findings& findings) {
     return;
   }
   bool usable = false, graphicsCard = false;
-  for (const DeviceDescription& device : devices) {
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceDescription& device = devices[i];
+    findings.device({{"index", i},
+                     {"name", device.name},
+                     {"driver", device.driver},
+                     {"type", typeName(device.type)},
+                     {"apiVersion", versionText(device.apiVersion)},
+                     {"memoryBytes", device.memoryBytes},
+                     {"features", device.features},
+                     {"lacking", device.lacking}});
     std::string why;
     for (const std::string& reason : device.lacking) why += (why.empty() ? "" : ", ") + reason;
     if (!why.empty()) {
-      findings.add({"device", Severity::hint, fmt::format("{} cannot be used: {}.", device.name, why),
+      findings.add({"device", Severity::hint,
+                    fmt::format("Vulkan device {}, {}, cannot be used: {}.", i, device.name, why),
                     "A newer driver may help.", kExitUnsupported});
       continue;
     }
     usable = true;
     graphicsCard |= kindOf(device.type) == DeviceKind::hardware;
-    findings.fact(fmt::format("Vulkan device: {}, driver {}", device.name, device.driver));
+    findings.fact(describe(i, device));
   }
   if (const auto disabled = Device::disabledFeatures(); !disabled.empty())
     findings.add({"device", Severity::hint,
@@ -74,7 +111,7 @@ void examineDevices(Findings& findings) {
 
 struct Program {
   bool there = false;
-  std::string version;  // the first line that begins as its version does; empty where `trouble` says why there is none
+  std::string version;  // first line with the expected beginning; empty if `trouble` says why there is none
   std::string trouble;
 };
 
@@ -97,7 +134,7 @@ Program look(const std::vector<std::string>& command, std::string_view begins) {
       program.trouble = fmt::format("it ended with {}{}{}", result.status, first.empty() ? "" : ": ", first);
     else if (program.version.empty())
       program.trouble = first.empty() ? "it says nothing" : "it says: " + first;
-  } catch (const Error&) {  // it cannot be started
+  } catch (const Error&) {  // not installed, or cannot be started
   }
   return program;
 }
@@ -150,7 +187,7 @@ void examineMemory(Findings& findings) {
   }
   if (total < 0 || available < 0) return;
   const double limit = memoryLimit();
-  const bool limited = limit < available;  // by a container or ulimit, not by what other programs have
+  const bool limited = limit < available;  // by a container or ulimit rather than by other programs' memory
   available = std::min(available, limit);
   findings.fact(fmt::format("{} processor cores, {} of {} of memory free", std::thread::hardware_concurrency(),
                             bytesText(available), bytesText(std::min(total, limit))));
@@ -189,7 +226,7 @@ void examineDisplay(Findings& findings) {
                 wayland ? "Install Xwayland." : "ibr render and ibr eval need none."});
 }
 
-// Where the loader of OpenXR looks (OpenXR loader specification, "Runtime Enumeration").
+// Paths that the OpenXR loader searches (OpenXR loader specification, "Runtime Enumeration").
 std::vector<fs::path> runtimeFiles() {
   if (const std::string given = environment("XR_RUNTIME_JSON"); !given.empty()) return {given};
   std::vector<fs::path> folders;

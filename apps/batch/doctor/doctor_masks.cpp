@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks beside their photographs, before anything is built of them.
+// Checks masks against their photographs, before a build.
 #include <algorithm>
 #include <set>
 
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-// As the photograph lies in its file or, where EXIF turns it, upright.
+// Accepts the photograph's size as stored in its file or as rotated by its EXIF orientation.
 bool fits(const ImageFileInfo& mask, const ImageFileInfo& photo) {
   return (mask.width == photo.width && mask.height == photo.height) ||
          (photo.orientation >= 5 && mask.width == photo.height && mask.height == photo.width);

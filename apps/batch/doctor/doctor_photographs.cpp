@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs by themselves: files, sizes, what the camera wrote down, sharpness, repetitions.
+// Checks photographs without poses: files, sizes, camera metadata, sharpness, duplicates.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,12 +20,12 @@ namespace ibr::app {
 namespace {
 
 constexpr std::size_t kFew = 5;  // photographs
-constexpr double kStops = 1.0;   // of exposure, from the least to the most
+constexpr double kStops = 1.0;   // range of exposures from the smallest to the largest, stops
 constexpr double kZoom = 1.03;   // ratio of focal lengths
-constexpr double kBlur = 0.35;   // of the sharpness of those that look alike, and of the median
-// Correlation of signatures from which two photographs look alike enough to compare their sharpness, of the four most
-// alike of one size. Of 252 photographs of eight sets, 144 of them drawn, how many are called blurred as they are (two
-// are soft to the eye), and with a Gaussian blur of 1 px, of 2 px, and a motion of 8 px:
+constexpr double kBlur = 0.35;   // share of the median sharpness, of similar photographs and of all of the size
+// Minimum correlation of signatures to compare the sharpness of photographs (the four most similar of one size).
+// Counts of photographs reported as blurred, of 252 in eight sets, 144 of them rendered: unchanged (two are soft), with
+// a Gaussian blur of 1 px, of 2 px, and with a motion blur of 8 px, by threshold:
 //   any            5   242   252   243
 //   0.1            4   239   249   240
 //   0.2            3   215   225   217
@@ -37,10 +37,10 @@ constexpr std::size_t kMostAlike = 4, kLeastAlike = 2;
 constexpr double kSame = 0.9995;  // correlation of two signatures
 constexpr std::size_t kMostCompared = 3000;
 
-// In the folder, and where photographs lie: other folders below it hold what other programs keep.
+// Reports videos in the folder and in the photographs' folders. Other folders below may belong to other programs.
 void videos(const fs::path& folder, const PictureFolder& found, Findings& findings) {
   static const std::set<std::string> kVideo{".mp4", ".mov", ".avi", ".mkv", ".mts"};
-  std::set<fs::path> folders{""}, photographs;  // these without their extensions: a phone adds a film to each
+  std::set<fs::path> folders{""}, photographs;  // without extensions: phones store a video beside each photograph
   const auto put = [&](const fs::path& name) {
     folders.insert(name.parent_path());
     photographs.insert(fs::path(name).replace_extension());
@@ -66,7 +66,7 @@ void videos(const fs::path& folder, const PictureFolder& found, Findings& findin
                   "Save single pictures of it: ffmpeg -i VIDEO -vf fps=2 %04d.png."});
 }
 
-// What a build passes over, and says so. A reason is "what it is: what to do", or the first alone.
+// Reports files that a build skips. A reason has the form "problem: remedy", or only names the problem.
 void passedOver(const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
   std::map<std::string, std::vector<PictureFolder::Unread>> byReason;
   for (const PictureFolder::Unread& file : unread) byReason[file.reason].push_back(file);
@@ -156,9 +156,9 @@ void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
   }
 }
 
-// Sharpness of the photographs of its size that look most like it.
+// Sharpness of the most similar photographs of the same size.
 std::vector<double> sharpnessAlike(const std::vector<ExaminedPhotograph>& good, std::size_t i) {
-  std::vector<std::pair<double, double>> alike;  // how much, and how sharp
+  std::vector<std::pair<double, double>> alike;  // similarity and sharpness
   const std::size_t first = i > kMostCompared / 2 ? i - kMostCompared / 2 : 0;
   for (std::size_t j = first; j < std::min(good.size(), first + kMostCompared); ++j)
     if (j != i && sameSize(good[i], good[j]) && std::isfinite(good[j].sharpness))
@@ -203,7 +203,7 @@ void repetitions(const std::vector<ExaminedPhotograph>& good, Findings& findings
     }
 }
 
-// Those that can be read, and of the others those that the poses name: what is more, the poses need not know.
+// Names of the readable photographs, and of unreadable ones that have a pose. Other unreadable ones do not count.
 std::vector<std::string> namesFor(const PosedModel& model, const std::vector<ExaminedPhotograph>& all,
                                   const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
   std::set<std::string> posed;

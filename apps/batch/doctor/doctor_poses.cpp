@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs with their poses, before anything is built of them.
+// Checks photographs and their poses, before a build.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -13,9 +13,9 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kError = 0.0015;       // of the longest side: of a photograph's points, the median
-constexpr std::size_t kShared = 30;     // points that join two photographs
-constexpr double kWideStep = 0.6;       // of a step, in distances of what is seen
+constexpr double kError = 0.0015;       // median reprojection error of a photograph's points, share of the longest side
+constexpr std::size_t kShared = 30;     // minimum number of points that connect two photographs
+constexpr double kWideStep = 0.6;       // distance to the nearest photograph, share of the points' median distance
 constexpr std::size_t kFewPoints = 50;  // of a photograph
 
 void names(const PosedModel& model, const std::vector<std::string>& pictures, Findings& findings) {
@@ -81,7 +81,7 @@ void errors(const PosedModel& model, Findings& findings) {
   }
 }
 
-// Groups of photographs that share points, the largest first.
+// Groups of photographs connected by at least kShared points, the largest first.
 std::vector<std::vector<std::size_t>> partsOf(const PosedModel& model) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> shared;
   for (const Track& track : model.tracks)
@@ -116,7 +116,7 @@ void parts(const PosedModel& model, Findings& findings) {
   }
 }
 
-// From each photograph to the nearest other one that does not stand at the same point, beside how far away things are.
+// Compares the distance to the nearest photograph at another position with the median distance of the points.
 void steps(const PosedModel& model, Findings& findings) {
   std::vector<std::vector<double>> distances(model.images.size());
   for (const Track& track : model.tracks)

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "ibr/device.h"
+
 namespace ibr::app {
 namespace {
 
@@ -45,6 +47,8 @@ nlohmann::ordered_json Findings::json() const {
                                 {"severity", severityName(f.severity)},
                                 {"sentence", f.sentence},
                                 {"remedy", f.remedy}});
+  if (!devices_.empty()) json["devices"] = devices_;
+  if (!devices_.empty()) json["disabledFeatures"] = Device::disabledFeatures();
   return json;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `ibr doctor` finds: sentences, each with its remedy.
+// Findings of `ibr doctor`: sentences, each with a remedy.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ibr/advice.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "shared/cli/context.h"
 #include "shared/cli/exit_code.h"
 
@@ -18,23 +18,27 @@ struct BuildChoices;
 struct ExaminedPhotograph;
 
 struct Finding {
-  std::string subject;  // "device", "memory", "file", "exposure", …: of reports
+  std::string subject;  // "device", "memory", "file", "exposure", …: in reports
   Severity severity;
   std::string sentence, remedy;
-  ExitCode code = kExitInvalidInput;  // of the program, where it is serious
+  ExitCode code = kExitInvalidInput;  // exit code if the finding is serious
 };
 
 class Findings {
  public:
   void add(Finding finding) { list_.push_back(std::move(finding)); }
-  /// What is right, in a few words: printed before the rest.
+  /// Adds a short statement without a problem; printed before the findings.
   void fact(std::string text) { facts_.push_back(std::move(text)); }
 
-  /// The most serious first; at most a few of one subject and severity are printed.
+  /// Adds a Vulkan device, as Device::list describes it, to the report.
+  void device(nlohmann::ordered_json device) { devices_.push_back(std::move(device)); }
+
+  /// Prints the most serious first; at most a few of each subject and severity.
   void print(const Context& context) const;
-  /// {"facts": […], "findings": [{"subject", "severity", "sentence", "remedy"}]}
+  /// Returns {"facts": […], "findings": [{"subject", "severity", "sentence", "remedy"}]}; "devices" and
+  /// "disabledFeatures" too if the machine was examined.
   nlohmann::ordered_json json() const;
-  /// kExitOk where nothing is serious, else the code of the first that is.
+  /// Returns kExitOk if no finding is serious, else the code of the first serious one.
   ExitCode code() const;
 
  private:
@@ -42,25 +46,26 @@ class Findings {
 
   std::vector<Finding> list_;
   std::vector<std::string> facts_;
+  std::vector<nlohmann::ordered_json> devices_;
 };
 
-/// "A", "A and B", "A, B and C", "A, B and 7 more".
+/// Lists names: "A", "A and B", "A, B and C", "A, B and 7 more".
 std::string someOf(const std::vector<std::string>& names);
 
-/// Devices, drivers, the programs that ibr starts, memory, disk, display, headset.
+/// Examines devices, drivers, the programs that ibr starts, memory, disk, display and headset.
 void examineMachine(Findings& findings, const Context& context);
 
-/// A folder of photographs, and their poses and masks, where they are given or, poses, found in it or beside it. Throws
-/// Error{io} where a folder cannot be read, Error{cancelled}.
+/// Examines a folder of photographs, given masks, and poses, which may be given or found in or beside the folder.
+/// Throws Error{io} if a folder cannot be read, Error{cancelled}.
 void examinePhotographs(const std::filesystem::path& folder, const BuildChoices& choices, Findings& findings,
                         const Context& context);
 
-/// Masks that a build could not use, and those of no photograph. Throws Error{io} where there is no such folder.
+/// Reports masks that a build cannot use, and masks without a photograph. Throws Error{io} if the folder is missing.
 void examineMasks(const std::filesystem::path& folder, const std::vector<ExaminedPhotograph>& photographs,
                   Findings& findings);
 
-/// Poses: photographs without one, errors of points, parts that share nothing, steps too large for what is near.
-/// `pictures`: names of those that there are, sorted.
+/// Reports photographs without a pose, large reprojection errors, unconnected groups, and steps too large for the
+/// depth. `pictures`: names of the existing photographs, sorted.
 void examinePoses(const PosedModel& model, const std::vector<std::string>& pictures, Findings& findings);
 
 }  // namespace ibr::app

@@ -37,7 +37,7 @@ SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& tr
   double levels = 0, deltas = 0;
   std::size_t count = 0;
   const auto add = [&](int x, int y, int dx, int dy) {
-    const auto here = surface.pixel(x, y), there = surface.pixel(x + dx, y + dy);  // depth, tier, rank, …
+    const auto here = surface.pixel(x, y), there = surface.pixel(x + dx, y + dy);  // channels: depth, tier, rank, …
     if (here[1] != 0 || there[1] != 0 || here[2] == there[2]) return;
     levels += step(picture, x, y, dx, dy) - step(truth, x, y, dx, dy);
     deltas += deltaE(picture.pixel(x, y), picture.pixel(x + dx, y + dy)) -

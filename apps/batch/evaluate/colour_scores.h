@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well the colours of different cells fit together: what colour mapping is for ([T] §2.5.3).
+// Scores of how well the colours of different cells match, which colour mapping improves ([T] §2.5.3).
 #pragma once
 
 #include <cmath>
@@ -8,21 +8,21 @@
 
 namespace ibr::app {
 
-/// Mean step between neighbouring pixels of tier 0 that different cells drew, less the truth's step there; NaN where no
+/// Mean difference between neighbouring tier-0 pixels of different cells, minus the truth's difference there; NaN if no
 /// two cells meet.
 struct SeamStep {
-  double levels = NAN;  // of 255, mean over channels
+  double levels = NAN;  // 8-bit levels, mean over channels
   double deltaE = NAN;  // ΔE*ab
 };
-/// `surface`: FrameBuffers::surface of the picture.
+/// `surface`: FrameBuffers::surface of the image.
 SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
 
-/// The picture (RGB) after each channel was multiplied, in linear light, by one gain: the median over the mask of the
-/// truth's value over the picture's, clipped pixels left out. The exposure of a picture is a matter of taste; how it
-/// changes within it is not.
+/// Returns the image (RGB) with each channel multiplied, in linear light, by one gain: the median over the mask of
+/// truth over image, without clipped pixels. The gain removes the overall exposure, which is arbitrary, but keeps
+/// differences within the image.
 Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
 
-/// Mean ΔE*ab over the mask of what gainFitted gives.
+/// Returns the mean ΔE*ab over the mask after gainFitted.
 double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask);
 
 }  // namespace ibr::app

@@ -31,7 +31,7 @@ struct Options {
   BuildChoices build;
 };
 
-// Of a view whose truth has one below the folder, else empty. Throws Error that names the file.
+// Reads a view's mask from the folder; empty if there is none. Throws Error that names the file.
 Image8 maskOf(const std::string& view, const Image8& truth, const std::filesystem::path& folder) {
   const auto file = folder.empty() ? std::nullopt : maskFileOf(folder, view);
   if (!file) return {};
@@ -74,7 +74,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
   return kExitOk;
 }
 
-// All where none is named. Throws CLI::ValidationError for a name that is none of kBaselines.
+// Returns all baselines if none is named. Throws CLI::ValidationError for a name that is not in kBaselines.
 std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
   std::erase(names, "");
   std::vector<std::string> known;
@@ -85,7 +85,7 @@ std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
   return names.empty() ? known : names;
 }
 
-// Options that were given, with their values, but for those that change no score.
+// Given options with their values, except those that do not affect scores.
 std::vector<std::string> wordsThatCount(const CLI::App& app) {
   static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views",   "--work",   "--output",
                                                "--json",          "--quiet", "--verbose", "--threads"};
@@ -96,75 +96,76 @@ std::vector<std::string> wordsThatCount(const CLI::App& app) {
 
 const Command kEvalCommand{
     .name = "eval",
-    .summary = "Compares rendered views with photographs that were held out",
+    .summary = "Compares rendered views with held-out photographs",
     .examples =
         "ibr eval scene --truth held-out\n"
         "ibr eval scene --truth photographs --views IMG_0007.jpg IMG_0015.jpg -o compared --baselines\n"
         "ibr eval scene --truth held-out --cells 1 --tiers 0 --json -\n"
         "ibr eval --leave-one-out photographs --model colmap/sparse/0 --every 3 -o compared",
     .details =
-        "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene "
-        "without each photograph and renders its view; options of ibr build apply. Depth is matched once for all "
-        "views where the photograph that is left out takes no part in it and points are the model's. With "
-        "--refine-poses auto, what is left out takes no part in it; --refine-poses off --resect is what it "
-        "compares with. "
-        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' "
-        "columns. What a mask of the truth covers (--masks) is left out of all of them. "
-        "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until "
-        "the "
-        "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
-    .afterInterrupt = "What was finished of --leave-one-out is kept: run the same command again.",
+        "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out\n"
+        "builds a scene without each photograph and renders its view; options of ibr build apply.\n"
+        "Depth that does not depend on the held-out photograph is matched once for all views, if\n"
+        "points come from the model. --refine-poses auto refines poses without the held-out\n"
+        "photograph. The baseline for comparison is --refine-poses off --resect.\n"
+        "PSNR is computed on 8-bit values. Holes count as black in PSNR, SSIM and FLIP, and are\n"
+        "left out of the 'covered' columns. Pixels that a mask of the truth covers (--masks) are\n"
+        "left out of all columns. -o writes prediction, truth and four times the difference side\n"
+        "by side. ms is the time from planning until the image is on the host. In JSON, PSNR is\n"
+        "null for views without covered pixels and for equal images.",
+    .afterInterrupt = "Finished views of --leave-one-out are cached: run the same command again to resume.",
+    .mainOptions = "truth leave-one-out views output preset fit-gain baselines seams guessed json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       EvaluationOptions& evaluation = options->evaluation;
       auto* scene = app.add_option("SCENE", options->scene, "Scene folder");
       auto* truth =
           app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
-      auto* rebuilt = app.add_option("--leave-one-out", options->leaveOneOut.photographs,
-                                     "Build without each of these photographs, and compare with it")
-                          ->type_name("PHOTOS");
+      auto* rebuilt =
+          app.add_option("--leave-one-out", options->leaveOneOut.photographs,
+                         "Build without each of these photographs, and compare with the held-out photograph")
+              ->type_name("PHOTOS");
       rebuilt->excludes(scene)->excludes(truth);
-      app.add_option("--views", options->views, "Only these views, by name")->type_name("NAME...");
+      app.add_option("--views", options->views, "Compare only these views, by name")->type_name("NAME...");
       app.add_option("-o,--output", options->output, "Folder for prediction, truth and difference")->type_name("DIR");
       app.add_flag("--seams", evaluation.seams,
-                   "Also the step in colour from cell to cell beyond the truth's, in levels, and the colour difference "
-                   "(CIE 1976) that one gain a channel leaves; and how many pixels apart cells show the same "
-                   "places of shared photographs (median and 95 %), drawn and had they not been aligned (--align)");
+                   "Also measure colour steps between cells beyond the truth's, in levels; colour difference (CIE "
+                   "1976) after one gain per channel; misalignment of cells in px (median, 95 %), with and without "
+                   "--align");
       app.add_flag("--fit-gain", evaluation.fitGain,
-                   "Also PSNR after one gain a channel, the median ratio: exposures of photographs differ");
+                   "Also measure PSNR after one gain per channel, the median ratio, because exposures of photographs "
+                   "differ");
       auto* baselines =
           app.add_option("--baselines", evaluation.baselines,
-                         "Also other ways to show the same photographs: the nearest one by homography (nearest), an "
-                         "unstructured lumigraph on the matches' depth (lumigraph), a cross-fade without morphing "
-                         "(crossFade), the paper's morph (paper), the paper's order (paperOrder), the reference "
-                         "composer, which votes for depth and gathers colours (gathered); without names all")
+                         "Also measure baselines: nearest (photograph by homography); lumigraph (unstructured, on "
+                         "matched depth); crossFade (no morph); paper (the paper's morph and order); paperOrder (the "
+                         "paper's order); gathered (reference implementation of the gather); without names: all")
               ->type_name("NAME...")
               ->expected(0, int(kBaselines.size()));
       app.add_flag("--guessed", evaluation.guessed,
-                   "Also, in JSON, the share of pixels whose depth was completed or filled");
+                   "Also report, in JSON, the share of pixels whose depth was completed or filled");
       auto* depth = app.add_option("--truth-depth", evaluation.truthDepth,
-                                   "Exact depth of the views, NAME.png of 16 bits each: also the share of pixels whose "
-                                   "drawn depth is right, too far or too near, without sky")
+                                   "Folder of exact depth, a 16-bit NAME.png per view, to report the share of pixels "
+                                   "with right, too far or too near depth, without sky")
                         ->type_name("DIR");
-      addDouble(app, "--depth-unit", evaluation.depthUnit, 1e-9, 1e9,
-                "World units that one step of a depth picture stands for")
+      addDouble(app, "--depth-unit", evaluation.depthUnit, 1e-9, 1e9, "World units per step of a depth image")
           ->needs(depth);
       addDouble(app, "--depth-baseline", evaluation.depthBaseline, 1e-9, 1e9,
-                "Depth is right where seen from so far beside it moves by at most 1 px, world units")
+                "Baseline at which a depth error may cause at most 1 px of parallax to count as right, world units")
           ->needs(depth);
       declareSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
       std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
-                                            "Of --leave-one-out: hold every Nth photograph out")};
+                                            "--leave-one-out: hold out every Nth photograph")};
       only.push_back(app.add_option("--work", options->leaveOneOut.work,
-                                    "Of --leave-one-out: folder for what is built; kept, so that the next run with "
-                                    "other settings need not match again [a temporary one, gone at the end]")
+                                    "--leave-one-out: folder that caches builds, so that a run with other settings "
+                                    "does not match again [a temporary folder]")
                          ->type_name("DIR"));
       only.push_back(app.add_flag("--resect", options->leaveOneOut.resect,
-                                  "Of --leave-one-out: poses of what is left out are found anew, by the points that it "
-                                  "shares with the others; as they are wherever --refine-poses moves these"));
+                                  "--leave-one-out: estimate held-out poses from points shared with other photographs; "
+                                  "always on where --refine-poses moves these"));
       for (CLI::Option* option : declareBuildOptions(app, options->build))
-        if (option->get_name() != "--masks") only.push_back(option);  // of the truth: there it does not count
+        if (option->get_name() != "--masks") only.push_back(option);  // --masks also applies with --truth
       for (CLI::Option* option : only) option->needs(rebuilt);
       app.callback([options, baselines, &app] {
         if (baselines->count() > 0) options->evaluation.baselines = chosenBaselines(options->evaluation.baselines);

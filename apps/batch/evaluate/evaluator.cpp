@@ -37,14 +37,14 @@ RenderSettings paperSettings(RenderSettings settings) {
   settings.composition = Composition::cells;
   settings.morph = Morph::paper;
   settings.order = DrawOrder::paper;
-  settings.lowestTier = kTierAgrees;
+  settings.maxTier = kTierAgrees;
   settings.exposure = Exposure::off;
   return settings;
 }
 
 RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& options) {
   RendererOptions prepared = optionsFor(options.settings, {});
-  if (options.seams || options.guessed || !options.truthDepth.empty()) prepared.buffers = &scene;
+  if (options.seams || options.guessed || !options.truthDepth.empty()) prepared.bufferScene = &scene;
   if (!options.baselines.empty()) {
     prepared.orders = {DrawOrder::ours, DrawOrder::paper};
     prepared.compositions = {options.settings.composition, Composition::cells};
@@ -52,7 +52,7 @@ RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& opt
   return prepared;
 }
 
-// Whether one of the baselines that simply show photographs (ibr/baselines.h) is asked for.
+// True for baselines that display photographs directly (ibr/baselines.h).
 bool wantsSimpleOnes(const EvaluationOptions& options) {
   return std::ranges::any_of(options.baselines, [](const std::string& name) {
     return name == "nearest" || name == "lumigraph" || name == "crossFade";
@@ -145,7 +145,7 @@ void Evaluator::write(const fs::path& folder, const View& view, const Image8& pi
 }
 
 ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Image8& used) {
-  // A driver compiles on first use: the first picture is made twice, and the second is timed.
+  // Drivers compile on first use, so the first image is rendered twice and the second one is timed.
   if (std::exchange(first_, false)) render(view.camera, options_.settings);
   const SceneRenderer::Picture ours = render(view.camera, options_.settings);
   ViewOutcome outcome{view.name, score(ours.image, truth, options_.fitGain, used), {}, {}};

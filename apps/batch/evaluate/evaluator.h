@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views of a scene against the truth, ours and, where asked, simpler ways to show the same photographs.
+// Compares views of a scene with the truth, and, if requested, with simpler methods for the same photographs.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 #include "batch/evaluate/reference_views.h"
 #include "batch/evaluate/scores.h"
-#include "ibr/baselines.h"
+#include "ibr/author/baselines.h"
 #include "shared/camera/camera_path.h"
 #include "shared/cli/context.h"
 #include "shared/draw/scene_renderer.h"
@@ -24,38 +24,38 @@ struct EvaluationOptions {
   GpuSceneOptions gpuScene;
   bool seams = false, fitGain = false;
   std::vector<std::string> baselines;  // names of kBaselines
-  bool guessed = false;                // also Scores::guessed
+  bool guessed = false;                // also measures Scores::guessed
   std::filesystem::path truthDepth;    // folder of exact depth (truthDepth in truth.h); empty: none
-  double depthUnit = 0.01;             // world units a step of its pictures
+  double depthUnit = 0.01;             // world units for a step of the depth images
   double depthBaseline = 0.3;          // DepthTolerance::baseline, world units
   std::filesystem::path pictures;      // folder for prediction, truth and difference side by side; empty: none
 };
 
-/// Names in JSON, which are also those of the folders of their pictures; and titles.
+/// Names in JSON, also of the folders of their images; and titles.
 inline constexpr std::array kBaselines{
     std::pair{"nearest", "nearest photograph"},           std::pair{"lumigraph", "unstructured lumigraph"},
     std::pair{"crossFade", "cross-fade of one cell"},     std::pair{"paper", "the paper's morph and order"},
     std::pair{"paperOrder", "ours in the paper's order"}, std::pair{"gathered", "reference composer"}};
 
-/// What came of a view.
+/// Result of a view.
 struct ViewOutcome {
   std::string name;
   Scores scores;
-  std::vector<std::pair<std::string, Scores>> baselines = {};  // by their names
-  std::string failure = {};                                    // why there are no scores; empty: there are
+  std::vector<std::pair<std::string, Scores>> baselines = {};  // by name
+  std::string failure = {};                                    // reason why there are no scores; empty: success
 };
 nlohmann::ordered_json outcomeJson(const ViewOutcome& outcome);
 
-/// What outcomeJson wrote. Throws nlohmann::json::exception for anything else.
+/// Reads outcomeJson's output. Throws nlohmann::json::exception for other input.
 ViewOutcome outcomeOf(const nlohmann::ordered_json& json);
 
 class Evaluator {
  public:
-  /// `views` are those that will be asked for. The scene must outlive it. Throws Error.
+  /// `views`: all views that will be evaluated. The scene must outlive this object. Throws Error.
   Evaluator(const Scene& scene, const std::vector<View>& views, const EvaluationOptions& options,
             const Context& context);
 
-  /// Renders, scores and writes pictures; what is 0 in `used` (one channel, or empty) does not count. Throws Error.
+  /// Renders, scores and writes images; pixels with 0 in `used` (one channel, or empty) do not count. Throws Error.
   ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used = {});
 
   std::string deviceName() const { return renderer_.deviceName(); }
@@ -63,7 +63,7 @@ class Evaluator {
  private:
   SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
   SceneRenderer::Picture baseline(const std::string& name, const Camera& view);
-  // Depth of a view along its axis, world units, 0 for the sky; empty where it is not known.
+  // Depth of a view along its axis, world units, 0 for the sky; empty if unknown.
   ImageF truthOf(const View& view) const;
   void measureDepth(const View& view, const ImageF& inverseDepth, const ImageF& truth, Scores& scores) const;
   Scores gathered(const View& view, const Image8& truth, const Image8& used);
@@ -79,10 +79,10 @@ class Evaluator {
   bool first_ = true;
 };
 
-/// Files that pictures of a view are written to. Throws Error{invalidInput} for a name that leads out of the folder.
+/// Returns the files for a view's images. Throws Error{invalidInput} for a name that leads out of the folder.
 std::vector<std::filesystem::path> evaluationFiles(const EvaluationOptions& options, const std::string& viewName);
 
-/// The table of all views with their means, one of baselines, and the JSON report; `more` joins the report.
+/// Prints tables of the views with means, and of the baselines; writes the JSON report, with `more` added.
 void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOptions& options,
                     nlohmann::ordered_json more, const Context& context);
 

@@ -14,13 +14,13 @@ namespace {
 constexpr double kSameDepth = 0.02;
 enum Channel : std::size_t { kDepth, kTier, kRank };  // of FrameBuffers::surface
 
-// The world's point at a pixel's centre, `depth` along the viewing axis.
+// World point at a pixel's centre and a `depth` along the viewing axis.
 glm::dvec3 pointAt(const Camera& eye, int x, int y, double depth) {
   const glm::dvec3 ray = unproject(eye.intrinsics, {x + 0.5, y + 0.5});
   return eye.pose.position + eye.pose.rotation * (ray * (depth / -ray.z));
 }
 
-// At a place in pixels, all four neighbours of which are in the picture.
+// Interpolates at a position in pixels, whose four neighbours must lie in the image.
 double bilinear(const Image8& image, glm::dvec2 at, std::size_t channel) {
   const glm::dvec2 corner = glm::floor(at - 0.5), part = at - 0.5 - corner;
   const auto level = [&](int dx, int dy) {

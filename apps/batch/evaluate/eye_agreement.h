@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether both eyes see the same: what differs between them beyond parallax rivals (NUMERICS §5.2).
+// Agreement of the images of both eyes: differences beyond parallax cause binocular rivalry.
 #pragma once
 
 #include "ibr/camera.h"
@@ -7,16 +7,16 @@
 
 namespace ibr::app {
 
-/// Of the left eye's pixels whose depth is known and whose place the right eye sees as well: within 2 % of the depth
-/// that it has there.
+/// Statistics over the left eye's pixels of known depth whose point is visible to the right eye: within 2 % of the
+/// depth that the right eye has there.
 struct EyeAgreement {
-  double seenByBoth = 0;      // share of all pixels; the others are not compared
-  double sameCell = NAN;      // share of what is compared that one cell shows both eyes
-  double difference = NAN;    // mean absolute difference, levels, bilinear in the right eye's picture
-  double difference95 = NAN;  // 95 % of what is compared differ by less
+  double seenByBoth = 0;      // share of all pixels; only these are compared
+  double sameCell = NAN;      // share of compared pixels with the same cell and tier in both eyes
+  double difference = NAN;    // mean absolute difference, 8-bit levels, bilinear in the right image
+  double difference95 = NAN;  // 95 % quantile of the differences, 8-bit levels
 };
 
-/// Precondition: pictures with buffers, of pinholes, of one plan (ranks mean the same in both).
+/// Precondition: images with buffers, of pinholes, of the same plan (ranks mean the same in both).
 EyeAgreement eyeAgreement(const SceneRenderer::Picture& left, const Camera& leftEye,
                           const SceneRenderer::Picture& right, const Camera& rightEye);
 

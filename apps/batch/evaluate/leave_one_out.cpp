@@ -11,7 +11,7 @@
 #include "base/file.h"
 #include "batch/files/file_hash.h"
 #include "batch/files/poses.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct Counts {
   std::size_t matched = 0, shared = 0;  // cells
-  std::size_t refined = 0;              // views for which the others' poses were
+  std::size_t refined = 0;              // views whose other poses were refined
 };
 
 std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const LeaveOneOutOptions& options) {
@@ -47,7 +47,7 @@ std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const 
   return chosen;
 }
 
-// Of all that scores depend on but for the view: program, files, options.
+// Key of all inputs of the scores except the view: program, files, options.
 std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build, const PosedPhotographs& photographs,
                     const Context& context) {
   Hash hash;
@@ -58,7 +58,7 @@ std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build
   for (const std::string& word : options.words) {
     std::error_code ignored;
     hash.add(word);
-    if (fs::is_regular_file(word, ignored)) addFile(hash, word);  // folders: of results, or those above
+    if (fs::is_regular_file(word, ignored)) addFile(hash, word);  // folders hold results, or are hashed above
   }
   hash.add(context.options().seed);
   hash.add(context.options().device);
@@ -77,7 +77,7 @@ class LeaveOneOut {
         work_(std::move(work)),
         context_(context) {
     build_.output = work_ / ".scene-without-one";
-    build_.finishedCells = work_ / "cells";
+    build_.cacheFolder = work_ / "cells";
   }
 
   ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress,
@@ -87,7 +87,7 @@ class LeaveOneOut {
     try {
       outcome = rebuiltWithout(view, truth, used, progress, place);
     } catch (const Error& e) {
-      // What this photograph alone can be to blame for.
+      // Errors that this photograph alone can cause; all others end the command.
       if (e.code() != ErrorCode::invalidInput && e.code() != ErrorCode::unsupported) throw;
       outcome.name = view.name;
       outcome.failure = e.what();
@@ -112,7 +112,7 @@ class LeaveOneOut {
     return work_ / "views" / fmt::format("{:016x}.json", hash.value());
   }
 
-  // nullopt where there is none, or its pictures are gone.
+  // Returns the cached result; nullopt if there is none, or if its images were deleted.
   std::optional<ViewOutcome> fetch(const std::string& view) {
     if (!fs::exists(file(view))) return std::nullopt;
     try {
@@ -125,7 +125,7 @@ class LeaveOneOut {
       counts_.refined += json.at("posesRefined").get<bool>();
       return outcome;
     } catch (const Json::exception&) {
-      return std::nullopt;  // damaged: made again
+      return std::nullopt;  // damaged file: computed again
     }
   }
 
@@ -146,7 +146,7 @@ class LeaveOneOut {
     return evaluator.evaluate(among, truth, used);
   }
 
-  // Among the poses that the build had; as it was where it shares too few points with them.
+  // The view with its pose estimated among the build's poses; unchanged if too few points are shared.
   View resectedView(const View& view, const BuildOptions& build) const {
     const auto camera = resected(given_, view.name, readPoses(build, {}));
     if (!camera) return view;
@@ -157,7 +157,7 @@ class LeaveOneOut {
   BuildOptions build_;
   const PosedModel given_;
   const bool resect_;
-  bool refined_ = false;  // for the view at hand
+  bool refined_ = false;  // for the current view
   const EvaluationOptions& evaluation_;
   std::uint64_t key_;
   fs::path work_;
@@ -177,10 +177,10 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   check(!poses.empty(), ErrorCode::invalidInput,
         "{}: leaving photographs out needs poses of all of them: give a COLMAP model with --model, or --transforms",
         options.photographs);
-  const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // the key is not known yet
+  const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // placeholder: the key is not known yet
   build.output = options.work.empty() ? anywhere : fs::path(options.work);
   const std::uint64_t key = keyOf(options, build, PosedPhotographs(build, context.log()), context);
-  // The same command finds it again.
+  // Named by the key, so that the same command finds the folder again.
   const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
                                              : fs::path(options.work);
   build.output = work;

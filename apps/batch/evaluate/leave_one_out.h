@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr eval --leave-one-out`: a scene is built without each held-out photograph, its view rendered and compared.
+// `ibr eval --leave-one-out`: builds a scene without each held-out photograph, renders its view and compares.
 //
-//   1. depths and cells are finished in one folder for all builds, under keys that say all that they depend on: what
-//      the photograph takes no part in is made once (BuildOptions::finishedCells); tracks of our own change with it
-//   2. where poses are refined, they are so without the photograph, too, which is then resected among them
-//   3. what came of a view is kept, under a key of all that it depends on: an interrupted run goes on
+//   1. all builds cache depth and cells in one folder, with keys of all inputs. Results that do not depend on the
+//      held-out photograph are computed once (BuildOptions::cacheFolder); own tracks depend on the photograph
+//   2. if poses are refined, they are refined without the photograph; its own pose is then resected
+//   3. each view's result is cached with a key of all inputs, so that an interrupted run can resume
 #pragma once
 
 #include <string>
@@ -21,12 +21,12 @@ struct LeaveOneOutOptions {
   std::vector<std::string> views;  // names; empty: every `every`th, by name
   int every = 1;
   bool resect =
-      false;  // its camera is found anew, by the points that it shares with the others (author/poses/resect.h)
-  std::vector<std::string> words;  // of the command line, that scores depend on: options and their values
+      false;  // true: the held-out pose is resected from points shared with the others (author/poses/resect.h)
+  std::vector<std::string> words;  // options and values of the command line that affect the scores
 };
 
-/// The truth is the photograph as a build stores it. A view that cannot be built or rendered is reported and the rest
-/// goes on, unless all fail. Throws Error; panoramas are unsupported.
+/// The truth is the photograph as a build stores it. A view that cannot be built or rendered is reported and skipped;
+/// fails if all views fail. Throws Error; panoramas are unsupported.
 ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choices,
                      const EvaluationOptions& evaluation, const Context& context);
 

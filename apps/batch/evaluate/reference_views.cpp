@@ -52,7 +52,7 @@ reference::Composed ReferenceViews::compose(const Camera& view, Exposure exposur
   settings.composition = Composition::gathered;
   settings.voteScale = 1;
   settings.alpha = AlphaContent::tier;
-  settings.lowestTier = kTierFilled;
+  settings.maxTier = kTierFilled;
   settings.exposure = exposure;
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings});
   take(plan.photographs);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views that the reference composer makes of a scene as Composition::gathered does: from the backdrops' meshes, with
-// their evidence, and the depth textures.
+// Views rendered by the reference implementation of Composition::gathered, from the backdrops' meshes with their
+// evidence and from the depth textures.
 #pragma once
 
 #include <map>
@@ -12,15 +12,15 @@
 
 namespace ibr::app {
 
-/// One thread at a time. Keeps the textures of a view's photographs until the next view.
+/// Not thread-safe. Keeps the textures of a view's photographs until the next view.
 class ReferenceViews {
  public:
-  /// `threads` 0: all cores. Precondition: isGatherable(scene). The scene and its files must outlive it.
+  /// `threads` 0: all cores. Precondition: isGatherable(scene). The scene and its files must outlive this object.
   ReferenceViews(const Scene& scene, int threads);
 
-  /// The vote has the view's size, and photographs that are magnified are read by cubic splines. Where it has no depth,
-  /// that is filled from around, and where no photograph shows what lies there, its colour is. Throws Error for a file
-  /// that cannot be read, and as planFrame does.
+  /// Renders a view. The vote has the view's size; magnified photographs are interpolated by cubic splines. Holes in
+  /// the depth are filled from around, and so are colours that no photograph shows. Throws Error for a file that cannot
+  /// be read, and as planFrame does.
   reference::Composed compose(const Camera& view, Exposure exposure);
 
  private:
@@ -36,7 +36,7 @@ class ReferenceViews {
   std::map<std::uint32_t, Textures> textures_;  // by node
 };
 
-/// Whether photographs have evidence of their depth.
+/// True if the scene's photographs have confirmed depth.
 bool isGatherable(const Scene& scene);
 
 }  // namespace ibr::app

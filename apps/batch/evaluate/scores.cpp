@@ -56,7 +56,7 @@ bool isShown(const Figure& figure, bool withGain) {
   return figure.shown == Shown::always || (figure.shown == Shown::withGain && withGain);
 }
 
-// FLIP has no mask: what does not count is made the same, and the mean is over the rest.
+// FLIP takes no mask: excluded pixels are made equal, and the mean is rescaled to the rest.
 double flipOfPart(const Image8& prediction, const Image8& truth, const Image8& used, double share) {
   Image8 same = prediction;
   for (int y = 0; y < used.height; ++y)
@@ -71,7 +71,7 @@ void scoreDetail(const Image8& prediction, const Image8& truth, const Image8& co
   scores.detailCorrelation = found.correlation;
 }
 
-// Shares are of what counts.
+// Shares are relative to the pixels that count.
 Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used) {
   Image8 cover = coverOf(prediction);
   std::array<double, 4> tiers{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures of a rendered view against the truth, and how they are reported. NaN: not measured, or there is none.
+// Scores of a rendered view against the truth, and their reports. NaN: not measured, or undefined.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,38 +12,38 @@
 namespace ibr::app {
 
 struct Scores {
-  Scores();  // nothing measured
+  Scores();  // all NaN
   double psnr, ssim, flip, coverage, coverageTier0, coverageTier2, psnrCovered, ssimCovered;
-  double psnrGain, psnrCoveredGain;        // after the gain of each channel that fits best
-  double msSsim;                           // of the whole picture; with `used`: none
-  double detailEnergy, detailCorrelation;  // of what is covered (ibr/metrics.h, Detail)
-  double tornTiles;                        // ibr/metrics.h
-  double guessed;                          // share of pixels whose depth was completed or filled, or that are empty
-  double rightDepth, tooFar, tooNear;      // depth_scores.h
-  double withinDeviation, withinTwoDeviations;  // likewise
+  double psnrGain, psnrCoveredGain;             // after the best gain of each channel
+  double msSsim;                                // of the whole image; NaN if `used` is given
+  double detailEnergy, detailCorrelation;       // of covered pixels (ibr/metrics.h, Detail)
+  double tornTiles;                             // ibr/metrics.h
+  double guessed;                               // share of pixels with completed or filled depth, or empty
+  double rightDepth, tooFar, tooNear;           // depth_scores.h
+  double withinDeviation, withinTwoDeviations;  // depth_scores.h
   double seam, seamDeltaE, deltaE;              // colour_scores.h
   double misaligned,
-      misaligned95;  // px between what cells say of one place (render/plan/cell_alignment.h): median, 95 %
-  double uncorrected, uncorrected95;  // likewise, had cells not been aligned
+      misaligned95;  // px between cells that show the same point (render/plan/cell_alignment.h): median, 95 %
+  double uncorrected, uncorrected95;  // the same without alignment of the cells
   double milliseconds;
-  WorstTile worstTile;  // of one view; meanSquared −1 for means
+  WorstTile worstTile;  // of one view; meanSquared is −1 for means
 };
 
-/// `prediction`: RGBA, alpha of AlphaContent::tier, its holes black. `fitGain`: also psnrGain and psnrCoveredGain. The
-/// figures after these are left to the caller. What is 0 in `used`, of the truth, is left out; it may be empty.
+/// `prediction`: RGBA, alpha of AlphaContent::tier, black holes. `fitGain`: also psnrGain and psnrCoveredGain. The
+/// caller sets the scores declared after these. Pixels of the truth with 0 in `used` do not count; `used` may be empty.
 /// Precondition: equal sizes.
 Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used = {});
 
-/// Each figure by its name.
+/// Returns each score under its name.
 nlohmann::ordered_json scoresJson(const Scores& scores);
 
-/// What scoresJson wrote; missing and null figures are NaN.
+/// Reads scoresJson's output; missing and null scores become NaN.
 Scores scoresOf(const nlohmann::ordered_json& json);
 
-/// Over the views that have the figure: a view without cover has no psnrCovered.
+/// Returns the means over the views that have the score: a view without covered pixels has no psnrCovered.
 Scores meanOf(const std::vector<Scores>& all);
 
-/// Columns of a table; those of gains only where asked.
+/// Returns the columns of a table; columns of gains only if requested.
 std::vector<std::string> scoresHeading(const std::string& first, bool withGain);
 std::vector<std::string> scoresRow(const std::string& name, const Scores& scores, bool withGain);
 

@@ -19,7 +19,7 @@ double nearDistanceOf(const Scene& scene) {
   return 1.0 / double(*at);
 }
 
-// A picture is convex in a pinhole, so what holds at both ends of a ray holds between them.
+// A pinhole's image is convex, so a ray whose ends are both visible is visible in between.
 bool sees(const Camera& camera, glm::dvec3 towards) {
   const auto pixel = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * towards);
   return pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= camera.intrinsics.width &&

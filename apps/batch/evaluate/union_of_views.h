@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where photographs look: what may be expected to be covered.
+// Union of the photographs' fields of view: pixels that a renderer can be expected to cover.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@ namespace ibr::app {
 
 class UnionOfViews {
  public:
-  /// Keeps the scene's cameras, and the distance than which a tenth of the cells' points are nearer.
+  /// Stores the scene's cameras and the distance that 10 % of the cells' points are nearer than.
   explicit UnionOfViews(const Scene& scene);
 
-  /// Pixels of a view, one in every 8×8, whose rays lie in one photograph's picture from that near distance to
-  /// infinity. Occlusion is not asked for.
+  /// Returns every eighth pixel in x and y whose ray is inside one photograph's image from the near distance to
+  /// infinity. Occlusion is ignored.
   std::vector<glm::ivec2> pixelsSeen(const Camera& view) const;
 
   double nearDistance() const noexcept { return nearDistance_; }

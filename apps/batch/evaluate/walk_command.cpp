@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How steady and how whole a walk is: every frame is rendered and compared with the one before it.
+// `ibr walk`: steadiness and coverage of a walk. Every frame is rendered and compared with the previous one.
 //
-// A step is the mean absolute difference between neighbouring frames, in levels. Motion alone makes steps; a switch of
-// the main cell that cannot be seen makes none larger than they are.
+// A step is the mean absolute difference between neighbouring frames, in 8-bit levels. Motion alone makes steps; a
+// switch of the main cell is invisible if its steps are no larger.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -34,10 +34,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kDifferenceGain = 4;
 
-constexpr std::size_t kHoldPeriod = 10;  // frames of the walk between two places where the camera is held still
+constexpr std::size_t kHoldPeriod = 10;  // frames between two positions where the camera is held still
 constexpr double kHoldStepSeconds = 1.0 / 30;
-// Longest time that plans are given to settle. Cells that leave, come and leave again do so one after the other, so
-// that fades take up to four switchSeconds.
+// Maximum time for plans to settle. Cells that fade out, in and out again do so one after the other, so that fades take
+// up to four switchSeconds.
 constexpr double kMaxSettleSwitches = 10, kMinSettleSeconds = 1;
 constexpr std::size_t kMinHeldFrames = 3, kMaxHeldFrames = 60;  // rendered and compared
 
@@ -62,7 +62,7 @@ void measureTiers(const Image8& image, const UnionOfViews& photographs, const Ca
   if (inside > 0) frame.coverageInside = double(covered) / double(inside);
 }
 
-// The two frames of the largest step.
+// The two frames with the largest step.
 struct WorstStep {
   double step = -1;
   Image8 before, after;
@@ -81,14 +81,14 @@ class Walk {
     for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
     RendererOptions wanted = optionsFor(settings_, {});
     if (options.stereo) {
-      wanted.views = 2;
-      wanted.buffers = &scene;
+      wanted.maxViews = 2;
+      wanted.bufferScene = &scene;
     }
     renderer_.emplace(scene, views, options.gpuScene, wanted, context);
     settings_.alpha = AlphaContent::tier;
   }
 
-  // To the i-th frame, after the one before.
+  // Renders the i-th frame after the previous one.
   void go(std::size_t i) {
     const double dtSeconds = i > 0 ? frames_[i][0].time - frames_[i - 1][0].time : 0.0;
     std::vector<SceneRenderer::Picture> pictures = renderer_->render(eyesOf(i), settings_, state_, dtSeconds);
@@ -96,7 +96,7 @@ class Walk {
     WalkFrame& frame = measured_.emplace_back();
     frame.name = frames_[i][0].name;
     frame.mainCell = state_.mainCell;
-    frame.switching = (i > 0 && measured_[i - 1].mainCell != frame.mainCell) || !state_.former.empty();
+    frame.switching = (i > 0 && measured_[i - 1].mainCell != frame.mainCell) || !state_.previous.empty();
     measureTiers(image, photographs_, frames_[i][0].camera, frame);
     if (i > 0) frame.step = difference(image, before_, 0).meanAbsolute;
     if (i > 0 && options_.pop) frame.flipStep = flip(image, before_);
@@ -121,7 +121,7 @@ class Walk {
 
   static bool isHeld(std::size_t i) { return i % kHoldPeriod == 0; }
 
-  // Exposure is adapted at once: it approaches its target for ever, by less and less.
+  // Exposure adapts at once: an exponential approach never settles.
   RenderSettings heldSettings() const {
     RenderSettings held = settings_;
     held.exposureSeconds = 0;
@@ -129,13 +129,13 @@ class Walk {
   }
 
   struct Rest {
-    PlanState state;         // when the plans of a still camera have settled
-    double seconds = 0;      // until then
-    std::size_t period = 0;  // frames after which plans repeat, 1 where they no longer change; 0: no repetition found
+    PlanState state;         // after the plans of a still camera have settled
+    double seconds = 0;      // time until the plans settled
+    std::size_t period = 0;  // frames after which plans repeat; 1: constant; 0: no repetition found
   };
 
-  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one
-  // that is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
+  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with a
+  // stored state that is replaced at doubling intervals (Brent 1980). Plans made from equal states are equal.
   Rest settle(std::size_t i) const {
     const FrameInput input{eyesOf(i), heldSettings(), kHoldStepSeconds};
     Rest rest{state_};
@@ -144,7 +144,7 @@ class Walk {
     const double maxSeconds = std::max(kMaxSettleSwitches * settings_.switchSeconds, kMinSettleSeconds);
     for (std::size_t since = 1, limit = 1; rest.seconds <= maxSeconds; ++since) {
       PlanState next = planFrame(scene_, bounds_, input, rest.state).next;
-      next.colourAge = 0;  // counts frames, so that it never settles
+      next.colourAge = 0;  // a frame counter, which never settles
       if (next == rest.state)
         rest.period = 1;
       else if (next == compared)
@@ -162,7 +162,7 @@ class Walk {
   }
 
   // Returns the largest difference between rendered frames of a still camera after its plans have settled. The walk's
-  // own state stays as it is. Renders one period of the plans, since a frame depends on its plan alone. Colour tables
+  // state is unchanged. Renders one period of the plans, since a frame depends on its plan alone. Colour tables
   // live on the device, so with colour mapping every frame is rendered until the tables have settled too.
   int flickerAt(std::size_t i) {
     const Rest rest = settle(i);
@@ -232,37 +232,36 @@ ExitCode walk(const Options& options, const Context& context) {
 
 const Command kWalkCommand{
     .name = "walk",
-    .summary = "Measures how steady and how whole the pictures of a walk are",
+    .summary = "Measures steadiness and coverage of the frames of a walk",
     .examples =
         "ibr walk scene\n"
         "ibr walk scene --frames 600 --size 640x360 -o worst\n"
         "ibr walk scene --poses path.json --json walk.json\n"
         "ibr walk scene --frames 60 --size 640x360 --pop --stereo --ipd 0.063",
     .details =
-        "A step is the mean absolute difference between neighbouring frames, in levels of 255. A switch lasts until "
-        "the\n"
-        "mixture of the two orders of cells is over. What photographs see: pixels whose rays lie in the picture of "
-        "one\n"
-        "photograph from a near distance (a tenth of the scene's points are nearer) to infinity. -o writes the two\n"
-        "frames of the largest step, and four times their difference. At every tenth frame the camera is also held "
-        "still\n"
-        "until nothing fades any more: pictures that differ after that flicker, and the worst place is reported. "
-        "--pop\n"
-        "also tells steps as FLIP, of which the largest at a switch is the pop. --stereo compares what both eyes see "
-        "at\n"
+        "A step is the mean absolute difference between neighbouring frames, in 8-bit levels. A\n"
+        "switch lasts until the cross-fade of two draw orders is over. The coverage by\n"
+        "photographs counts pixels whose rays lie in the image of one photograph, from a near\n"
+        "distance to infinity. A tenth of the scene's points are nearer than the near distance.\n"
+        "At every tenth frame, the camera is also held still until all fades end. Frames that\n"
+        "still differ then flicker, and the worst position is reported. -o writes the two frames\n"
+        "of the largest step, and four times their difference. --pop also reports steps as FLIP;\n"
+        "the largest FLIP at a switch is the pop. --stereo compares the images of both eyes at\n"
         "the same depth.",
-    .afterInterrupt = "Nothing was reported; run the same command again.",
+    .afterInterrupt = "No report was written; run the same command again.",
+    .mainOptions = "frames poses output pop stereo size preset json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Scene folder")->required();
       auto* frames = addInt(app, "--frames", options->autoFrames, 2, 1'000'000,
-                            "Frames of an automatic walk between and slightly beyond the photographs, 30 a second");
-      app.add_option("--poses", options->poses, "Camera path to walk")->type_name("FILE")->excludes(frames);
-      app.add_option("-o,--output", options->output, "Folder for the picture of the largest step")->type_name("DIR");
-      app.add_flag("--pop", options->pop, "Also steps as FLIP, which takes about as long as drawing");
-      auto* stereo = app.add_flag("--stereo", options->stereo, "Two eyes, and how far they agree");
-      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance of the eyes in world units")->needs(stereo);
-      addSize(app, "--size", options->size, "Size of the pictures [that of the path; else of the photographs]");
+                            "Number of frames of an automatic walk between and slightly beyond the photographs, 30 per "
+                            "second");
+      app.add_option("--poses", options->poses, "Camera path to follow")->type_name("FILE")->excludes(frames);
+      app.add_option("-o,--output", options->output, "Folder for the image of the largest step")->type_name("DIR");
+      app.add_flag("--pop", options->pop, "Also report steps as FLIP; takes about as long as drawing");
+      auto* stereo = app.add_flag("--stereo", options->stereo, "Render two eyes and measure their agreement");
+      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance between the eyes, world units")->needs(stereo);
+      addSize(app, "--size", options->size, "Size of the images [that of the path; else of the photographs]");
       declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);
       return [options](const Context& context) { return walk(*options, context); };

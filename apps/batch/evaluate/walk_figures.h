@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How steady and how whole a walk is, from its frames.
+// Steadiness and coverage of a walk, from its frames.
 #pragma once
 
 #include <array>
@@ -21,26 +21,26 @@ inline constexpr int kTierCount = kTierFilled + 1;
 struct WalkFrame {
   std::string name;
   std::int64_t mainCell = -1;
-  bool switching = false;  // between a switch of the main cell and the end of its mixture
-  double step = NAN;       // mean absolute difference from the frame before, levels; NaN for the first
-  double flipStep = NAN;   // likewise as FLIP, where asked for
+  bool switching = false;  // true between a switch of the main cell and the end of the cross-fade
+  double step = NAN;       // mean absolute difference from the previous frame, 8-bit levels; NaN for the first
+  double flipStep = NAN;   // the same as FLIP, if requested
   double coverage = 0;
-  double coverageInside = NAN;  // of the pixels that some photograph sees; NaN where none does
+  double coverageInside = NAN;  // of the pixels that some photograph sees; NaN if there are none
   std::array<double, kTierCount> tier{};
-  int flicker = -1;  // largest difference, levels, between pictures of a camera that holds still here; -1: it did not
-  std::optional<EyeAgreement> eyes;  // of two
+  int flicker = -1;  // maximum difference between images of a still camera at this frame, 8-bit levels; -1: not held
+  std::optional<EyeAgreement> eyes;  // with two views
 };
 
-/// NaN where nothing was measured.
+/// Summary of a walk. NaN: nothing was measured.
 struct WalkSummary {
   std::size_t switches = 0;
   double medianStep = NAN, largestStep = NAN, largestStepAtSwitch = NAN;
-  double medianFlipStep = NAN, pop = NAN;  // the latter: the largest FLIP step at a switch (NUMERICS §5.2)
+  double medianFlipStep = NAN, pop = NAN;  // pop: largest FLIP step at a switch
   double leastCoverage = 1, leastCoverageInside = NAN, meanCoverageInside = NAN;
   std::array<double, kTierCount> tier{};
-  int flicker = -1;              // the largest
-  std::size_t flickerFrame = 0;  // the first frame that has it; meaningless where none was held
-  std::string flickerAt;         // that frame's name
+  int flicker = -1;              // maximum
+  std::size_t flickerFrame = 0;  // first frame that has it; undefined if the camera was never held
+  std::string flickerAt;         // name of this frame
   EyeAgreement eyes;             // means
 };
 
@@ -49,7 +49,7 @@ WalkSummary summaryOf(const std::vector<WalkFrame>& frames);
 nlohmann::ordered_json frameJson(const WalkFrame& frame);
 nlohmann::ordered_json summaryJson(const WalkSummary& summary);
 
-/// Rows for what was measured.
+/// Returns rows for the measured figures.
 Table summaryTable(const WalkSummary& summary, std::size_t frames);
 
 }  // namespace ibr::app

@@ -17,7 +17,7 @@ void writeColmapViews(const fs::path& folder, const std::vector<View>& views) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto& [k, pose] = views[i].camera;
     cameras += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
-    // World to camera, x right, y down, z forward: half a turn about x from ours.
+    // COLMAP's poses map world to camera with x right, y down, z forward: half a turn about x from ours.
     const glm::dquat q = glm::dquat(0, 1, 0, 0) * glm::conjugate(pose.rotation);
     const glm::dvec3 t = -(q * pose.position);
     images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1,

@@ -8,7 +8,7 @@
 
 namespace ibr::app {
 
-/// A COLMAP text model of views, all pinholes, without points. Throws Error{io}.
+/// Writes a COLMAP text model of views, all pinholes, without points. Throws Error{io}.
 void writeColmapViews(const std::filesystem::path& folder, const std::vector<View>& views);
 
 }  // namespace ibr::app

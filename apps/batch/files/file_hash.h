@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keys of what commands keep: files count by name, size and time, not by their bytes.
+// Keys of cached results. Files enter by name, size and time, not by content.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,13 @@
 
 namespace ibr::app {
 
-/// A missing file counts as one of no size.
+/// Adds a file; a missing one counts as a file of size 0.
 void addFile(Hash& hash, const std::filesystem::path& file);
 
-/// All regular files below, in the order of their names; or the file.
+/// Adds all regular files below a folder, sorted by name; or a single file.
 void addFolder(Hash& hash, const std::filesystem::path& folder);
 
-/// The program that runs.
+/// Adds the running program.
 void addProgram(Hash& hash);
 
 }  // namespace ibr::app

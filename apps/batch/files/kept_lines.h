@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command measured before: a file of JSON, a line each, with a key of all that it depends on.
+// Cache of a command's measurements: a file with one JSON value a line, each with a key of all its inputs.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace ibr::app {
 
 class KeptLines {
  public:
-  /// Reads the file, if there is one; lines that are damaged are dropped. Throws Error{io}.
+  /// Reads the file, if there is one; damaged lines are dropped. Throws Error{io}.
   explicit KeptLines(std::filesystem::path file);
 
   std::optional<nlohmann::ordered_json> find(std::uint64_t key) const;
 
-  /// In the file before it returns; the file is always whole. Throws Error{io}.
+  /// Adds a line and writes the file before returning; the file on disk is complete at any time. Throws Error{io}.
   void add(std::uint64_t key, const nlohmann::ordered_json& json);
 
  private:

@@ -11,7 +11,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 #include "shared/draw/picture_record.h"
 
@@ -27,7 +27,7 @@ Intrinsics withSize(const Intrinsics& k, PictureSize size) {
           k.cy * scale};
 }
 
-// Without the extension of an image file. "frame.0001" has none.
+// Removes the extension of an image file; "frame.0001" has none.
 std::string stem(const std::string& name) {
   constexpr std::array kExtensions{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp", ".heic", ".exr", ".dng"};
   std::string extension = fs::path(name).extension().string();
@@ -36,7 +36,7 @@ std::string stem(const std::string& name) {
   return known ? name.substr(0, name.size() - extension.size()) : name;
 }
 
-// "hall_l.jpg" with 'l' → "hall"; nullopt where it is no such eye.
+// "hall_l.jpg" with 'l' → "hall"; nullopt if the name is not of this eye.
 std::optional<std::string> withoutEye(const std::string& name, char eye) {
   const std::string whole = stem(name), ending{'_', eye};
   if (!whole.ends_with(ending)) return std::nullopt;
@@ -51,7 +51,7 @@ View viewIn(const fs::path& picture, PictureSize size) {
   return view;
 }
 
-// "hall_r.png" beside "hall_l.png", and the other way round; nullopt where the picture is of no eye. It must be there.
+// Returns "hall_r.png" for "hall_l.png", and vice versa; nullopt if the image is of no eye. Throws if it is missing.
 std::optional<fs::path> otherEye(const fs::path& picture) {
   const std::string name = picture.filename().string();
   for (const auto& [eye, other] : {std::pair('l', 'r'), {'r', 'l'}})
@@ -65,7 +65,7 @@ std::optional<fs::path> otherEye(const fs::path& picture) {
   return std::nullopt;
 }
 
-// Of nerfstudio and instant-ngp: an object with "frames".
+// True for the format of nerfstudio and instant-ngp: an object with "frames".
 bool isTransforms(const fs::path& file) {
   const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
   return json.is_object() && json.contains("frames");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SHA-256: names data in reports, so that others can tell whether they have the same.
+// SHA-256: identifies data in reports, so that others can check that they have the same data.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace ibr::app {
 
-/// 64 hexadecimal digits, small letters.
+/// Returns 64 hexadecimal digits in lower case.
 std::string sha256(std::span<const std::byte> bytes);
 
 }  // namespace ibr::app

@@ -6,7 +6,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/files/poses.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 
 namespace fs = std::filesystem;

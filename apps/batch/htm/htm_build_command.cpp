@@ -81,30 +81,31 @@ ExitCode buildModel(const Options& options, const Context& context) {
 
 const Command kHtmBuildCommand{
     .name = "build",
-    .summary = "Makes a harmonised model from a mesh, cameras and their photographs",
+    .summary = "Builds a harmonised model from a mesh, cameras and their photographs",
     .examples =
         "ibr htm build --mesh object.ply --model sparse --images images --masks masks -o model\n"
         "ibr htm build --mesh object.obj --model sparse --images images --adjust 0 --smoothness 0 -o papers-way\n"
         "ibr htm build --mesh object.glb --model sparse --images images -o model --stages figures",
     .details =
-        "The mesh (PLY, OBJ, glTF) stands in the world of the COLMAP model. It may be rough, and cameras a few pixels\n"
-        "off: the mesh is made coarse, what each two photographs show at its vertices is matched, and the differences\n"
-        "are kept, so that photographs can be bent to agree while they are drawn. Where they still differ, the mesh "
-        "is\n"
-        "made finer and matched again. Masks are white where the object is.\n"
-        "D_f is how differently photographs colour a face, in levels of 255.\n"
-        "--stages writes the meshes on the way, coloured by D_f, and a picture of them.",
-    .afterInterrupt = "Nothing was written; run the same command again.",
+        "The mesh (PLY, OBJ, glTF) is in the world coordinates of the COLMAP model. The mesh may\n"
+        "be rough, and cameras may be inaccurate by a few pixels. First, the mesh is made\n"
+        "coarser, and each two photographs are matched at its vertices. The displacements are\n"
+        "stored, so that photographs can be warped to agree during drawing. Where photographs\n"
+        "still differ, the mesh is refined and matched again. Masks are white on the object.\n"
+        "D_f is the colour difference of the photographs on a face, in 8-bit levels.\n"
+        "--stages writes the intermediate meshes, coloured by D_f, and an image of them.",
+    .afterInterrupt = "No model was written; run the same command again.",
+    .mainOptions = "mesh model images masks output faces adjust rounds stages json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("--mesh", options->mesh, "Mesh file")->required()->type_name("FILE");
-      app.add_option("--model", options->model, "COLMAP model's folder")->required()->type_name("DIR");
+      app.add_option("--model", options->model, "COLMAP model folder")->required()->type_name("DIR");
       app.add_option("--images", options->images, "Folder of the photographs")->required()->type_name("DIR");
-      app.add_option("--masks", options->masks, "Folder of masks, NAME.png each")->type_name("DIR");
-      app.add_option("-o,--output", options->output, "Model folder; made where it is missing")
+      app.add_option("--masks", options->masks, "Folder of masks, a NAME.png per photograph")->type_name("DIR");
+      app.add_option("-o,--output", options->output, "Model folder; created if missing")
           ->required()
           ->type_name("MODEL");
-      app.add_option("--stages", options->stages, "Folder for the meshes on the way")->type_name("DIR");
+      app.add_option("--stages", options->stages, "Folder for the intermediate meshes")->type_name("DIR");
       declareHtmBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildModel(*options, context); };
     }};

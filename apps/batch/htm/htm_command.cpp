@@ -11,7 +11,9 @@ constexpr std::array kCommands{&kHtmBuildCommand, &kHtmSequenceCommand, &kHtmRen
 }  // namespace
 
 const Command kHtmCommand{.name = "htm",
-                          .summary = "An object as a mesh with photographs that are bent until they agree",
+                          .summary =
+                              "Builds and renders harmonised models: a mesh with photographs that are warped "
+                              "until they agree",
                           .examples =
                               "ibr htm build --mesh object.ply --model sparse --images images --masks masks -o model\n"
                               "ibr htm sequence frames -o video --fps 25\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of `ibr htm`, and what they share.
+// The commands of `ibr htm`.
 #pragma once
 
 #include "batch/command.h"

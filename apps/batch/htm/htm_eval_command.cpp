@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] §4.2, figs 10 and 11.
+// `ibr htm eval`: compares methods ([H] §4.2, figs 10 and 11).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -42,7 +42,7 @@ Image8 threshold(const Image8& grey, int least) {
   return mask;
 }
 
-// Masks beside the truth's images, where there are any.
+// Reads a view's mask from the truth's folder `masks`; empty if there is no such folder.
 Image8 truthMask(const fs::path& truth, const View& view) {
   const fs::path masks = truth / "masks";
   if (!fs::is_directory(masks)) return {};
@@ -66,8 +66,8 @@ std::vector<HtmVerdict> againstTruth(const Options& options, const HtmModel& mod
   return verdicts;
 }
 
-// A camera as it was given, with its picture. Where there were masks, what is visible of the object is its mask; else
-// what is visible is what the mesh covers, to which this camera's own picture has contributed.
+// A camera with its pose before the adjustment, and its photograph. The mask is the stored visibility if the model was
+// built with masks; else empty, since the visibility then comes from a mesh that this photograph helped to build.
 HtmPhotograph photographOf(const HtmModel& model, std::size_t i) {
   HtmPicture picture = readHtmPicture(model, i);
   HtmPhotograph photograph{model.cameras[i], std::move(picture.photograph), {}};
@@ -141,7 +141,7 @@ std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& mo
   for (const std::size_t i : chosen) {
     const std::size_t done = verdicts.size();
     check(progress.show({"leaving one out", done, chosen.size()}), ErrorCode::cancelled, "stopped");
-    // Its own stages would hide how far this is.
+    // Stages of the inner work would hide the overall progress.
     verdicts.push_back(leave.without(i, device, [&](const Progress&) {
       return progress.show({"leaving one out", done, chosen.size()});
     }));
@@ -191,7 +191,7 @@ std::string plotOf(const std::vector<HtmVerdict>& verdicts, const std::string& t
   return plotSvg(title, {panel}, {"PSNR over the object's pixels; what is not drawn counts as black."});
 }
 
-// [H] fig. 11: the object, photographed, then VDVBM, VDTBM and HTM.
+// [H] fig. 11: the object's crop from the photograph, then VDVBM, VDTBM and HTM.
 void writePictures(const HtmVerdict& verdict, const fs::path& folder) {
   const Image8& truth = verdict.truth;
   int left = truth.width, right = 0, top = truth.height, bottom = 0;
@@ -257,34 +257,36 @@ const Command kHtmEvalCommand{
         "ibr htm eval model --truth held-out -o comparison --json -\n"
         "ibr htm eval model --leave-one-out --poses exact/sparse --views cam03.jpg cam07.jpg",
     .details =
-        "HTM draws the model; VDTBM, photographs blended as they are, and VDVBM, colours of vertices, draw the mesh as "
-        "it\n"
-        "was given with the cameras as they were given. A fourth column is VDTBM with the cameras that harmonising\n"
-        "adjusted: what of the gain is theirs. All have the same weights, visibility and masks.\n"
-        "--leave-one-out makes the model anew without each photograph, and views it from its camera as that was "
-        "given,\n"
-        "or as --poses has it. --truth DIR has images/, a COLMAP model in sparse/ and perhaps masks/.\n"
-        "PSNR and SSIM are over the object's pixels, those of the mask; what is not drawn counts as black. 'Covered' "
-        "is\n"
-        "over what all methods draw of it; without masks the other figures are, too.\n"
+        "HTM draws the model. VDTBM blends photographs without displacement. VDVBM draws vertex\n"
+        "colours. Both draw the mesh and the cameras as given. A fourth column is VDTBM with\n"
+        "adjusted cameras, to separate the gain of the adjustment. All methods have the same\n"
+        "weights, visibility and masks.\n"
+        "--leave-one-out builds the model again without each photograph, and renders the view of\n"
+        "its camera, as given or from --poses. --truth DIR has images/, a COLMAP model in sparse/\n"
+        "and optionally masks/.\n"
+        "PSNR and SSIM are over the pixels of the object's mask; holes count as black. 'Covered'\n"
+        "is over the object's pixels that all methods draw. Without masks, all figures are over\n"
+        "these pixels.\n"
         "-o writes psnr.svg, and for each view a row: photograph, VDVBM, VDTBM, HTM.",
-    .afterInterrupt = "Nothing was reported; run the same command again, with --views for a part of it.",
+    .afterInterrupt = "No report was written; run the same command again, or a part of the views with --views.",
+    .mainOptions = "truth leave-one-out keep-mesh views output json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("MODEL", options->model, "Model folder")->required();
       CLI::Option* truth =
-          app.add_option("--truth", options->truth, "Views whose pictures are known")->type_name("DIR");
-      CLI::Option* leave =
-          app.add_flag("--leave-one-out", options->leaveOneOut, "Each photograph against a model without it")
-              ->excludes(truth);
+          app.add_option("--truth", options->truth, "Folder of views with known images")->type_name("DIR");
+      CLI::Option* leave = app.add_flag("--leave-one-out", options->leaveOneOut,
+                                        "Compare each photograph with a model built without "
+                                        "the photograph")
+                               ->excludes(truth);
       app.add_flag("--keep-mesh", options->keepMesh,
-                   "With --leave-one-out: the model is not made anew; the camera is only left out of the drawing")
+                   "With --leave-one-out: build no model again; leave the camera out only when drawing")
           ->needs(leave);
-      app.add_option("--poses", options->poses, "With --leave-one-out: where the cameras really were")
+      app.add_option("--poses", options->poses, "With --leave-one-out: exact poses of the cameras")
           ->needs(leave)
           ->type_name("FILE|DIR");
-      app.add_option("--views", options->views, "These views alone")->type_name("NAME");
-      app.add_option("-o,--output", options->output, "Folder for pictures and plot; made where it is missing")
+      app.add_option("--views", options->views, "Compare only these views, by name")->type_name("NAME");
+      app.add_option("-o,--output", options->output, "Folder for images and plot; created if missing")
           ->type_name("DIR");
       declareHtmSettings(app, options->settings);
       app.callback([options] {

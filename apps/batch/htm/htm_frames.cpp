@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kBuildFile = "build.json";  // beside a frame's model: what it was made of, and what came of it
+constexpr const char* kBuildFile = "build.json";  // beside a frame's model: key of its inputs, and its report
 
 fs::path meshOf(const fs::path& frame) {
   fs::path found;
@@ -60,7 +60,7 @@ std::string keyOf(const HtmFrameInput& frame, const HtmBuildOptions& options) {
   return fmt::format("{:016x}", hash.value());
 }
 
-// A folder that goes away unless it was moved.
+// A folder that is deleted unless it was moved.
 struct Draft {
   explicit Draft(fs::path at) : folder(std::move(at)) { remove(); }
   Draft(const Draft&) = delete;
@@ -105,7 +105,7 @@ HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& o
   check(!fs::exists(place) || assetKind(place) == AssetKind::htmModel, ErrorCode::invalidInput,
         "{}: is there and no harmonised model", place.string());
   const Draft draft(sequence / fmt::format(".{}.part", frame.name));
-  const std::string key = keyOf(frame, options);  // before files can change
+  const std::string key = keyOf(frame, options);  // computed before the build, during which files may change
   HtmBuildOptions build = options;
   build.mesh = frame.mesh;
   build.model = frame.model;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a 3D video as they were photographed, and the harmonised models that they become.
+// Photographed frames of a 3D video, and the harmonised models built from them.
 #pragma once
 
 #include <filesystem>
@@ -7,36 +7,36 @@
 #include <string>
 #include <vector>
 
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr::app {
 
 struct HtmFrameInput {
-  std::string name;             // of its folder
+  std::string name;             // of the frame's folder
   std::filesystem::path mesh;   // mesh.ply, .obj, .gltf or .glb
   std::filesystem::path model;  // sparse, or sparse/0
   std::filesystem::path images;
-  std::filesystem::path masks;  // or empty
+  std::filesystem::path masks;  // may be empty
 };
 
-/// Every folder in `folder` but hidden ones, sorted by name. Throws Error that names the first folder or file that is
-/// missing: io; invalidInput where there is no frame at all, or a frame has several meshes.
+/// Returns every folder in `folder` except hidden ones, sorted by name. Throws Error that names the first missing
+/// folder or file: io; invalidInput if there is no frame, or a frame has several meshes.
 std::vector<HtmFrameInput> findHtmFrames(const std::filesystem::path& folder);
 
 struct HtmFrameModel {
-  bool kept = false;              // it was there
-  double seconds = 0;             // that making it took
+  bool kept = false;              // true: cached
+  double seconds = 0;             // build time, s; 0 if cached
   nlohmann::ordered_json report;  // htmReportJson
 };
 
-/// The model of a frame in SEQUENCE/NAME where it is whole and was made by the same program from the same files with
-/// the same options; else nullopt. `options` without its paths.
+/// Returns the cached model in SEQUENCE/NAME if it is complete and was built by the same program from the same files
+/// with the same options; else nullopt. `options` without its paths.
 std::optional<HtmFrameModel> keptHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
                                           const std::filesystem::path& sequence);
 
-/// Makes SEQUENCE/NAME, in another folder until it is whole. What of an earlier model was there is replaced. Throws
-/// what buildHtm throws, with the frame's name before it, Error{invalidInput} where SEQUENCE/NAME is something else
-/// than a model; then what was there before is as it was.
+/// Builds SEQUENCE/NAME in a temporary folder first. Replaces an earlier model. Throws the errors of buildHtm with the
+/// frame's name in front, and Error{invalidInput} if SEQUENCE/NAME is not a model. After an error the earlier
+/// content is unchanged.
 HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
                             const std::filesystem::path& sequence, const ProgressCallback& progress,
                             const LogCallback& log);

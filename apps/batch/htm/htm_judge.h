@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A harmonised model against what it is compared with ([H] §4.2), view by view.
+// Compares a harmonised model with other methods ([H] §4.2), view by view.
 #pragma once
 
 #include <array>
@@ -10,23 +10,23 @@
 
 namespace ibr::app {
 
-/// Who draws. The last one is VDTBM with the cameras that harmonising adjusted: what of the gain is theirs.
+/// Compared methods. The last one is VDTBM with the adjusted cameras: it isolates the gain that comes from the cameras.
 enum HtmRival : std::size_t { kHtm, kVdtbm, kVdvbm, kVdtbmAdjusted, kHtmRivalCount };
 inline constexpr std::array<const char*, kHtmRivalCount> kHtmRivalNames{"htm", "vdtbm", "vdvbm", "vdtbmAdjusted"};
 
-/// A view whose picture is known.
+/// A view with a known image.
 struct HtmTruthView {
   std::string name;
   Camera camera;
   Image8 picture;  // RGB
-  Image8 mask;     // 1 channel, nonzero: pixels that count; empty: those that all rivals cover
+  Image8 mask;     // 1 channel, nonzero: pixels that count; empty: pixels that all methods cover
 };
 
-/// NaN where no pixel counts.
+/// NaN if no pixel counts.
 struct HtmScore {
-  double psnr = 0;         // over the mask; what is not drawn counts as black
-  double ssim = 0;         // likewise
-  double psnrCovered = 0;  // over what all rivals cover of the mask
+  double psnr = 0;         // over the mask; pixels without the object are black
+  double ssim = 0;         // over the mask
+  double psnrCovered = 0;  // over the part of the mask that all methods cover
 };
 
 struct HtmVerdict {
@@ -38,7 +38,7 @@ struct HtmVerdict {
 
 class HtmJudge {
  public:
-  /// The model must outlive it.
+  /// The model must outlive this object.
   HtmJudge(const HtmModel& model, Device& device, const HtmPictureSource& source);
 
   HtmVerdict judge(const HtmTruthView& view, HtmSettings settings);
@@ -48,7 +48,7 @@ class HtmJudge {
   HtmPictures harmonised_, baseline_, adjustedBaseline_;
 };
 
-/// The means over views that have a number.
+/// Returns the means over views with finite scores.
 std::array<HtmScore, kHtmRivalCount> meanScores(const std::vector<HtmVerdict>& verdicts);
 
 }  // namespace ibr::app

@@ -9,55 +9,69 @@ namespace ibr::app {
 namespace {
 
 void declareHtmOptions(CLI::App& app, HtmOptions& o) {
-  addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000, "The mesh is reduced to so many faces; 0: not by shape");
+  addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000,
+                        "Number of faces to which the mesh is reduced by shape; "
+                        "0: no reduction by shape");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
-         "Rounds in which cameras and shape settle on what pictures agree on; 0: as they are given, the paper's way");
+         "Rounds that adjust cameras and shape to the matches; 0: both stay as given, as in the paper");
   app.add_flag_callback(
-      "--keep-shape", [&o] { o.reshape = false; }, "Vertices stay where they are in these rounds");
+      "--keep-shape", [&o] { o.reshape = false; }, "Keep vertices fixed in the rounds of --adjust");
   addChoice<TemplateMeasure>(
       app, "--measure", o.measure,
       {{"sad", TemplateMeasure::absoluteDifferences}, {"ncc", TemplateMeasure::correlation}},
-      "How textures are compared: mean absolute differences, or correlation, which light does not change [sad]");
-  addDouble(app, "--radius", o.radius, 1, 2 * kLargestTemplateRadius,
-            "px that are searched around each vertex at first");
-  addDouble(app, "--later-radius", o.laterRadius, 1, 2 * kLargestTemplateRadius, "px that are searched from then on");
-  addDouble(app, "--least-texture", o.leastTexture, 0, 255,
-            "Levels per px: directions in which colours change less are not matched");
+      "Measure for comparing textures: mean absolute differences (sad), or correlation (ncc), which light does not "
+      "change [sad]");
+  addDouble(app, "--radius", o.radius, 1, 2 * kMaxTemplateRadius, "Search radius around each vertex at first, px");
+  addDouble(app, "--later-radius", o.laterRadius, 1, 2 * kMaxTemplateRadius,
+            "Search radius once cameras are adjusted, "
+            "or after the first round, px");
+  addDouble(app, "--min-texture", o.minTexture, 0, 255,
+            "Minimum gradient, levels per px: directions with a smaller gradient are not matched");
   addDouble(app, "--smoothness", o.smoothness, 0, 1e6,
-            "1/px^2: how alike neighbours' complements are; 0: as matched, the paper's way");
+            "Smoothness of complements between neighbouring vertices, 1/px^2; 0: complements as matched, as in the "
+            "paper");
   addDouble(
       app, "--complement-px", o.complementPx, 0, 1e6,
-      "px that complements are expected to be long, unless matches say more; 0: anything. None with --smoothness 0");
+      "Expected length of complements, px, unless matches say more; 0: any length. No effect with --smoothness 0");
   addDouble(app, "--inconsistent-size", o.inconsistentSize, 0, 1e6,
-            "Inconsistent faces are merged until they are so many mean faces large; 0: not");
+            "Area up to which inconsistent faces are merged, in mean faces; 0: no merging");
   addDouble(app, "--inconsistent-difference", o.inconsistentDifference, 0, 255,
-            "Levels of D_f from which a face is inconsistent");
-  addDouble(app, "--inconsistent-share", o.inconsistentShare, 0, 1, "Of the faces: most that are merged");
-  addInt(app, "--rounds", o.rounds, 1, 16, "Rounds of matching; before each but the first, faces are divided");
-  addDouble(app, "--mean-difference", o.meanDifference, 0, 255, "Levels of D_f on average at which dividing ends");
-  addDouble(app, "--face-difference", o.faceDifference, 0, 255, "Levels of D_f from which a face is divided");
-  addDouble(app, "--least-face", o.leastFacePx, 0, 1e12, "px^2 in its best camera: smaller faces are not divided");
-  addCount<std::size_t>(app, "--most-faces", o.mostFaces, 1, 100000000, "No further round begins beyond so many faces");
+            "D_f above which a face is inconsistent, levels");
+  addDouble(app, "--inconsistent-share", o.inconsistentShare, 0, 1, "Maximum share of faces that are merged");
+  addInt(app, "--rounds", o.rounds, 1, 16, "Rounds of matching; faces are divided before each round but the first");
+  addDouble(app, "--mean-difference", o.meanDifference, 0, 255,
+            "Mean D_f at which faces are no longer divided, levels");
+  addDouble(app, "--face-difference", o.faceDifference, 0, 255, "D_f above which a face is divided, levels");
+  addDouble(app, "--min-face", o.minFacePx, 0, 1e12, "Minimum area of faces to divide, px^2 in the best camera");
+  addCount<std::size_t>(app, "--max-faces", o.maxFaces, 1, 100000000,
+                        "Number of faces beyond which no further round "
+                        "begins");
   app.add_flag_callback(
-      "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Faces that are partly hidden are not divided for that");
+      "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Do not divide faces for being partly hidden");
   app.add_flag_callback(
-      "--no-reject", [&o] { o.reject = false; }, "Cameras that do not agree take part all the same");
+      "--no-reject", [&o] { o.reject = false; }, "Keep cameras that disagree at a vertex");
   addDouble(app, "--reject-difference", o.rejectDifference, 0, 255,
-            "Levels beyond which two cameras do not agree on a vertex, unless …");
-  addDouble(app, "--reject-correlation", o.rejectCorrelation, -1, 1, "… their colours are correlated by so much");
-  addDouble(app, "--alpha", o.alpha, 0, 1, "Eq. 2: what facing a face counts against its size");
-  addDouble(app, "--gamma1", o.gamma1, 1e-6, 1e6, "Eq. 3: how much facing counts");
-  addDouble(app, "--soft", o.softPx, 1e-3, 1e3, "px over which a picture fades at edges of the object");
+            "Difference above which two cameras disagree at a vertex, levels; see --reject-correlation");
+  addDouble(app, "--reject-correlation", o.rejectCorrelation, -1, 1,
+            "Colour correlation from which two cameras agree "
+            "at a vertex at any difference");
+  addDouble(app, "--alpha", o.alpha, 0, 1, "Equation 2: weight of facing a face, against its size");
+  addDouble(app, "--gamma1", o.gamma1, 1e-6, 1e6,
+            "Equation 3: exponent of facing a face; higher prefers cameras that "
+            "face the surface");
+  addDouble(app, "--soft", o.softPx, 1e-3, 1e3, "Width of the fade of a photograph at edges of the object, px");
 }
 
 }  // namespace
 
 void declareHtmBuildOptions(CLI::App& app, HtmBuildChoices& choices) {
-  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
+  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by name in the model")
       ->type_name("NAME");
-  addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of the stored photographs; 0: as they are");
+  addInt(app, "--max-size", choices.build.maxSize, 0, 65536,
+         "Longest side of the stored photographs, px; 0: unchanged");
   addChoice<bool>(app, "--match", choices.matchOnDevice, {{"processor", false}, {"device", true}},
-                  "Who searches for what photographs show at a vertex; both find the same [processor]");
+                  "Hardware that matches photographs at vertices, with the same result: CPU or Vulkan device "
+                  "[processor]");
   declareHtmOptions(app, choices.build.optimise);
 }
 

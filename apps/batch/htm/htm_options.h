@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "ibr/author/htm.h"
 #include "ibr/device.h"
-#include "ibr/htm_author.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {
@@ -16,14 +16,14 @@ struct HtmBuildChoices {
   bool matchOnDevice = false;
 };
 
-/// All but the files.
+/// Declares all options except the files.
 void declareHtmBuildOptions(CLI::App& app, HtmBuildChoices& choices);
 
-/// Gives `build` the threads of the common options and the search that was chosen. Where a device searches it is
-/// returned, and must live as long as `build` is used. Throws what Device::create throws.
+/// Sets in `build` the threads of the common options and the chosen search. If a device searches, it is returned and
+/// must live as long as `build` is used. Throws the errors of Device::create.
 std::unique_ptr<Device> prepare(HtmBuildOptions& build, const HtmBuildChoices& choices, const Context& context);
 
-/// The same with the threads of the common options.
+/// Returns the options with the threads of the common options.
 HtmOptions withThreads(HtmOptions options, const Context& context);
 
 }  // namespace ibr::app

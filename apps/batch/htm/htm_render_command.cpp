@@ -16,24 +16,28 @@ const Command kHtmRenderCommand{
         "ibr htm render sequence --poses path.json --smooth 0.2 -o pictures\n"
         "ibr htm render sequence --path auto:90 --time 1.5 -o pictures",
     .details =
-        "--poses takes a COLMAP model's folder, transforms.json, a camera path or a picture that ibr has written\n"
-        "(ibr render --help). Pictures are named after the poses and transparent where the object is not.\n"
-        "Of 3D video a path's times say which frame is shown, again from the first after the last; poses that know no\n"
-        "time show a frame each, in order. While a frame is drawn the next ones are loaded; one that is not there yet\n"
-        "is waited for. With --smooth, weights go on from frame to frame; cameras are the same where their names are.\n"
-        "Methods: htm, harmonised photographs; vdtbm, photographs blended as they are; vdvbm, colours of vertices.",
-    .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
+        "--poses takes a COLMAP model's folder, transforms.json, a camera path, or an image that\n"
+        "ibr has written (see ibr render --help). Images are named after the poses, and\n"
+        "transparent outside the object.\n"
+        "For 3D video, the times of a path select the frames; after the last frame, the video\n"
+        "starts again. Poses without times show one frame each, in order. While a frame is drawn,\n"
+        "the next frames are loaded, and drawing waits for a frame that is not loaded. With\n"
+        "--smooth, weights continue from frame to frame; cameras correspond by name.\n"
+        "Methods: htm, harmonised photographs; vdtbm, photographs blended without displacement;\n"
+        "vdvbm, vertex colours.",
+    .afterInterrupt = "Written images are complete; the same command writes all images again.",
+    .mainOptions = "poses path output size fov method smooth time json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<HtmViewsOptions>();
-      app.add_option("MODEL", options->model, "Folder of a model or of a sequence")->required();
+      app.add_option("MODEL", options->model, "Folder of a model or of 3D video")->required();
       auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, or a camera path")
+          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
               ->type_name("FILE|DIR");
       poses->excludes(addAutoPath(app, options->autoFrames));
-      app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
+      app.add_option("-o,--output", options->output, "Folder for the images; created if missing")
           ->required()
           ->type_name("DIR");
-      addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
+      addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
       addGraph(app, options->graph);
       declareHtmViews(app, *options);

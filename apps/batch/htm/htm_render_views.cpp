@@ -25,22 +25,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A picture that is asked for.
+// An image to render.
 struct Shot {
   View view;
-  double seconds = 0;    // of the video
-  double dtSeconds = 0;  // since the shot before
-  bool first = false;    // weights do not follow those of the shot before
+  double seconds = 0;    // time in the video, s
+  double dtSeconds = 0;  // since the previous shot, s
+  bool first = false;    // true: weights do not continue from the previous shot
 };
 
 std::vector<View> viewsOf(const HtmModel& model, const HtmViewsOptions& options, const Context& context) {
   if (options.autoFrames == 0) return readViews(options.poses, options.size, context.log());
-  Scene scene;  // of the photographs' places alone
+  Scene scene;  // positions of the photographs only
   for (const HtmCamera& camera : model.cameras) scene.nodes.push_back({camera.name, camera.camera, {}, {}});
   return frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height));
 }
 
-// Poses that know no time are one of 3D video's frames each, where it is not to stand still.
+// Poses without times are consecutive frames of 3D video, unless --time selects one moment.
 std::vector<Shot> shotsOf(std::vector<View> views, const HtmViewsOptions& options, double fps) {
   const bool isPath = options.autoFrames > 0 || isWalk(options.poses);
   const bool plays = !isPath && fps > 0 && !options.time;
@@ -95,7 +95,7 @@ void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
   declareHtmPictureSettings(app, options.settings, options.onSource);
   app.add_option_function<std::string>(
          "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
-         "Of 3D video: this moment alone, from all poses [that of each pose]")
+         "3D video: render only this moment, from all poses [the time of each pose]")
       ->type_name("SECONDS");
 }
 
@@ -111,7 +111,7 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
   std::vector<View> views = viewsOf(player.model(), options, context);
   if (options.fovDegrees > 0) setFov(views, glm::radians(options.fovDegrees));
   checkNamesDiffer(views);
-  for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
+  for (const View& view : views) pictureFile(options.output, view.name);  // checks all names before anything is written
   const std::vector<Shot> shots = shotsOf(std::move(views), options, player.fps());
 
   Json drawn = htmSettingsJson(options.settings, options.onSource);
@@ -127,7 +127,7 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
       HtmPlayer::Picture picture =
           player.render(shot.view.camera, shot.seconds, options.settings, walk, shot.dtSeconds);
       coverage.push_back(coverageOf(picture.image));
-      if (options.graph) makeOpaque(picture.image);  // lines lie beside the object too
+      if (options.graph) makeOpaque(picture.image);  // lines are drawn outside the object too
       const fs::path file = pictureFile(options.output, shot.view.name);
       makeFolders(file.parent_path());
       writePicture(file, picture.image,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// New views of a harmonised model or of 3D video as PNG files: `ibr htm render`, and `ibr render` of such a thing.
+// Renders views of a harmonised model or of 3D video to PNG files, for `ibr htm render` and `ibr render`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,22 +16,22 @@ namespace ibr::app {
 struct HtmViewsOptions {
   std::string model;  // or sequence
   std::string poses, output;
-  int autoFrames = 0;  // 0: not asked for
+  int autoFrames = 0;  // 0: not requested
   PictureSize size;
-  double fovDegrees = 0;  // 0: that of the poses
+  double fovDegrees = 0;  // 0: as the poses
   bool onSource = false;
   bool graph = false;
-  std::optional<double> time;  // s, of all views; none: the poses'
+  std::optional<double> time;  // s, for all views; nullopt: the times of the poses
   HtmSettings settings;
 };
 
-/// --method, --mesh, --gamma, --weight-cut, --smooth and --time.
+/// Declares --method, --mesh, --gamma, --weight-cut, --smooth and --time.
 void declareHtmViews(CLI::App& app, HtmViewsOptions& options);
 
-/// Throws CLI::ValidationError for what `kind` has not.
+/// Throws CLI::ValidationError for options that do not apply to `kind`.
 void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind);
 
-/// Throws Error.
+/// Renders and writes all views. Throws Error.
 ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context);
 
 }  // namespace ibr::app

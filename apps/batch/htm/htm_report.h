@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came of harmonising, for reports.
+// Results of harmonising, for reports.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr::app {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] §4: 3D video, a harmonised model a frame.
+// `ibr htm sequence`: 3D video with a harmonised model for each frame ([H] §4).
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,7 +28,7 @@ struct Options {
   double fps = HtmSequenceIndex().fps;
 };
 
-// Models replace what has their name: that must not be the frames.
+// Models replace folders of the same name, so the output must not lie in the frames' folder.
 void checkApart(const fs::path& frames, const fs::path& output) {
   const fs::path inner = fs::weakly_canonical(output), outer = fs::weakly_canonical(frames);
   const auto [end, unused] = std::ranges::mismatch(outer, inner);
@@ -72,7 +72,7 @@ ExitCode buildSequence(const Options& options, const Context& context) {
         models.push_back(std::move(*kept));
         continue;
       }
-      fs::remove(folder / kHtmSequenceFileName);  // until all frames are of one kind again
+      fs::remove(folder / kHtmSequenceFileName);  // the index is valid only for frames of the same options
       models.push_back(buildHtmFrame(
           frame, build, folder, [&](const Progress&) { return show(); }, context.log()));
       context.say(LogLevel::info, "{}: {:.1f} s", frame.name, models.back().seconds);
@@ -101,27 +101,27 @@ ExitCode buildSequence(const Options& options, const Context& context) {
 
 const Command kHtmSequenceCommand{
     .name = "sequence",
-    .summary = "Makes 3D video: a harmonised model of each frame",
+    .summary = "Builds 3D video: a harmonised model for each frame",
     .examples =
         "ibr htm sequence frames -o sequence\n"
         "ibr htm sequence frames -o sequence --fps 30 --faces 3000 --max-size 1024",
     .details =
-        "FRAMES holds a folder a frame, in the order of their names, each with what `ibr htm build` takes: mesh.ply "
-        "(or\n"
-        ".obj, .gltf, .glb), a COLMAP model in sparse/, images/ and perhaps masks/. Meshes and cameras may be "
-        "different\n"
-        "ones in each. SEQUENCE gets a model folder of the same name for each, and sequence.json.\n"
-        "Models that are there, made by this program of the same files with the same options, are kept: after new\n"
-        "frames, changed ones or a stop, the same command makes what is missing.\n"
-        "D_f is how differently photographs colour a face, in levels of 255.",
-    .afterInterrupt = "The frames that are there are whole; the same command goes on with the others.",
+        "FRAMES holds one folder per frame, in the order of their names. Each folder has the\n"
+        "input of `ibr htm build`: mesh.ply (or .obj, .gltf, .glb), a COLMAP model in sparse/,\n"
+        "images/ and optionally masks/. Meshes and cameras may differ from frame to frame.\n"
+        "SEQUENCE gets a model folder of the same name for each frame, and sequence.json.\n"
+        "Models that this program built from the same files with the same options are cached.\n"
+        "After new frames, changed frames or a stop, the same command builds the missing models.\n"
+        "D_f is the colour difference of the photographs on a face, in 8-bit levels.",
+    .afterInterrupt = "Finished frames are cached: run the same command again to resume.",
+    .mainOptions = "output fps faces adjust rounds json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("FRAMES", options->frames, "Folder of a folder a frame")->required();
-      app.add_option("-o,--output", options->output, "Sequence's folder; made where it is missing")
+      app.add_option("FRAMES", options->frames, "Folder with one folder per frame")->required();
+      app.add_option("-o,--output", options->output, "Sequence folder; created if missing")
           ->required()
           ->type_name("SEQUENCE");
-      addDouble(app, "--fps", options->fps, 0.001, 1000, "Frames a second");
+      addDouble(app, "--fps", options->fps, 0.001, 1000, "Frames per second");
       declareHtmBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildSequence(*options, context); };
     }};

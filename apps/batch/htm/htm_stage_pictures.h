@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The meshes of a harmonised model's making, coloured by how inconsistent their textures are ([H] fig. 9).
+// Meshes at the stages of harmonising, coloured by the inconsistency of their textures ([H] fig. 9).
 #pragma once
 
 #include <filesystem>
 
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr::app {
 
-/// Blue where D_f is 0, by way of green and yellow to red at `most` levels and beyond.
+/// Returns a colour ramp: blue at D_f = 0, then green and yellow, red at `most` 8-bit levels and above.
 glm::u8vec3 differenceColour(double difference, double most);
 
-/// Below `folder`: a PLY with face colours of each stage, and a PNG of them side by side as `camera` sees them, shaded.
-/// Red is the level that 1 % of the original's faces exceed.
+/// Writes below `folder` a PLY with face colours for each stage, and a PNG with all stages side by side as seen by
+/// `camera`, shaded. Red is the 99 % quantile of the original mesh's differences.
 void writeStages(const std::filesystem::path& folder, const std::vector<HtmResult::Stage>& stages,
                  const Camera& camera);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -15,35 +16,56 @@ namespace ibr::app {
 namespace {
 
 constexpr std::size_t kMostOfAKind = 4;
-constexpr double kWorthIt = 0.1;  // gain of the best further view below which none is needed
+constexpr double kWorthIt = 0.1;  // minimum gain of the best further view; below, further photographs are optional
 
 std::string percent(double share) {
   return fmt::format("{:.0f} %", 100 * share);
 }
 
-}  // namespace
+const char* mark(Severity severity) {
+  return severity == Severity::hint ? "-" : severity == Severity::warning ? "!" : "!!";
+}
 
-std::string adviceText(const CaptureAdvice& advice) {
+// Lists at most `most` sentences of each kind.
+std::string sentencesText(const CaptureAdvice& advice, std::size_t most) {
   std::string text;
   std::map<AdviceKind, std::size_t> total, told;
   for (const Advice& one : advice.advice) ++total[one.kind];
   for (const Advice& one : advice.advice) {
-    if (++told[one.kind] <= kMostOfAKind)
-      text += fmt::format("{} {}{}{}\n",
-                          one.severity == Severity::hint      ? "-"
-                          : one.severity == Severity::warning ? "!"
-                                                              : "!!",
-                          one.sentence, one.remedy.empty() ? "" : " ", one.remedy);
-    if (told[one.kind] == kMostOfAKind + 1)
-      text += fmt::format("  and {} more of this kind (all of them: --json)\n", total[one.kind] - kMostOfAKind);
+    const std::size_t number = ++told[one.kind];
+    if (number <= most)
+      text += fmt::format("{} {}{}{}\n", mark(one.severity), one.sentence, one.remedy.empty() ? "" : " ", one.remedy);
+    if (number == most && total[one.kind] > most)
+      text += fmt::format("  and {} more of this kind\n", total[one.kind] - most);
   }
-  if (text.empty()) text = "nothing is amiss with these photographs\n";
-  if (advice.views.empty()) return text;
-  text += fmt::format("\n{}: a walk between the photographs would show about {} of what they see well, then {}\n",
-                      advice.views[0].gain < kWorthIt ? "if you want to add some, add these" : "photographs to add",
-                      percent(advice.shown), percent(advice.shownThen));
-  for (std::size_t v = 0; v < advice.views.size(); ++v)
+  return text;
+}
+
+// Lists at most `most` next-best views.
+std::string viewsText(const CaptureAdvice& advice, std::size_t most) {
+  if (advice.views.empty()) return "";
+  std::string text = fmt::format(
+      "a walk between the photographs shows about {} of what they see well; {} with these {}:\n", percent(advice.shown),
+      percent(advice.shownThen), advice.views[0].gain < kWorthIt ? "optional photographs" : "photographs added");
+  for (std::size_t v = 0; v < std::min(advice.views.size(), most); ++v)
     text += fmt::format("{:>3}  {}\n", v + 1, advice.views[v].where);
+  return text;
+}
+
+}  // namespace
+
+std::string adviceText(const CaptureAdvice& advice) {
+  std::string text = sentencesText(advice, kMostOfAKind);
+  if (text.empty()) text = "nothing is amiss with these photographs\n";
+  const std::string views = viewsText(advice, advice.views.size());
+  return views.empty() ? text : text + '\n' + views;
+}
+
+std::string adviceSummary(const CaptureAdvice& advice, const std::string& scene) {
+  constexpr std::size_t kShownViews = 3;
+  std::string text = sentencesText(advice, 1) + viewsText(advice, kShownViews);
+  if (advice.views.size() > kShownViews || text.find("more of this kind") != std::string::npos)
+    text += fmt::format("ibr info {} --advice shows all\n", scene);
   return text;
 }
 

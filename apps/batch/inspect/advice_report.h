@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Advice on a capture, for people, for scripts, and as poses.
+// Advice on a capture: as text, as JSON, and as poses.
 #pragma once
 
 #include <filesystem>
@@ -10,16 +10,19 @@
 
 namespace ibr::app {
 
-/// Sentences, of each kind the worst few, then the photographs to take, numbered as graphSvg numbers them.
+/// Returns the worst few sentences of each kind, then the next-best views, numbered as in graphSvg.
 std::string adviceText(const CaptureAdvice& advice);
 
+/// Returns the worst sentence of each kind and the first three next-best views; `scene`: as for `ibr info --advice`.
+std::string adviceSummary(const CaptureAdvice& advice, const std::string& scene);
+
 /// {"advice": [{"kind", "severity", "sentence", "remedy", "photographs", "figure"}], "shown", "shownThen",
-///  "next": [{"where", "beside", "gain", "view"}]}; "view" as `ibr info PICTURE` has it.
+///  "next": [{"where", "beside", "gain", "view"}]}; "view" as in the report of `ibr info PICTURE`.
 nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advice);
 
-/// The photographs to take, next_01 and so on: a camera path where the name ends in .json, else a COLMAP model in a
-/// folder; both are for `ibr render --poses`, and the first for ibr-viewer. Throws Error (io; invalidInput where there
-/// is none, or one is a panorama).
+/// Writes the next-best views next_01 and so on: as a camera path if the name ends in .json, else as a COLMAP model in
+/// a folder. `ibr render --poses` reads both, ibr-viewer the path. Throws Error (io; invalidInput if there are none, or
+/// one is a panorama).
 void writeNextViews(const std::filesystem::path& file, const CaptureAdvice& advice);
 
 }  // namespace ibr::app

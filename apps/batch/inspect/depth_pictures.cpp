@@ -21,7 +21,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr float kMostConfirmations = 4;  // that are told apart in colour
+constexpr float kMostConfirmations = 4;  // confirmations at the end of the colour ramp
 
 Image8 coloured(const ImageF& values, const std::function<glm::vec3(float)>& colour) {
   Image8 picture(values.width, values.height, 3);
@@ -32,7 +32,7 @@ Image8 coloured(const ImageF& values, const std::function<glm::vec3(float)>& col
   return picture;
 }
 
-// Of a backdrop's mesh: each pixel has the number of the vertex that is nearest in its triangle; 0 outside.
+// Confirmations at each pixel of a backdrop: those of the triangle's nearest vertex; 0 outside the mesh.
 ImageF confirmationsOf(const MorphMesh& mesh, const Intrinsics& stored, int width, int height) {
   ImageF counts(width, height, 1, 0.0f);
   const glm::dvec2 scale(double(width) / stored.width, double(height) / stored.height);
@@ -55,7 +55,7 @@ std::size_t writeDepthPictures(const Scene& scene, const std::filesystem::path& 
     if (!node.depthFile.empty()) largest.push_back(node.depthScale);
   const std::size_t count = largest.size();
   if (count == 0) return 0;
-  // The brightest colour is as near as the median photograph's nearest surface.
+  // The brightest colour is the distance of the median photograph's nearest surface.
   const auto nearDistance = float(1 / (double(shader::kNearestDepth) * median(std::move(largest))));
   ProgressLine progress(context);
   std::size_t done = 0;

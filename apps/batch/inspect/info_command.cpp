@@ -40,8 +40,8 @@ struct Options {
 
 using Memory = MemoryDemand;
 
-// By loading it. Not tried where the prediction says that the device could not hold it: a software device would take
-// the machine's memory instead.
+// Measures by loading the scene. Skipped if the prediction exceeds the device's largest heap: a software device would
+// take main memory instead.
 std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted, const Context& context) {
   try {
     Device device = Device::create({.device = context.options().device, .log = context.log()});
@@ -50,7 +50,7 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
     for (std::uint32_t i = 0; i < properties.memoryHeapCount; ++i)
       largestHeap = std::max<std::uint64_t>(largestHeap, properties.memoryHeaps[i].size);
     if (predicted <= largestHeap) {
-      // As they are stored, which is what was predicted.
+      // Keeps the stored formats, which the prediction assumes.
       const GpuScene gpuScene(device, scene, {.blocks = BlockTextures::keep, .log = context.log()});
       const GpuScene::Memory memory = gpuScene.memory();
       return Memory{memory.positions, memory.indices, memory.textures, memory.depth};
@@ -63,7 +63,7 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
   return std::nullopt;
 }
 
-// RGBA8 where they cannot be read: info tells what it can of a scene that is not whole.
+// Returns RGBA8 if the formats cannot be read: info reports as much as possible of an incomplete scene.
 std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context) {
   try {
     return textureFormats(scene);
@@ -73,7 +73,7 @@ std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context)
   }
 }
 
-// 0 where they cannot be read.
+// Returns 0 if the depth textures cannot be read.
 std::uint64_t depthBytesOf(const Scene& scene, const Context& context) {
   try {
     return depthTextureBytes(scene);
@@ -88,7 +88,7 @@ struct Summary {
   std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
   std::size_t backdropPoints = 0, backdropTriangles = 0;
   double backdropKnown = 0;                     // mean share of their depths that was matched
-  std::size_t withEvidence = 0, confirmed = 0;  // points of backdrops: that have evidence, that a photograph confirms
+  std::size_t withEvidence = 0, confirmed = 0;  // points of backdrops: with evidence; confirmed by a photograph
   std::map<std::pair<int, int>, std::size_t> sizes;
 };
 
@@ -113,7 +113,7 @@ Summary summarise(const Scene& scene) {
   return summary;
 }
 
-// Of a photograph that its mask takes away; NaN where the mask cannot be read.
+// Share of a photograph that its mask excludes; NaN if the mask cannot be read.
 double maskedShare(const Scene& scene, const Node& node, const Context& context) {
   try {
     const Image8 mask = readImage(scene.folder / node.maskFile);
@@ -126,7 +126,7 @@ double maskedShare(const Scene& scene, const Node& node, const Context& context)
   }
 }
 
-// Photographs that have a mask, and how much of each it takes.
+// Reports the photographs with a mask and the masked shares.
 void showMasks(const Scene& scene, const Context& context, Json& report) {
   report["masks"] = Json::array();
   Table masks;
@@ -165,7 +165,7 @@ void showExposures(const Scene& scene, Json& report, const Context& context) {
     context.print("none measured\n");
 }
 
-// Last: panoramas to add have no such file, which is told once all else is written.
+// Called last: poses of panoramas cannot be written, which is reported after all other output.
 void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const Context& context) {
   if (advice.views.empty()) {
     context.say(LogLevel::warning, "there is no photograph to add: {} is not written", file);
@@ -311,34 +311,40 @@ ExitCode showScene(const Options& options, const Context& context) {
 const Command kInfoCommand{
     .name = "info",
     .summary =
-        "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes, or what drew a "
-        "picture",
+        "Shows contents and memory of a scene, a harmonised model or 3D video, or the settings of a rendered image",
     .examples =
         "ibr info scene\nibr info scene --explain\nibr info scene --advice --svg graph.svg\nibr info scene "
         "--advice-poses next.json\nibr info scene --depth pictures\nibr info model\nibr info video\n"
         "ibr info pictures/frame_0000.png",
     .details =
-        "--depth writes, at the size of the depth textures: DIR/NAME.depth.png, light where near;\n"
-        "NAME.confirmations.png, from none to four and more photographs; NAME.consensus.png, from 0 to 1; and\n"
-        "NAME.depth.exr with the channels inverseDepth (1/world unit, along the viewing axis, of panoramas along the\n"
-        "ray; 0 is at infinity), confirmations and consensus.",
+        "--depth writes these files for each photograph, at the size of its depth texture:\n"
+        "NAME.depth.png: light where near\n"
+        "NAME.confirmations.png: none to four and more photographs\n"
+        "NAME.consensus.png: 0 to 1\n"
+        "NAME.depth.exr: the channels inverseDepth, confirmations and consensus\n"
+        "inverseDepth is in 1/world unit, along the viewing axis, or for panoramas along the ray;\n"
+        "0 is at infinity.",
     .afterInterrupt = "",
+    .mainOptions = "explain advice svg depth json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene,
-                     "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
+                     "Folder of a scene, a model or 3D video, its .gltf or sequence.json, or an image")
           ->required();
-      app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
+      app.add_flag("--explain", options->explain,
+                   "Also list the stages of the renderer that this scene needs, with "
+                   "reasons");
       app.add_flag("--advice", options->advice,
-                   "Also say what is amiss with the photographs, and where to take ten more");
+                   "Also list problems of the photographs, and positions for ten more photographs");
       app.add_option("--advice-poses", options->advicePoses,
-                     "Also write the poses of those ten: FILE.json is a camera path, else a folder with a COLMAP model")
+                     "Also write poses of ten more photographs: FILE.json is a camera path, else FILE is a folder for "
+                     "a COLMAP model")
           ->type_name("FILE");
       app.add_option("--svg", options->svg,
-                     "Also draw the image graph: cameras, cells by their score, what is unused, what to add")
+                     "Also draw the image graph: cameras, cells by score, unused photographs and next-best views")
           ->type_name("FILE");
       app.add_option("--depth", options->depth,
-                     "Also write depth of each photograph, how many confirm it, and consensus, as pictures and EXR")
+                     "Also write depth, confirmations and consensus of each photograph, as PNG and EXR")
           ->type_name("DIR");
       return [options](const Context& context) { return showScene(*options, context); };
     }};

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Root mean square of the complements between different cameras that are both members of the vertex.
+// RMS of the complements between different cameras that are both members of the vertex.
 double complementRms(const HtmModel& model) {
   double sum = 0;
   std::size_t count = 0;
@@ -82,8 +82,8 @@ ExitCode showSequence(const std::string& path, const Context& context) {
   std::error_code ignored;
   const std::filesystem::path given = path;
   const std::filesystem::path folder = std::filesystem::is_directory(given, ignored) ? given : given.parent_path();
-  std::size_t faces = 0, vertices = 0, cameras = 0;  // the most of any frame
-  std::uint64_t pictures = 0, complements = 0;       // bytes of the largest frame's, as they are drawn
+  std::size_t faces = 0, vertices = 0, cameras = 0;  // maximum over the frames
+  std::uint64_t pictures = 0, complements = 0;       // bytes on the device, maximum of each over the frames
   for (const std::filesystem::path& frame : index.frames) {
     const HtmModel model = loadHtmModel(folder / frame);
     faces = std::max(faces, model.surface.mesh.triangles.size());

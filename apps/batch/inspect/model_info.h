@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr info` of a harmonised model, and of a sequence of them.
+// `ibr info` of a harmonised model, and of a sequence of models.
 #pragma once
 
 #include <string>

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/inspect/unused_photographs.h"
 
-#include "shared/report/table.h"
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace ibr::app {
 
 std::string unusedText(const std::vector<UnusedPhotograph>& unused) {
   if (unused.empty()) return "every photograph is used\n";
-  Table table;
-  table.row({"unused photograph", "why"});
-  for (const auto& [name, reason] : unused) table.row({name, reason});
-  return table.text() + "\n";
+  constexpr std::size_t kShown = 5;
+  std::string text = fmt::format("{} photographs are unused:\n", unused.size());
+  for (std::size_t i = 0; i < std::min(unused.size(), kShown); ++i)
+    text += fmt::format("  {}: {}\n", unused[i].name, unused[i].reason);
+  if (unused.size() > kShown) text += fmt::format("  and {} more (--json lists them)\n", unused.size() - kShown);
+  return text;
 }
 
 nlohmann::ordered_json unusedJson(const std::vector<UnusedPhotograph>& unused) {

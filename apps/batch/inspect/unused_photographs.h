@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs that no cell shows, for people and for scripts.
+// Photographs that no cell shows, as text and as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 
 namespace ibr::app {
 
-/// A table, or a line where every photograph is used.
+/// Returns a table, or a line if every photograph is used.
 std::string unusedText(const std::vector<UnusedPhotograph>& unused);
 
 nlohmann::ordered_json unusedJson(const std::vector<UnusedPhotograph>& unused);

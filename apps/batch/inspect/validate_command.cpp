@@ -38,13 +38,14 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
 
 const Command kValidateCommand{
     .name = "validate",
-    .summary = "Lists every fault of a scene, a harmonised model or a sequence of them, with its place",
+    .summary = "Lists all faults of a scene, a harmonised model or 3D video, with their location",
     .examples = "ibr validate scene\nibr validate scene --json faults.json\nibr validate model\nibr validate video",
-    .details = "Exit code 3 where there is a fault.",
+    .details = "The exit code is 3 if there is a fault.",
     .afterInterrupt = "",
+    .mainOptions = "json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto scene = std::make_shared<std::string>();
-      app.add_option("SCENE", *scene, "Folder of a scene, a model or a sequence, or its .gltf or sequence.json")
+      app.add_option("SCENE", *scene, "Folder of a scene, a model or 3D video, or its .gltf or sequence.json")
           ->required();
       return [scene](const Context& context) { return validateFiles(*scene, context); };
     }};

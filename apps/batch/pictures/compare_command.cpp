@@ -18,9 +18,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Tolerance {
-  int levels = 0;      // a difference up to this counts as equal
-  double percent = 0;  // so many pixels may differ by more
-  int largest = 0;     // and none by more than this
+  int levels = 0;      // maximum difference that counts as equal, 8-bit levels
+  double percent = 0;  // maximum share of pixels that differ by more
+  int largest = 0;     // maximum difference of any pixel, 8-bit levels
 };
 
 struct Options {
@@ -63,16 +63,17 @@ ExitCode comparePictures(const Options& options, const Context& context) {
 
 const Command kCompareCommand{
     .name = "compare",
-    .summary = "Measures how two pictures differ",
+    .summary = "Measures the difference between two images",
     .examples = "ibr compare a.png b.png\nibr compare a.png b.png --tolerance 2 0.1 20 -o difference.png",
     .details =
-        "Exit code 6 where they differ by more than the tolerance. Equal pictures have an infinite PSNR (null in "
-        "JSON).",
+        "The exit code is 6 if the images differ by more than the tolerance. Equal images have an\n"
+        "infinite PSNR (null in JSON).",
     .afterInterrupt = "",
+    .mainOptions = "tolerance output gain json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("A", options->a, "Picture")->required();
-      app.add_option("B", options->b, "Picture of the same size")->required();
+      app.add_option("A", options->a, "Image")->required();
+      app.add_option("B", options->b, "Image of the same size")->required();
       app.add_option_function<std::vector<std::string>>(
              "--tolerance",
              [options](const std::vector<std::string>& words) {
@@ -85,8 +86,8 @@ const Command kCompareCommand{
              "(levels of 0 to 255)")
           ->expected(3)
           ->type_name("LEVELS PERCENT LARGEST");
-      app.add_option("-o,--output", options->output, "Write the absolute difference as a picture")->type_name("FILE");
-      addInt(app, "--gain", options->gain, 1, 255, "Factor on the difference picture");
+      app.add_option("-o,--output", options->output, "Write the absolute difference as an image")->type_name("FILE");
+      addInt(app, "--gain", options->gain, 1, 255, "Factor on the difference image");
       return [options](const Context& context) { return comparePictures(*options, context); };
     }};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr info` of a picture.
+// `ibr info` of an image file.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace ibr::app {
 
-/// Its size, the texts in it, and where ibr has drawn it how to draw it again. Throws Error.
+/// Prints the size and the text chunks; for images rendered by ibr also the command to render them again. Throws Error.
 ExitCode showPicture(const std::filesystem::path& file, const Context& context);
 
 }  // namespace ibr::app

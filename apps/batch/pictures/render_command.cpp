@@ -33,9 +33,9 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string scene, poses, output;
-  int autoFrames = 0;  // 0: not asked for
+  int autoFrames = 0;  // 0: not requested
   PictureSize size;
-  double fovDegrees = 0;  // 0: that of the poses
+  double fovDegrees = 0;  // 0: as the poses
   bool stereo = false;
   double ipd = 0;  // 0: not given
   bool buffers = false;
@@ -43,7 +43,7 @@ struct Options {
   std::optional<double> floor, floorSpacing;  // FloorWish
   RenderSettings settings;
   GpuSceneOptions gpuScene;
-  HtmViewsOptions htm;  // what only they have
+  HtmViewsOptions htm;  // options for harmonised models only
 };
 
 void declareSceneOptions(CLI::App& app, Options& options) {
@@ -52,11 +52,11 @@ void declareSceneOptions(CLI::App& app, Options& options) {
         name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
         description);
   };
-  auto* stereo = app.add_flag("--stereo", options.stereo, "A picture for each eye, NAME_l and NAME_r");
-  number("--ipd", options.ipd, 1e-9, 1e9, "Distance of the eyes in world units, metres where poses are metric")
+  auto* stereo = app.add_flag("--stereo", options.stereo, "Render an image for each eye, NAME_l and NAME_r");
+  number("--ipd", options.ipd, 1e-9, 1e9, "Distance between the eyes in world units, metres for metric poses")
       ->type_name("METRES")
       ->needs(stereo);
-  app.add_flag("--buffers", options.buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
+  app.add_flag("--buffers", options.buffers, "Also write depth, tier, rank, weights and confidence, as NAME.exr");
   const auto given = [&app](const char* name, std::optional<double>& value, double low, const char* description) {
     return app
         .add_option_function<std::string>(
@@ -65,10 +65,11 @@ void declareSceneOptions(CLI::App& app, Options& options) {
         ->type_name("METRES");
   };
   auto* floor = given("--floor", options.floor, -1e9,
-                      "A grid so far below the photographs, in world units, where none of them shows anything");
-  given("--floor-spacing", options.floorSpacing, 1e-9, "Between its lines, in world units [half of --floor]")
+                      "Distance of a grid below the photographs, in world units; the grid is drawn where no photograph "
+                      "shows anything");
+  given("--floor-spacing", options.floorSpacing, 1e-9, "Distance between grid lines, in world units [half of --floor]")
       ->needs(floor);
-  declareSettings(app, options.settings);  // --preset among them, which comes before all other settings
+  declareSettings(app, options.settings);  // includes --preset, which must precede all other settings
   declareOverlays(app, options.settings);
   declareGpuScene(app, options.gpuScene);
 }
@@ -106,13 +107,13 @@ ExitCode renderViews(const Options& options, const Context& context) {
   std::vector<View> views;
   for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
   checkNamesDiffer(views);
-  for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
+  for (const View& view : views) pictureFile(options.output, view.name);  // checks all names before anything is written
 
   context.say(LogLevel::info, "settings: {}", presetText(settings));
   RendererOptions wanted = optionsFor(settings, {});
-  wanted.views = options.stereo ? 2 : 1;
-  wanted.uncertainties = &scene;
-  if (options.buffers) wanted.buffers = &scene;
+  wanted.maxViews = options.stereo ? 2 : 1;
+  wanted.uncertaintyScene = &scene;
+  if (options.buffers) wanted.bufferScene = &scene;
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
   if (options.graph) renderer.showGraph();
   settings.alpha = AlphaContent::tier;
@@ -182,33 +183,38 @@ const Command kRenderCommand{
         "--poses takes a COLMAP model's folder, transforms.json, or a camera path:\n"
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
-        "with cameras that look along -z, y up. Pictures are named after the poses.\n"
-        "It also takes a picture that ibr or its viewer has written: PNG files hold the view that they show and the\n"
-        "settings that drew them (ibr info PICTURE.png), but settings are still those of this command.\n"
-        "--stereo makes two of each pose, NAME_l and NAME_r, of one order of cells and one colour table. Poses that "
-        "are\n"
-        "named so already are the eyes as they are: each may have its own principal point and direction. A picture\n"
-        "NAME_l.png or NAME_r.png stands for both eyes: the other's lies beside it.\n"
-        "--buffers writes NAME.exr beside each picture: R, G, B (linear), Z (depth along the viewing axis in world\n"
-        "units, infinite where unknown), tier, rank (0: the main cell), weight.0 to weight.3 of the members' colours,\n"
-        "confidence.spread (standard deviation of the members' colours), confidence.uncertainty (of the inverse "
-        "depth,\n"
-        "1/world unit), confidence.extrapolation (distance to the cell, world units). While a switch is mixed they "
-        "are\n"
-        "those of the new order.\n"
+        "Cameras look along -z, y up. Images are named after the poses.\n"
+        "--poses also takes an image that ibr or its viewer has written. Such PNG files store\n"
+        "their view and their settings (ibr info PICTURE.png). Only the view is used; settings\n"
+        "come from this command.\n"
+        "--stereo renders two images per pose, NAME_l and NAME_r, with the same draw order and\n"
+        "colour table. Poses that already have such names are used as eyes, each with its own\n"
+        "principal point and direction. An image NAME_l.png or NAME_r.png stands for both eyes;\n"
+        "the other eye's image is in the same folder.\n"
+        "--buffers writes NAME.exr beside each image, with these channels:\n"
+        "R, G, B: linear\n"
+        "Z: depth along the viewing axis, world units, infinite where unknown\n"
+        "tier\n"
+        "rank: 0 is the main cell\n"
+        "weight.0 to weight.3: weights of the members' colours\n"
+        "confidence.spread: standard deviation of the members' colours\n"
+        "confidence.uncertainty: of the inverse depth, 1/world unit\n"
+        "confidence.extrapolation: distance to the cell, world units\n"
+        "During a cross-fade, the channels are those of the new draw order.\n"
         "Harmonised models and 3D video are drawn as ibr htm render does (ibr htm render --help).",
-    .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
+    .afterInterrupt = "Written images are complete; the same command writes all images again.",
+    .mainOptions = "poses path output size fov preset stereo buffers overlay json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
-      auto* poses = app.add_option("--poses", options->poses,
-                                   "COLMAP model's folder, transforms.json, a camera path or a picture")
-                        ->type_name("FILE|DIR");
+      auto* poses =
+          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
+              ->type_name("FILE|DIR");
       poses->excludes(addAutoPath(app, options->autoFrames));
-      app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
+      app.add_option("-o,--output", options->output, "Folder for the images; created if missing")
           ->required()
           ->type_name("DIR");
-      addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
+      addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
       addGraph(app, options->graph);
       const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });

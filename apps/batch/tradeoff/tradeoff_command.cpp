@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr tradeoff`: what each setting of drawing costs and gives, and whether the presets are worth their names
-// (NUMERICS §5).
+// `ibr tradeoff`: cost and accuracy of each render setting, and checks of the presets
+// (libibr/docs/tradeoff.md).
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <memory>
@@ -45,7 +45,7 @@ struct Options {
   bool grid = true, list = false, check = false;
 };
 
-// What each of shrink × shrink pixels shows in the mean, and its camera.
+// Averages shrink × shrink pixels of the truth, and scales the camera.
 TradeoffSubject smaller(const TradeoffSubject& whole, int shrink) {
   TradeoffSubject small = whole;
   Intrinsics& k = small.view.camera.intrinsics;
@@ -90,9 +90,9 @@ VkExtent2D largestOf(const std::vector<TradeoffSubject>& subjects, const std::ve
   return largest;
 }
 
-// Places by the names of their builds.
+// Scenes by the names of their builds.
 struct Places {
-  std::vector<std::string> names, folders;  // of all but the first, of all
+  std::vector<std::string> names, folders;  // names: without the first scene; folders: of all
   std::vector<Scene> scenes;
 };
 
@@ -108,7 +108,7 @@ Places placesOf(const Options& options) {
   return places;
 }
 
-// All that pictures and times depend on, but for the setting.
+// Key of all inputs of images and times, except the setting.
 std::uint64_t keyOf(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
                     const Device& device, const Context& context) {
   Hash hash;
@@ -130,7 +130,7 @@ std::uint64_t keyOf(const Options& options, const Places& places, const std::vec
   return hash.value();
 }
 
-// Of the names, and contents, of all files of the scene, in the order of their names.
+// Hash of the names and contents of all files of the scene, sorted by name.
 std::string datasetHash(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -198,7 +198,7 @@ std::vector<TradeoffWalk> walksOf(TradeoffStage& stage, const std::vector<Tradeo
         walks.push_back(walkOf(*json));
         continue;
       }
-    } catch (const Json::exception&) {  // damaged: walked again
+    } catch (const Json::exception&) {  // damaged line: walked again
     }
     walks.push_back(walkThrough(stage, kPresets[p].first, settings[p].way, walk, [&] {
       check(progress.show({"walking", p, kPresets.size()}), ErrorCode::cancelled, "stopped");
@@ -208,7 +208,7 @@ std::vector<TradeoffWalk> walksOf(TradeoffStage& stage, const std::vector<Tradeo
   return walks;
 }
 
-// What `ibr sweep` reported; null where no file is named.
+// Reads the report of `ibr-lab sweep`; null if no file is given.
 nlohmann::json sweepOf(const std::string& file) {
   if (file.empty()) return nullptr;
   const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
@@ -219,11 +219,11 @@ nlohmann::json sweepOf(const std::string& file) {
                              row.contains("ecc") && row.contains("scores") && row["scores"].is_object() &&
                              row["scores"].contains("psnrCovered");
                     });
-  check(good, ErrorCode::invalidInput, "{}: is no report of ibr sweep (--sweep)", file);
+  check(good, ErrorCode::invalidInput, "{}: is no report of ibr-lab sweep (--sweep)", file);
   return json;
 }
 
-// Of each preset, against the truth where there is one, else against the reference.
+// Finds the worst view of each preset, against the truth, or against the reference preset if there is no truth.
 std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<TradeoffRow>& rows,
                                   const std::vector<TradeoffSubject>& subjects) {
   std::vector<WorstView> worst;
@@ -244,7 +244,7 @@ std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<Tradeo
   return worst;
 }
 
-// Mean over the views that have a truth; NaN where none has.
+// Mean over the views with a truth; NaN if there is none.
 double sampledDetailOf(const std::vector<TradeoffSubject>& subjects) {
   double sum = 0;
   int count = 0;
@@ -253,7 +253,7 @@ double sampledDetailOf(const std::vector<TradeoffSubject>& subjects) {
   return sum / count;
 }
 
-// Colour tables of the first photograph that has a texture.
+// Errors of colour tables, on the first photograph with a texture.
 std::vector<MapError> mapErrorsOf(const Scene& scene, std::uint64_t seed) {
   for (const Node& node : scene.nodes)
     if (!node.textureFile.empty())
@@ -261,11 +261,12 @@ std::vector<MapError> mapErrorsOf(const Scene& scene, std::uint64_t seed) {
   return {};
 }
 
-// Knobs of NUMERICS §5.4 that this report does not turn.
+// Settings that this report does not vary, with the reasons.
 std::vector<std::string> missingKnobs(const Options& options, const Scene& scene) {
   std::vector<std::string> missing;
   if (options.sweep.empty())
-    missing.emplace_back("the optimiser's M, R, D and t: ibr sweep measures them; --sweep FILE shows what it found");
+    missing.emplace_back(
+        "the optimiser's M, R, D and t: ibr-lab sweep measures them; --sweep FILE shows what it found");
   if (options.builds.empty())
     missing.emplace_back("mesh density: of builds by other options, which --build NAME=SCENE adds");
   if (!hasPlainTextures(scene))
@@ -310,7 +311,7 @@ ExitCode tradeoff(const Options& options, const Context& context) {
     if (measure.found() > 0)
       context.say(LogLevel::info, "{} parts of {} were measured before", measure.found(),
                   settings.all.size() + std::size_t(options.repeat));
-    std::vector<View> first;  // views that are compared with the twin, which is slow
+    std::vector<View> first;  // views to compare with the reference implementation, which is slow
     for (std::size_t v = 0; v < std::min(kTwinViews, subjects.size()); ++v) first.push_back(subjects[v].view);
     report.implementation = implementationErrors(stage, first, [&] { stopIfInterrupted(); });
     report.walks = walksOf(stage, settings.all, walk, key, kept, progress);
@@ -335,7 +336,7 @@ ExitCode tradeoff(const Options& options, const Context& context) {
 
 const Command kTradeoffCommand{
     .name = "tradeoff",
-    .summary = "Measures what each setting of drawing costs in time and memory, and gives in accuracy",
+    .summary = "Measures time, memory and accuracy of each render setting",
     .examples =
         "ibr tradeoff scene -o report\n"
         "ibr tradeoff scene --truth held-out --shrink 2 -o report\n"
@@ -343,47 +344,61 @@ const Command kTradeoffCommand{
         "ibr tradeoff scene --truth held-out --build coarse=scene8 fine=scene2 -o report\n"
         "ibr tradeoff scene --list -o report",
     .details =
-        "One knob at a time is turned from the default (--preset balanced), then the four presets and combinations of "
-        "what matters most are measured: pictures once, times in rounds over all settings. Three accuracies are kept "
-        "apart: against held-out photographs (--truth), against --preset reference, and, for the device, against a "
-        "twin in double precision. The folder gets tradeoff.json, tradeoff.csv, figures, and report.html, which has "
-        "them all. Views are those of the "
-        "truth, of --poses and of --path, together. Times are the device's and that of planning, without the way back "
-        "to the host; leave the machine to it.",
-    .afterInterrupt = "What was measured is kept: run the same command again to go on.",
+        "One setting (knob) at a time is varied from the default (--preset balanced). Then the\n"
+        "four presets and combinations of the most important settings are measured. Images are\n"
+        "rendered once; times are measured in rounds over all settings. Three accuracies are\n"
+        "reported separately: against held-out photographs (--truth), against --preset reference,\n"
+        "and for the device against a reference implementation in double precision. Views are\n"
+        "those of the truth, of --poses and of --path, together. Times are those of the device\n"
+        "and of planning, without the copy to the host. Run nothing else on the machine during\n"
+        "the measurement.\n"
+        "The folder gets tradeoff.json, tradeoff.csv, figures, and report.html, which contains\n"
+        "all of them.",
+    .afterInterrupt = "Finished measurements are cached: run the same command again to resume.",
+    .mainOptions = "output truth only shrink path size knobs no-grid check json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Scene folder")->required();
-      app.add_option("-o,--output", options->output, "Folder for what was measured; made where it is missing")
+      app.add_option("-o,--output", options->output, "Folder for the measurements; created if missing")
           ->required()
           ->type_name("DIR");
       auto* truth =
           app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
-      app.add_option("--only", options->only, "Only these views of the truth, by name")
+      app.add_option("--only", options->only, "Compare only these views of the truth, by name")
           ->needs(truth)
           ->type_name("NAME...");
       addInt(app, "--shrink", options->shrink, 1, 64,
-             "Sides of the truth's pictures, N times shorter: means of N × N px")
+             "Factor by which the truth's images are reduced: means of N × N px")
           ->needs(truth);
-      app.add_option("--poses,--views", options->poses, "Also views of a COLMAP model, transforms.json or camera path")
+      app.add_option("--poses,--views", options->poses,
+                     "File or folder of further views: COLMAP model, "
+                     "transforms.json or camera path")
           ->type_name("FILE");
       addAutoPath(app, options->autoViews);
-      addSize(app, "--size", options->size, "Size of the pictures of --poses and --path [theirs, of the photographs]");
+      addSize(app, "--size", options->size,
+              "Size of the images of --poses and --path [that of the poses; of the "
+              "photographs]");
       app.add_option("--knobs", options->knobs,
-                     "Only these knobs: " + fmt::format("{}", fmt::join(tradeoffKnobNames(), " ")))
+                     "Vary only these settings: " + fmt::format("{}", fmt::join(tradeoffKnobNames(), " ")))
           ->type_name("NAME...");
       app.add_flag_callback(
-          "--no-grid", [options] { options->grid = false; }, "Without combinations of knobs");
-      app.add_option("--build", options->builds, "Also further builds of the place, drawn by default settings")
+          "--no-grid", [options] { options->grid = false; }, "Measure no combinations of settings");
+      app.add_option("--build", options->builds,
+                     "Also measure further builds of the same photographs, drawn with "
+                     "default settings")
           ->type_name("NAME=SCENE...");
-      app.add_option("--sweep", options->sweep, "Also show what ibr sweep found of this scene: its sweep.json")
+      app.add_option("--sweep", options->sweep,
+                     "Also show the results of ibr-lab sweep for this scene, from its "
+                     "sweep.json")
           ->type_name("FILE");
-      addInt(app, "--repeat", options->repeat, 1, 10'000, "Rounds");
+      addInt(app, "--repeat", options->repeat, 1, 10'000, "Rounds of time measurements");
       addInt(app, "--walk", options->walk, 0, 1'000'000,
-             "Frames of a walk through the place, of which those around changes of the main cell are drawn; 0: none");
+             "Number of frames of a walk through the scene; frames around changes of the main cell are drawn; 0: no "
+             "walk");
       app.add_flag("--check", options->check,
-                   "Exit code 6 where a preset does not keep what it promises of counts and pictures, times apart");
-      app.add_flag("--list", options->list, "Only say which settings there are");
+                   "Exit with code 6 if a preset does not meet its guarantees for counts and images; times are not "
+                   "checked");
+      app.add_flag("--list", options->list, "Only list the settings");
       app.callback([options, &app] {
         if (options->knobs == std::vector<std::string>{"default"}) options->knobs.clear();
         for (const std::string& knob : options->knobs) {

@@ -33,12 +33,12 @@ std::string subtitle(const TradeoffReport& report) {
                      report.about.value("command", ""));
 }
 
-// Of a marker: its area grows with the memory.
+// Scale of a marker, whose area grows with the memory.
 double sizeOf(double bytes, double most) {
   return 0.5 + std::sqrt(bytes / most);
 }
 
-// What the smallest and the largest marker mean.
+// Legend of the smallest and the largest marker.
 PlotWords wordsOf(const TradeoffReport& report, const std::string& joined) {
   double least = INFINITY, most = 0;
   for (const TradeoffRow& row : report.rows)
@@ -52,7 +52,7 @@ PlotWords wordsOf(const TradeoffReport& report, const std::string& joined) {
   return words;
 }
 
-// A point a setting; series by the format of its textures. Presets and the front have their names.
+// One point for each setting; series by texture format. Presets and points of the front are labelled.
 template <class X, class Y>
 PlotPanel panelOf(const TradeoffReport& report, X x, Y y, bool quartiles = false) {
   PlotPanel panel;
@@ -82,7 +82,7 @@ PlotPanel panelOf(const TradeoffReport& report, X x, Y y, bool quartiles = false
   return panel;
 }
 
-// Whether values reach so far that equal steps should be equal shares.
+// True if the values span at least `factor`, so that a logarithmic axis suits them.
 bool spanAFactor(const PlotPanel& panel, double factor) {
   double least = INFINITY, most = 0;
   for (const PlotSeries& series : panel.series)

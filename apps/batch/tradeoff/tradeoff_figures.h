@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures of `ibr tradeoff` (NUMERICS §5.5), as drawings (SVG).
+// Figures of `ibr tradeoff` as SVG drawings.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,12 +12,12 @@ namespace ibr::app {
 
 struct TradeoffFigure {
   std::string file;     // "pareto.svg"
-  std::string caption;  // what is seen, for people
+  std::string caption;  // description, for people
   std::string svg;
 };
 
-/// Time against error, knobs, memory against PSNR, passes and, where they are known, the optimiser and colour tables.
-/// `sweep`: what `ibr sweep` reported, or null; settings of it that lack a figure are left out.
+/// Draws time against error, knobs, memory against PSNR, passes, and if known the optimiser and colour tables.
+/// `sweep`: report of `ibr-lab sweep`, or null; settings without the needed values are left out.
 std::vector<TradeoffFigure> tradeoffFigures(const TradeoffReport& report, const nlohmann::json& sweep);
 
 }  // namespace ibr::app

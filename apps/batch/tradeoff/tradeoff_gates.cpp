@@ -36,7 +36,7 @@ TradeoffGate unbeaten(const std::vector<TradeoffRow>& rows, std::size_t preset, 
   return gate;
 }
 
-// Each value at least as large as the one before, give or take kDominance.
+// True if each value is at least the previous one, with the tolerance kDominance.
 bool rises(const std::array<double, 4>& values) {
   for (std::size_t i = 1; i < values.size(); ++i)
     if (!(values[i] >= values[i - 1] * (1 - kDominance))) return false;
@@ -57,13 +57,13 @@ std::array<double, 4> ofPresets(const std::vector<TradeoffRow>& rows, Value valu
   return values;
 }
 
-// Pixels that are shaded, bytes and triangles: what a device's time comes from.
+// Counts that determine a device's time: draws, triangles, shaded pixels (relative) and bytes.
 std::array<double, 4> costs(const TradeoffRow& row) {
   const double scale = row.setting.way.settings.renderScale;
   return {double(row.draws()), double(row.triangles()), scale * scale, double(row.bytes())};
 }
 
-// Of two presets that draw the same, times differ by chance.
+// Skips pairs of presets with equal costs, whose times differ by noise alone.
 bool risesInTime(const std::vector<TradeoffRow>& rows) {
   for (std::size_t p = 1; p < kPresets.size(); ++p)
     if (costs(rows[p]) != costs(rows[p - 1]) && !(rows[p].medianMs() >= rows[p - 1].medianMs() * (1 - kDominance)))

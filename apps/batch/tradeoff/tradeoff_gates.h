@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What presets promise (NUMERICS §5.5, P11), checked on what was measured.
+// Requirements on the presets, checked against the measurements.
 #pragma once
 
 #include <string>
@@ -9,28 +9,28 @@
 
 namespace ibr::app {
 
-inline constexpr double kDominance = 0.03;      // a preset is beaten by more than this share in both axes
-inline constexpr double kAccurateShare = 0.99;  // of the PSNR of `reference` that `accurate` has at least
-inline constexpr double kFastShare = 1.25;      // of the error of `balanced` that `fast` has at most
+inline constexpr double kDominance = 0.03;      // minimum share by which a setting must be better to beat a preset
+inline constexpr double kAccurateShare = 0.99;  // minimum PSNR of `accurate`, share of that of `reference`
+inline constexpr double kFastShare = 1.25;      // maximum error of `fast`, share of that of `balanced`
 
 struct TradeoffGate {
   std::string name;
   bool holds;
-  std::string found;  // figures, or who beats whom
-  bool counted;       // it depends on counts and pictures alone: the same on a machine that is busy
+  std::string found;  // figures, or names of the settings that beat the preset
+  bool counted;       // true: depends on counts and images alone, so the result is the same on a busy machine
 };
 
-/// No preset is beaten in time and error by a setting of the sweep; `accurate` is nearly `reference`, `fast` not
-/// much worse than `balanced`; presets rise in time, unless they draw the same, and fall in error; and the same with
-/// counts in the place of times. Precondition: the first four rows are the presets. Rows that failed, of two views, or
-/// of another build take no part.
+/// Checks that no setting beats a preset in time and error, or in counts and error. Further: `accurate` is nearly as
+/// good as `reference`, `fast` not much worse than `balanced`. From preset to preset times rise, unless costs are
+/// equal, and errors fall. Precondition: the first four rows are the presets. Rows that failed, have two views or
+/// another build are ignored.
 std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows);
 
-/// Whether `other` costs no more in draws, triangles, pixels that are drawn and bytes, each by itself, and in one of
-/// them less, and shows more, both by more than kDominance.
+/// True if `other` has at most the row's draws, triangles, drawn pixels and bytes. One of these, and the error, must be
+/// less by more than kDominance.
 bool beatsInCounts(const TradeoffRow& other, const TradeoffRow& row);
 
-/// The Pareto front of time and error, by rising time: indices of rows that take part.
+/// Returns the indices of the Pareto front of time and error, by increasing time.
 std::vector<std::size_t> timeFront(const std::vector<TradeoffRow>& rows);
 
 }  // namespace ibr::app

@@ -12,7 +12,7 @@ namespace ibr::app {
 namespace {
 
 constexpr int kDraws = 8;
-constexpr double kGain = 0.85, kGamma = 1.2;  // of the planted change
+constexpr double kGain = 0.85, kGamma = 1.2;  // of the known colour change
 
 LevelTable planted() {
   LevelTable table{};
@@ -21,7 +21,7 @@ LevelTable planted() {
   return table;
 }
 
-// Of the green channel of pixels chosen by chance, as they are and changed.
+// Histograms of the green channel of randomly chosen pixels, before and after the change.
 struct Histograms {
   LevelHistogram plain{}, changed{};
 };

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-// RFC 4648 §4.
+// Base64, RFC 4648 §4.
 std::string base64(const std::vector<std::byte>& bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -85,7 +85,7 @@ std::string walksTable(const TradeoffReport& report) {
   return tableHtml(rows);
 }
 
-// Empty where no setting has two eyes.
+// Returns an empty text if no setting has two views.
 std::string eyesTable(const TradeoffReport& report) {
   std::vector<std::vector<std::string>> rows{
       {"setting", "seen by both %", "by the same cell %", "difference, levels", "95 % differ by less than"}};

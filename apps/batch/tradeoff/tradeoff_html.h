@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// report.html of `ibr tradeoff`: one file that needs no other and no scripts.
+// report.html of `ibr tradeoff`: a single file without external files or scripts.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace ibr::app {
 
-/// The view that a preset shows worst.
+/// The view with a preset's largest error.
 struct WorstView {
   std::string preset, view;
   double flip;
-  Image8 picture, truth, difference;  // RGB of one size; the difference as FLIP sees it
+  Image8 picture, truth, difference;  // RGB, equal sizes; difference: by FLIP
 };
 
-/// Where FLIP sees a difference: black none, over red and yellow to white. RGB.
+/// Returns the FLIP differences as colours: black (none), red, yellow, white. RGB.
 Image8 flipPicture(const Image8& picture, const Image8& truth);
 
-/// `scratch`: a folder that may be written to. Throws Error{io}.
+/// `scratch`: a writable folder. Throws Error{io}.
 std::string tradeoffHtml(const TradeoffReport& report, const std::vector<TradeoffFigure>& figures,
                          const std::vector<WorstView>& worst, const std::filesystem::path& scratch);
 

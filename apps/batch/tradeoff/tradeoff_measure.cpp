@@ -19,7 +19,7 @@ TradeoffBytes bytesOf(const auto& memory) {
   return {memory.positions, memory.indices, memory.textures};
 }
 
-// What one setting took in one round.
+// Times of one setting in one round, ms.
 struct Timed {
   std::vector<double> device, plan;      // by view
   std::map<std::string, double> passes;  // mean over the views
@@ -39,7 +39,7 @@ void append(TradeoffRow& row, const Timed& timed) {
   for (const auto& [pass, milliseconds] : timed.passes) row.passMs[pass].push_back(milliseconds);
 }
 
-// Others every round, so that none always comes after the same one.
+// Each round has another order, so that no setting always follows the same one.
 std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed) {
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -78,7 +78,7 @@ void TradeoffMeasure::look(TradeoffRow& row) {
       readPicture(*json, row);
       ++found_;
       return;
-    } catch (const Json::exception&) {  // damaged: measured again
+    } catch (const Json::exception&) {  // damaged line: measured again
     }
   for (std::size_t v = 0; v < subjects_.size(); ++v) {
     const auto& [view, truth] = subjects_[v];
@@ -120,7 +120,7 @@ void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
         ++found_;
         return;
       }
-    } catch (const Json::exception&) {  // damaged: measured again
+    } catch (const Json::exception&) {  // damaged line: measured again
     }
   const auto timeOf = [&](const TradeoffRow& row) {
     Timed timed;
@@ -133,7 +133,7 @@ void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
     }
     return timed;
   };
-  if (!std::exchange(warm_, true))  // drivers compile on first use: a round that is not counted
+  if (!std::exchange(warm_, true))  // an uncounted round first, since drivers compile on first use
     for (const TradeoffRow& row : rows)
       if (row.failure.empty()) timeOf(row);
   std::vector<Timed> timed(rows.size());

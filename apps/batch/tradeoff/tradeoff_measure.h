@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures settings of a place: pictures of each once, then times, round by round over all of them, so that a machine
-// whose speed drifts favours none. What was measured is kept and not measured again.
+// Measures settings on a scene: images of each setting once, then times in rounds over all settings, so that a change
+// of the machine's speed favours none. Measurements are cached.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace ibr::app {
 
-/// A view, and as it really looks, where that is known: RGB of its size, else empty.
+/// A view with its photograph, if known: RGB of the view's size, else empty.
 struct TradeoffSubject {
   View view;
   Image8 truth;
@@ -23,7 +23,7 @@ struct TradeoffSubject {
 struct TradeoffPlan {
   int repeat = 9;          // rounds
   std::uint64_t seed = 1;  // of the order of settings in a round
-  std::uint64_t key = 0;   // of all else that figures depend on
+  std::uint64_t key = 0;   // of all other inputs of the measurements
 };
 
 class TradeoffMeasure {
@@ -31,12 +31,12 @@ class TradeoffMeasure {
   TradeoffMeasure(TradeoffStage& stage, const std::vector<TradeoffSubject>& subjects, const TradeoffPlan& plan,
                   KeptLines& kept);
 
-  /// A row a setting. Rows whose `failure` is empty have views and times; a setting that a device cannot draw, or has
-  /// not the memory for, says so. `step` is called with (done, of all) and may throw.
+  /// Returns one row for each setting. Rows with an empty `failure` have views and times; `failure` is set if the
+  /// device cannot draw a setting or lacks memory. `step` is called with (done, total) and may throw.
   std::vector<TradeoffRow> measure(const std::vector<TradeoffSetting>& settings,
                                    const std::function<void(std::size_t, std::size_t)>& step);
 
-  /// How many pictures' rows and rounds were kept from before.
+  /// Returns the number of cached image rows and rounds.
   std::size_t found() const { return found_; }
 
  private:

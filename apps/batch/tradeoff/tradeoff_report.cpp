@@ -76,7 +76,7 @@ std::string reportJson(const TradeoffReport& report) {
     lines += fmt::format("{}\n    {}", lines.empty() ? "" : ",",
                          rowJson(row).dump(-1, ' ', false, Json::error_handler_t::replace));
   std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
-  text.resize(text.size() - 2);  // the end of the object
+  text.resize(text.size() - 2);  // removes the end of the object
   return text + fmt::format(",\n  \"settings\": [{}\n  ]\n}}\n", lines);
 }
 

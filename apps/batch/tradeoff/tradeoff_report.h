@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that `ibr tradeoff` found, as tradeoff.json (libibr/schemas/tradeoff.schema.json) and as a table.
+// Results of `ibr tradeoff`, as tradeoff.json (libibr/schemas/tradeoff.schema.json) and as a table.
 #pragma once
 
 #include <limits>
@@ -18,19 +18,19 @@ namespace ibr::app {
 struct TradeoffReport {
   std::vector<TradeoffRow> rows;  // the first four are the presets
   std::vector<TradeoffKnob> knobs;
-  std::vector<TradeoffWalk> walks;                                  // of the presets, or none
+  std::vector<TradeoffWalk> walks;                                  // of the presets; may be empty
   std::vector<ImplementationError> implementation;                  // of some views
-  double sampledDetail = std::numeric_limits<double>::quiet_NaN();  // of the truth (ibr/metrics.h); NaN: there is none
+  double sampledDetail = std::numeric_limits<double>::quiet_NaN();  // of the truth (ibr/metrics.h); NaN: no truth
   std::vector<MapError> mapErrors;                                  // of a photograph of the scene
-  nlohmann::ordered_json about;      // "version", "scene", "device" and all else that is one for all rows
-  std::vector<std::string> missing;  // knobs of NUMERICS §5.4 that were not measured, and why
+  nlohmann::ordered_json about;      // "version", "scene", "device" and all other values common to all rows
+  std::vector<std::string> missing;  // knobs that were not measured, with the reasons
 
   std::vector<TradeoffGate> gates() const;
 };
 
 std::string reportJson(const TradeoffReport& report);
 
-/// The table of settings, the front, the walks and the gates, for people.
+/// Returns the tables of settings, the front, the walks and the gates, for people.
 std::string reportText(const TradeoffReport& report);
 
 }  // namespace ibr::app

@@ -234,7 +234,7 @@ std::string tradeoffCsv(const std::vector<TradeoffRow>& rows) {
     for (const Figure& figure : kFigures) csv += fmt::format(",{}.{}", kind, figure.name);
   csv += ",holes,draws,triangles,positionBytes,indexBytes,textureBytes,workingBytes,failure\n";
   for (const TradeoffRow& row : rows) {
-    // A line for each knob that the setting is a value of.
+    // One line for each knob that the setting belongs to.
     for (const TradeoffLabel& label : row.setting.labels) {
       csv += fmt::format("{},{},{}", quoted(row.setting.name()), quoted(label.knob), quoted(label.value));
       for (const double q : {0.5, 0.25, 0.75}) csv += "," + csvText(row.quantileMs(q));

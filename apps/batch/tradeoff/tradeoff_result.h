@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `ibr tradeoff` measures of a setting. Three kinds of accuracy are kept apart (NUMERICS §5.3): against the truth,
-// against the reference preset, and, for the device alone, against the double-precision twin.
+// Measurements of `ibr tradeoff` for a setting. Three kinds of accuracy are kept apart: against the truth, against
+// the reference preset, and, for the device alone, against the double-precision reference implementation.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@
 
 namespace ibr::app {
 
-/// A picture beside another. NaN: not measured, or there is none.
+/// Similarity of two images. NaN: not measured, or undefined.
 struct Likeness {
   Likeness();
   double psnr, ssim, msSsim, flip;
-  double detail;  // gradient energy, of the other's where the picture shows something: below 1 blurred, above ghosts
-  double edges;   // correlation of gradients there
+  double detail;  // gradient energy relative to the other image, where the image is covered: < 1 blurred, > 1 ghosts
+  double edges;   // correlation of gradients on the same pixels
 };
 
-/// RGB of two pictures of equal size; `cover`: where `picture` shows something, one channel.
+/// Compares two RGB images of equal size; `cover`: mask of the pixels that `picture` covers, one channel.
 Likeness likeness(const Image8& picture, const Image8& other, const Image8& cover);
 
-/// Mean of what is finite, figure by figure.
+/// Returns the mean of the finite values, figure by figure.
 Likeness meanOf(const std::vector<Likeness>& all);
 
 struct TradeoffView {
@@ -36,7 +36,7 @@ struct TradeoffView {
   double holes = 0;        // share of the pixels
   std::string prediction;  // SHA-256 of width × height × RGBA bytes
   std::uint64_t passes = 0, draws = 0, dispatches = 0, triangles = 0, cells = 0, photographs = 0;
-  std::optional<EyeAgreement> eyes;  // where there are two
+  std::optional<EyeAgreement> eyes;  // with two views only
 };
 
 struct TradeoffBytes {
@@ -46,7 +46,7 @@ struct TradeoffBytes {
 
 struct TradeoffRow {
   TradeoffSetting setting;
-  std::string failure;  // why there is nothing else; empty: there is
+  std::string failure;  // reason why the rest is empty; empty: success
   std::vector<TradeoffView> views;
   TradeoffBytes measured, predicted;
   std::uint64_t pipelines = 0, workingBytes = 0;
@@ -56,26 +56,26 @@ struct TradeoffRow {
   Likeness truth() const;
   Likeness reference() const;
   double holes() const;
-  /// Mean of the views that have two eyes, figure by figure.
+  /// Returns the means over the views with two eyes, figure by figure.
   std::optional<EyeAgreement> eyes() const;
   std::uint64_t bytes() const { return measured.sum() + workingBytes; }
   std::uint64_t draws() const;      // of all views
-  std::uint64_t triangles() const;  // likewise
-  /// Of rounds: mean over the views of planning and device together, ms.
+  std::uint64_t triangles() const;  // of all views
+  /// Returns for each round the mean over the views of planning plus device time, ms.
   std::vector<double> frameMs() const;
   double quantileMs(double q) const;
   double medianMs() const { return quantileMs(0.5); }
 };
 
-/// How far it is off: mean FLIP against the truth where there is one, else against the reference preset.
+/// Returns the mean FLIP against the truth, or against the reference preset if there is no truth.
 double errorOf(const TradeoffRow& row);
 
-/// What does not depend on times: views, bytes, pipelines.
+/// Returns all values that do not depend on times: views, bytes, pipelines.
 nlohmann::ordered_json pictureJson(const TradeoffRow& row);
-/// Throws nlohmann::json::exception for what pictureJson did not write.
+/// Reads pictureJson's output. Throws nlohmann::json::exception for other input.
 void readPicture(const nlohmann::ordered_json& json, TradeoffRow& row);
 
-/// A row of the report, raw times among it.
+/// Returns a row of the report, with the raw times.
 nlohmann::ordered_json rowJson(const TradeoffRow& row);
 
 std::string tradeoffCsv(const std::vector<TradeoffRow>& rows);

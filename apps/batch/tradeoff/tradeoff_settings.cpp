@@ -17,7 +17,7 @@ struct Value {
   std::function<void(TradeoffWay&)> set;
 };
 
-// The default; gathered; cells; cells whose colours are mapped; those for two eyes.
+// Base of a knob: the default; gathered; cells; cells with colour mapping; these with two views.
 enum class Around { usual, gathered, cells, mapped, twoEyes };
 
 struct Knob {
@@ -80,7 +80,7 @@ const std::vector<Knob>& knobs() {
       {"cells", "cells drawn at most", Around::cells, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
       {"extrapolation", "distance of cells at most, cell sizes", Around::cells,
        numbers<double>(&R::extrapolationLimit, {0, 0.5, 1, 2, 4})},
-      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::lowestTier, {0, 2, 3})},
+      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::maxTier, {0, 2, 3})},
       {"renderScale", "sides of what is drawn, of the picture's", Around::usual,
        numbers<double>(&R::renderScale, {0.5, 0.7, 1, 1.5, 2})},
       {"blend", "how members' colours become one", Around::cells,
@@ -168,7 +168,7 @@ class Settings {
       add(way, {knob.name, value.word});
     }
     const auto at = std::ranges::find(made_.all, base, &TradeoffSetting::way);
-    // A knob that has no value for what is usual, as a filter that the device chooses, stands around the default.
+    // A knob without the base among its values (such as the device's choice of filter) refers to the default setting.
     made_.knobs.push_back(
         {knob.name, knob.about, at == made_.all.end() ? kDefaultSetting : std::size_t(at - made_.all.begin())});
   }
@@ -177,7 +177,7 @@ class Settings {
     if (std::ranges::find(made_.all, way, &TradeoffSetting::way) == made_.all.end()) add(way, {"grid", name});
   }
 
-  // What matters most for both time and picture, together.
+  // Combinations of the settings that affect both time and accuracy most.
   void addGrid() {
     for (const int cells : {2, 4, 8})
       for (const double extrapolation : {1.0, 2.0, 4.0})

@@ -26,13 +26,13 @@ std::string placeKey(const TradeoffWay& way) {
   return fmt::format("{} {} {}", way.build, way.texture ? textureFormatName(*way.texture) : "stored", int(way.filter));
 }
 
-// What optionsFor makes of settings.
+// Key of the RendererOptions that optionsFor derives from the settings.
 std::string rendererKey(const TradeoffWay& way) {
   const RendererOptions options = optionsFor(way.settings, {});
   return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {}", int(options.compositions[0]), options.gatherCandidates,
                      options.gatherColours, options.gatherLayers, options.voteScale, way.views, int(options.orders[0]),
                      int(options.blends[0]), options.dissolve, options.switchMixing, options.fill, int(options.colour),
-                     options.largestScale);
+                     options.maxRenderScale);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ Renderer& TradeoffStage::rendererOf(const TradeoffWay& way) {
   const auto found = place.renderers.find(key);
   if (found != place.renderers.end()) return found->second;
   RendererOptions options = optionsFor(way.settings, largest_);
-  options.views = std::uint32_t(way.views);
+  options.maxViews = std::uint32_t(way.views);
   return place.renderers.emplace(key, Renderer(device_, place.gpuScene, options)).first->second;
 }
 
@@ -81,7 +81,7 @@ std::vector<Target> TradeoffStage::targetsOf(const FramePlan& plan) {
   return targets;
 }
 
-// The first of two eyes stands at the view, where its truth was taken.
+// The first of two eyes is at the view itself, since the truth was photographed there.
 FrameInput TradeoffStage::inputOf(const TradeoffWay& way, const Camera& view) const {
   Camera middle = view;
   middle.pose.position += view.pose.rotation * glm::dvec3(0.5 * kEyeDistance, 0, 0);
@@ -136,8 +136,8 @@ EyeAgreement TradeoffStage::eyes(const TradeoffWay& way, const Camera& view) con
   std::vector<View> views;
   for (const Camera& eye : input.views) views.push_back({.name = "eye", .camera = eye});
   RendererOptions options = optionsFor(way.settings, {});
-  options.views = std::uint32_t(way.views);
-  options.buffers = &scene(way);
+  options.maxViews = std::uint32_t(way.views);
+  options.bufferScene = &scene(way);
   SceneRenderer renderer(scene(way), views, gpuOptionsOf(way, context_), options, context_);
   PlanState state;
   const std::vector<SceneRenderer::Picture> pictures = renderer.render(input.views, input.settings, state);
@@ -159,8 +159,8 @@ MemoryDemand TradeoffStage::predicted(const TradeoffWay& way) const {
     if (way.texture)
       formats[n] = *way.texture == TextureFormat::bc1 && !scene(way).nodes[n].maskFile.empty() ? TextureFormat::bc7
                                                                                                : *way.texture;
-    else if (software || !device_.samplesBlocks())
-      formats[n] = TextureFormat::rgba8;  // BlockTextures::automatic
+    else if (software || !device_.supportsBlockCompression())
+      formats[n] = TextureFormat::rgba8;  // as BlockTextures::automatic does
   }
   return memoryDemand(scene(way), formats, depthTextureBytes(scene(way)));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places on a device that are drawn in many ways, each prepared for what it needs and nothing else.
+// Scenes on a device for drawing in many ways; each way gets its own GPU scene and renderer, prepared on demand.
 #pragma once
 
 #include <map>
@@ -19,42 +19,42 @@
 
 namespace ibr::app {
 
-inline constexpr double kEyeDistance = 0.064;  // world units: m, where poses are metric
+inline constexpr double kEyeDistance = 0.064;  // world units; metres if poses are metric
 
 /// Time of a frame, ms.
 struct TradeoffTimes {
-  double plan = 0;                       // of the processor
-  double device = 0;                     // of the device, from the first command to the last
-  std::map<std::string, double> passes;  // of the device
+  double plan = 0;                       // CPU time
+  double device = 0;                     // device time from the first command to the last
+  std::map<std::string, double> passes;  // device time
   double frame() const { return plan + device; }
 };
 
 class TradeoffStage {
  public:
-  /// `scenes`: the place, and further builds of it; they must outlive the stage. `largest`: of a picture.
+  /// `scenes`: the scene and further builds, which must outlive this object. `largest`: maximum extent of an image.
   TradeoffStage(const std::vector<Scene>& scenes, VkExtent2D largest, const Context& context);
 
-  /// Makes what a way needs, where it is not there. Throws Error.
+  /// Creates the GPU scene and renderer for a way, if missing. Throws Error.
   void prepare(const TradeoffWay& way);
 
-  /// A picture by itself: RGBA, alpha of AlphaContent::tier, holes black. Of two views that of the first.
+  /// Renders a single image: RGBA, alpha of AlphaContent::tier, black holes. With two views returns the first one.
   Image8 picture(const TradeoffWay& way, const Camera& view);
 
-  /// The picture of a plan for one view of this way.
+  /// Renders a plan of this way; returns the first view's image.
   Image8 picture(const TradeoffWay& way, const FramePlan& plan);
 
-  /// Throws Error{unsupported} where the queue has no timestamps.
+  /// Measures a frame. Throws Error{unsupported} if the queue has no timestamps.
   TradeoffTimes time(const TradeoffWay& way, const Camera& view);
 
-  /// How far the eyes of a way with two views agree.
+  /// Compares the images of the two eyes of a way with two views.
   EyeAgreement eyes(const TradeoffWay& way, const Camera& view) const;
 
-  /// As `picture` draws it.
+  /// Returns the plan that `picture` draws.
   FramePlan plan(const TradeoffWay& way, const Camera& view, double dtSeconds = 0, const PlanState& state = {}) const;
 
   Renderer::Counters count(const TradeoffWay& way, const FramePlan& plan);
   GpuScene::Memory memory(const TradeoffWay& way);
-  /// [T] eq. 21 for the same (scene/memory_demand.h).
+  /// Predicts the memory by [T] eq. 21 (scene/memory_demand.h).
   MemoryDemand predicted(const TradeoffWay& way) const;
 
   const Device& device() const { return device_; }
@@ -63,7 +63,7 @@ class TradeoffStage {
  private:
   struct PreparedScene {
     GpuScene gpuScene;
-    std::map<std::string, Renderer> renderers;  // by what they are prepared for
+    std::map<std::string, Renderer> renderers;  // by RendererOptions
   };
   PreparedScene& placeOf(const TradeoffWay& way);
   Renderer& rendererOf(const TradeoffWay& way);
@@ -81,7 +81,7 @@ class TradeoffStage {
   ScopeTimer timer_;
 };
 
-/// Whether all textures of the scene are RGBA8, so that others can be made from them. Throws Error.
+/// True if all textures of the scene are RGBA8, so that they can be converted to other formats. Throws Error.
 bool hasPlainTextures(const Scene& scene);
 
 }  // namespace ibr::app

@@ -48,7 +48,7 @@ ImplementationError errorOf(const Image8& picture, const reference::Picture& twi
 
 std::vector<ImplementationError> implementationErrors(TradeoffStage& stage, const std::vector<View>& views,
                                                       const std::function<void()>& step) {
-  // Cells without filled holes, which are what the reference implementation draws.
+  // Default-constructed settings: cells without filled holes, as the reference implementation draws them.
   const TradeoffWay way{.settings = RenderSettings(), .filter = TextureFilter::trilinear};
   const std::vector<std::vector<Image8>> textures = texturesOf(stage.scene(way));
   std::vector<ImplementationError> errors;

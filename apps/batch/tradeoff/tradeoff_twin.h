@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The third kind of accuracy (NUMERICS §5.3 C): what a device makes of a picture, against the same in double precision.
+// Third kind of accuracy: the device's image against the double-precision reference implementation.
 #pragma once
 
 #include <functional>
@@ -11,18 +11,18 @@
 
 namespace ibr::app {
 
-/// Over the pixels that show one tier of one cell with all their neighbours, and lie on no triangle's edge: elsewhere
-/// rasterisation may differ (reference::isCertain).
+/// Statistics over the pixels that show one tier of one cell with all their neighbours, and lie on no triangle's edge:
+/// on other pixels rasterisation may differ (reference::isCertain).
 struct ImplementationError {
   std::string name;       // of the view
-  double compared = 0;    // share of the picture's pixels
-  double meanLevels = 0;  // over R, G, B of 255; NaN where nothing is compared
+  double compared = 0;    // share of the image's pixels
+  double meanLevels = 0;  // over R, G, B, 8-bit levels; NaN if nothing is compared
   double largestLevels = 0;
-  double beyondBound = 0;  // share of the values further off than the device's texture filter allows (NUMERICS §6 b)
+  double beyondBound = 0;  // share of the values with errors above the bound from the texture filter's precision
 };
 
-/// Of the default settings, sampled with trilinear filters, which is what the twin does. `step` is called before each
-/// view and may throw.
+/// Measures errors with default-constructed RenderSettings and trilinear filters, as the reference implementation has.
+/// `step` is called before each view and may throw.
 std::vector<ImplementationError> implementationErrors(TradeoffStage& stage, const std::vector<View>& views,
                                                       const std::function<void()>& step);
 

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kStepSeconds = 1 / 60.0;
-constexpr std::size_t kMostWindows = 4, kBefore = 5, kAfter = 20;  // changes that are drawn; frames around each
+constexpr std::size_t kMostWindows = 4, kBefore = 5, kAfter = 20;  // limit of drawn changes; frames before and after
 constexpr double kMostSwitch = 1.5, kLeastDetail = 0.9, kMostDetail = 1.1;
 
 // Changes of the main cell, and the frames around some of them, spread over the walk.
@@ -70,7 +70,7 @@ TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const 
   for (std::size_t i = 0; i < walk.size(); ++i) {
     const std::int64_t mainCell = state.mainCell;
     const FramePlan plan = stage.plan(way, walk[i].camera, i > 0 ? kStepSeconds : 0, state);
-    const bool switching = (i > 0 && plan.next.mainCell != mainCell) || !plan.next.former.empty();
+    const bool switching = (i > 0 && plan.next.mainCell != mainCell) || !plan.next.previous.empty();
     state = plan.next;
     if (!windows.frames.contains(i)) {
       before = {};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-//   1. stations: the different places of the cells' centres, where photographs are blended and most is covered
-//   2. order them: along the principal axis where they are nearly a line, else nearest neighbour, then 2-opt
-//   3. at each, look as the cells there do, that way which turns the view least; where panoramas stand, look ahead
-//   4. smooth places and directions, lead the ends out of the cells, and time the keys by way and turn
+// Steps of autoPath:
+//   1. collect stations: the distinct centres of the cells, where photographs are blended and coverage is highest
+//   2. order the stations along the principal axis if they are nearly a line, else by nearest neighbour and 2-opt
+//   3. choose at each station the cell's view direction with the smallest turn; at panoramas look along the path
+//   4. smooth positions and directions, extend both ends beyond the cells, and time the keys by distance and turn
 #include "shared/camera/auto_path.h"
 
 #include <algorithm>
@@ -19,34 +19,34 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kBeyond = 0.1;      // of a cell's reach, past the first and the last photograph
-constexpr double kNarrowest = 0.55;  // of the photographs' field of view, as a tangent
+constexpr double kBeyond = 0.1;      // extension past the first and the last photograph, share of a cell's reach
+constexpr double kNarrowest = 0.55;  // limits of narrowing(), share of the photographs' field of view, as a tangent
 constexpr double kWidest = 0.9;
-constexpr double kNeighbours = 1.1;     // neighbouring cells cover what surrounds the part that one covers
-constexpr double kTurnPerStep = 0.5;    // radians that take as long as a median step
-constexpr double kNearlyLine = 0.05;    // variance off the principal axis against variance along it
-constexpr double kFps = 30;             // what viewers and videos expect
-constexpr int kSmoothings = 2;          // passes of (1 2 1) / 4
-constexpr std::size_t kMost2Opt = 500;  // stations; beyond, nearest neighbour has to do
+constexpr double kNeighbours = 1.1;     // factor on the coverage, since neighbouring cells add their surroundings
+constexpr double kTurnPerStep = 0.5;    // turn that takes as long as a median step, radians
+constexpr double kNearlyLine = 0.05;    // maximum of the variance off the principal axis, share of the total variance
+constexpr double kFps = 30;             // frames a second, common for viewers and videos
+constexpr int kSmoothings = 2;          // passes of the filter (1 2 1) / 4
+constexpr std::size_t kMost2Opt = 500;  // maximum number of stations for 2-opt, which takes quadratic time a pass
 
 struct Look {
   glm::dvec3 axis, up;
 };
 
-// A direction to look in from a station, and the photographs that made it.
+// View direction at a station, and the photographs that the direction comes from.
 struct Choice {
   Look look;
   std::vector<std::uint32_t> nodes;
-  double weight = 0;  // how much is seen that way
+  double weight = 0;  // tier-0 triangles of the cell; 1 for a single photograph
 };
 
 struct Station {
   glm::dvec3 position;
   std::vector<Choice> choices;
-  bool allRound = false;  // panoramas stand there
+  bool allRound = false;  // true: a choice at the station has panoramas only
 };
 
-// Their mean, or the first where they cancel each other out, as the ups of a drone do that turned its heading.
+// Mean direction, or the first direction if the directions nearly cancel (up vectors of a drone that changed heading).
 glm::dvec3 meanDirection(const std::vector<glm::dvec3>& directions) {
   glm::dvec3 sum(0.0);
   for (const glm::dvec3 direction : directions) sum += direction;
@@ -93,7 +93,7 @@ std::vector<Station> stationsOf(const Scene& scene) {
   return stations;
 }
 
-// Principal axis by power iteration, and the share of the variance that is off it.
+// Principal axis by power iteration, and the share of the variance that is off the axis.
 std::pair<glm::dvec3, double> principalAxis(const std::vector<Station>& stations) {
   glm::dvec3 mean(0.0);
   for (const Station& station : stations) mean += station.position / double(stations.size());
@@ -120,7 +120,7 @@ void nearestNeighbours(std::vector<Station>& tour) {
   }
 }
 
-// Turns pieces of the open tour round for as long as that makes it shorter.
+// 2-opt: reverses sections of the open tour while a reversal makes the tour shorter.
 void untangle(std::vector<Station>& tour) {
   const auto between = [&](std::size_t a, std::size_t b) { return glm::distance(tour[a].position, tour[b].position); };
   for (bool shorter = true; shorter;) {
@@ -146,7 +146,7 @@ void sortIntoTour(std::vector<Station>& stations) {
     nearestNeighbours(stations);
     if (stations.size() <= kMost2Opt) untangle(stations);
   }
-  // From the earlier photograph to the later: who walked, walked that way.
+  // From the earlier photograph to the later, which is the direction in which the photographer walked.
   if (stations.front().choices[0].nodes[0] > stations.back().choices[0].nodes[0]) std::ranges::reverse(stations);
 }
 
@@ -156,7 +156,7 @@ glm::dquat rotationOf(const Look& look) {
   return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-// Level, towards the next station, as one walks.
+// Direction towards the next station, orthogonal to the up vector.
 glm::dvec3 ahead(const std::vector<Station>& tour, std::size_t i, const Look& last) {
   if (tour.size() < 2) return last.axis;
   const std::size_t from = std::min(i, tour.size() - 2);
@@ -173,8 +173,8 @@ std::vector<Look> looksAlong(const std::vector<Station>& tour, const Choice& sta
       meanUp += choice.look.up;
       ++count;
     }
-  // Where the photographs agree on an up, as walkers' do, it is kept; a drone that turns its heading has none, and the
-  // view keeps its own.
+  // If the photographs agree on an up vector (photographer on foot), all looks use the mean. If not (drone that changes
+  // its heading), each look keeps the previous up vector.
   const bool agreed = glm::length(meanUp) > 0.5 * double(count);
   std::vector<Look> looks;
   Look last = start.look;
@@ -199,7 +199,7 @@ void smooth(std::vector<T>& values, Member member) {
   }
 }
 
-// Looks that were averaged over a half turn may have cancelled out.
+// Restores looks whose smoothed axis or up vector vanished, as the mean over a half turn does.
 void repair(std::vector<Look>& looks, const std::vector<Look>& before) {
   for (std::size_t i = 0; i < looks.size(); ++i)
     if (!(glm::length(glm::cross(looks[i].axis, looks[i].up)) > 0.1)) looks[i] = before[i];
@@ -218,7 +218,7 @@ void chooseSize(const Intrinsics& photograph, CameraPath& path) {
   path.height = even(photograph.height);
 }
 
-// Vertical, in radians: what photographs from there show, narrowed; of panoramas what a wide lens shows.
+// Vertical, radians: the photographs' field of view times `narrowed`; panoramas: fixed, like a wide-angle lens.
 double fieldOfView(const Intrinsics& photograph, const CameraPath& path, double narrowed) {
   constexpr double kOfPanoramas = 1.1;
   if (photograph.model == CameraModel::equirectangular) return kOfPanoramas;
@@ -226,7 +226,7 @@ double fieldOfView(const Intrinsics& photograph, const CameraPath& path, double 
   return 2 * std::atan(narrowed * std::min(tanY, tanX * path.height / path.width));
 }
 
-// How much of the photographs' field of view the view takes: what cells cover of their members' pictures, as a length.
+// Share of the photographs' field of view that the path shows, as a length: from the cells' median coverage.
 double narrowing(const Scene& scene) {
   std::vector<double> coverages;
   for (const Cell& cell : scene.cells)
@@ -234,7 +234,7 @@ double narrowing(const Scene& scene) {
   return coverages.empty() ? kWidest : std::clamp(kNeighbours * std::sqrt(median(coverages)), kNarrowest, kWidest);
 }
 
-// From the tour's end, the way that leads outwards, to a little past the last photograph of the cell there.
+// Moves the end key outwards along the path, to a little past the last photograph of the cell at this station.
 CameraKey beyond(const Scene& scene, const Station& station, CameraKey end, const CameraKey& before) {
   const glm::dvec3 step = end.position - before.position;
   if (!(glm::length(step) > 0)) return end;
@@ -249,7 +249,7 @@ CameraKey beyond(const Scene& scene, const Station& station, CameraKey end, cons
   return end;
 }
 
-// A single cell is crossed from member to member; a single photograph is stood at.
+// A path for one station: crosses a cell from member to member, or stands still at a single photograph.
 std::vector<CameraKey> keysAcross(const Scene& scene, const CameraKey& centre, const Choice& choice) {
   std::vector<CameraKey> keys;
   for (const std::uint32_t node : choice.nodes) {

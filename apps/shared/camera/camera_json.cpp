@@ -11,7 +11,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kLargestSide = 65536;
 
-// −0 is 0: one view, one text.
+// Turns −0 into 0, so that one view has one text.
 double plain(double value) {
   return value + 0.0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras as JSON, the same in camera paths, in views as text and inside pictures.
+// Cameras as JSON. Camera paths, views as text, and the records inside images share this format.
 #pragma once
 
 #include <numbers>
@@ -12,19 +12,19 @@ namespace ibr::app {
 constexpr double kLargestCoordinate = 1e15;
 constexpr double kNarrowestFov = 1e-3, kWidestFov = std::numbers::pi - 1e-3;  // radians
 
-/// A unit quaternion as it is, any other divided by its length: dividing twice would move the last bits, and pictures
-/// of one view would differ.
+/// Returns a unit quaternion unchanged and any other divided by its length. A second division would change the last
+/// bits, and two images of the same view would differ.
 glm::dquat unitRotation(const glm::dquat& rotation);
 
-/// "position":[x,y,z] and "rotation":[x,y,z,w] are added to `json`.
+/// Adds "position":[x,y,z] and "rotation":[x,y,z,w] to `json`.
 void addPose(nlohmann::ordered_json& json, const Pose& pose);
-/// Both are wanted, numbers up to 1e15; the rotation a unit one within 1e-3. Throws Error{invalidInput}.
+/// Reads both fields: numbers up to 1e15, rotation of unit length within 1e-3. Throws Error{invalidInput}.
 Pose poseOf(const JsonField& object);
 
-/// "fovY" in radians, from 0.001 to π − 0.001.
+/// Reads "fovY": radians, from 0.001 to π − 0.001. Throws Error{invalidInput}.
 double fovOf(const JsonField& object);
 
-/// {"model","width","height","fx","fy","cx","cy"}; the last four of a pinhole only.
+/// {"model","width","height","fx","fy","cx","cy"}; the last four for pinholes only.
 nlohmann::ordered_json intrinsicsJson(const Intrinsics& intrinsics);
 Intrinsics intrinsicsOf(const JsonField& object);
 

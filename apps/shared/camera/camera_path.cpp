@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cubic Hermite curves through the keys. The tangent at a key is the slope there of the parabola through it and its
-// neighbours, which is Catmull–Rom's for even spacing and does not depend on it; the ends take the chord's.
+// Cubic Hermite curves through the keys. The tangent at a key is the slope of the parabola through the key and its two
+// neighbours. For even spacing this is the Catmull–Rom tangent. The end keys use the slope of the chord.
 #include "shared/camera/camera_path.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 namespace ibr::app {
 namespace {
 
-// Everything about a key that is splined, as one value.
+// The interpolated fields of a key, as one value with vector arithmetic.
 struct Sample {
   glm::dvec3 position;
   glm::dvec4 rotation;
@@ -35,7 +35,7 @@ Sample sampleOf(const CameraKey& key) {
   return {key.position, {key.rotation.x, key.rotation.y, key.rotation.z, key.rotation.w}, key.fovY};
 }
 
-// q and −q are one rotation: of the two, the one nearer to the last.
+// q and −q are the same rotation; chooses the sign that is nearer to the previous sample.
 Sample alignedTo(const Sample& last, Sample sample) {
   if (glm::dot(last.rotation, sample.rotation) < 0.0) sample.rotation = -sample.rotation;
   return sample;
@@ -67,7 +67,7 @@ Camera cameraAt(const CameraPath& path, double time) {
     const double u = (time - keys[i].time) / step(i), u2 = u * u, u3 = u2 * u;
     sample = (2 * u3 - 3 * u2 + 1) * from + ((u3 - 2 * u2 + u) * step(i)) * leave + (3 * u2 - 2 * u3) * to +
              ((u3 - u2) * step(i)) * arrive;
-    // A field of view must not swing beyond those that were asked for.
+    // The spline must not overshoot the keys' fields of view.
     sample.fovY = std::clamp(sample.fovY, std::min(from.fovY, to.fovY), std::max(from.fovY, to.fovY));
   }
   const glm::dvec4 q = sample.rotation;
@@ -77,7 +77,7 @@ Camera cameraAt(const CameraPath& path, double time) {
 
 std::vector<View> frames(const CameraPath& path) {
   const double duration = path.keys.back().time - path.keys.front().time;
-  // The last key is a frame even where the product is a rounding error short of a whole number.
+  // The tolerance keeps the last key as a frame if duration × fps is a rounding error below a whole number.
   const auto count = std::size_t(std::floor(duration * path.fps + 1e-6)) + 1;
   std::vector<View> views(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that moves: keys in time, splined between them.
+// Camera path: keys in time, interpolated by splines.
 #pragma once
 
 #include <filesystem>
@@ -23,25 +23,25 @@ struct CameraPath {
   std::vector<CameraKey> keys;  // at least one, times strictly increasing
 };
 
-/// A camera with the name of the picture it takes; '/' separates folders.
+/// A camera with the name of its image; '/' separates folders.
 struct View {
   std::string name;
   Camera camera;
-  double time = 0;  // s, on a path; 0 where there is none
+  double time = 0;  // s, along a path; 0 for views without time
 };
 
-/// The camera at a time; before the first and after the last key it stands still. It passes through every key, its
-/// velocity has no jumps, and evenly spaced keys of a straight line give even motion. Rotations take the short way.
+/// Returns the camera at a time; constant before the first and after the last key. The path passes through every key
+/// with continuous velocity. Evenly spaced keys on a line give even motion. Rotations take the shorter way.
 Camera cameraAt(const CameraPath& path, double time);
 
-/// One view every 1/fps s from the first key to the last, named frame_0000, frame_0001, …
+/// Returns one view every 1/fps s from the first key to the last, named frame_0000, frame_0001, …
 std::vector<View> frames(const CameraPath& path);
 
-/// Throws Error{invalidInput} that names `name` and the field where readCameraPath would: sizes from 1 to 65536, fps
-/// from 0.001 to 1000, keys at least a microsecond apart, within a day and a million frames.
+/// Throws Error{invalidInput} that names `name` and the field, for the limits of readCameraPath: sizes from 1 to 65536,
+/// fps from 0.001 to 1000, keys at least a microsecond apart, at most a day and a million frames.
 void checkCameraPath(const CameraPath& path, const std::string& name);
 
-/// The form of the file: {"version":1,"size":[w,h],"fps":30,"keys":[{"time","position":[x,y,z],"rotation":[x,y,z,w],
+/// File format: {"version":1,"size":[w,h],"fps":30,"keys":[{"time","position":[x,y,z],"rotation":[x,y,z,w],
 /// "fovY" in radians}]}. Throws Error (io, invalidInput) that names file and field.
 CameraPath readCameraPath(const std::filesystem::path& file);
 void writeCameraPath(const std::filesystem::path& file, const CameraPath& path);

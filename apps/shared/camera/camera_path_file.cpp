@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr std::uint64_t kLargestFile = 64 << 20;
 constexpr int kLargestSide = 65536;
-constexpr double kLongest = 24 * 3600.0, kShortest = 1e-6;  // s, the whole and a step
-constexpr double kSlowest = 1e-3, kFastest = 1000;          // frames a second
+constexpr double kLongest = 24 * 3600.0, kShortest = 1e-6;  // s: limits of the duration and of the key spacing
+constexpr double kSlowest = 1e-3, kFastest = 1000;          // limits of fps, frames a second
 constexpr double kMostFrames = 1e6;
 
 }  // namespace

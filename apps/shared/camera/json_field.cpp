@@ -50,7 +50,7 @@ void JsonField::refuse(const std::string& what) const {
   fail(ErrorCode::invalidInput, "{}: is {}, but must be {}", place_, text, what);
 }
 
-// nlohmann keeps the last of two equal keys; we take neither. Depth is capped while parsing, before anything recurses.
+// Refuses repeated keys, of which nlohmann keeps the last. Limits the depth while parsing, before any recursion.
 Json parseJson(const std::string& text, const std::string& name) {
   std::vector<std::vector<std::string>> open;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {

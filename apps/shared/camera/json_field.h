@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON from outside, read strictly: every message names where the value came from and its place there.
+// Strict reader for JSON from outside. Every message names the source and the path of the value in the JSON.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,27 +11,27 @@
 
 namespace ibr::app {
 
-/// Throws Error{invalidInput} that begins with `name`: no JSON, nested more than 8 deep, or a key twice in one object.
+/// Throws Error{invalidInput} that begins with `name`: not JSON, nesting deeper than 8, or a repeated key in an object.
 nlohmann::ordered_json parseJson(const std::string& text, const std::string& name);
 
-/// One value, and what messages call it: "NAME: /keys/3/time". The JSON must outlive it. All throw Error{invalidInput}.
+/// Value with its name in messages: "NAME: /keys/3/time". The JSON must outlive it. All throw Error{invalidInput}.
 class JsonField {
  public:
   JsonField(const nlohmann::ordered_json& json, std::string place) : json_(json), place_(std::move(place)) {}
-  /// The whole of what `name` holds.
+  /// The root value of the JSON from `name`.
   static JsonField whole(const nlohmann::ordered_json& json, const std::string& name) { return {json, name + ": "}; }
 
   bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
   JsonField at(const char* key) const;
   JsonField at(std::size_t i) const;
-  /// Of an array.
+  /// Number of elements of an array, from `least` to `most`.
   std::size_t size(std::size_t least, std::size_t most) const;
   double number(double low, double high) const;
   int integer(int low, int high) const;
   std::string text() const;
   const nlohmann::ordered_json& json() const { return json_; }
 
-  /// Throws "PLACE: is VALUE, but must be WHAT" where it does not hold.
+  /// Throws "PLACE: is VALUE, but must be WHAT" if `holds` is false.
   template <class... Args>
   void wanted(bool holds, fmt::format_string<Args...> what, Args&&... args) const {
     if (!holds) refuse(fmt::format(what, std::forward<Args>(args)...));

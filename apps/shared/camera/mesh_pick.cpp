@@ -16,7 +16,7 @@ std::optional<glm::dvec3> pickedPoint(const TriangleMesh& mesh, glm::dvec3 eye, 
     const double determinant = glm::dot(ab, p);
     const double u = glm::dot(from, p) / determinant, v = glm::dot(direction, q) / determinant,
                  t = glm::dot(ac, q) / determinant;
-    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < nearest) nearest = t;  // none of them holds for NaN
+    if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < nearest) nearest = t;  // all comparisons are false for NaN
   }
   if (nearest == std::numeric_limits<double>::infinity()) return std::nullopt;
   return eye + nearest * direction;

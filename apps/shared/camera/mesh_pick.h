@@ -7,8 +7,8 @@
 
 namespace ibr::app {
 
-/// The nearest point of a mesh before an eye in a direction (world; of any length but 0), its front or its back;
-/// nullopt where there is none.
+/// Returns the nearest intersection of a ray with a mesh, world axes; both sides of a triangle count. `direction` may
+/// have any length but 0. nullopt: the ray misses the mesh.
 std::optional<glm::dvec3> pickedPoint(const TriangleMesh& mesh, glm::dvec3 eye, glm::dvec3 direction);
 
 }  // namespace ibr::app

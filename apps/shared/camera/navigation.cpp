@@ -12,14 +12,14 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kLongestStep = 1;         // s
-constexpr double kInertia = 0.1;           // s in which a velocity comes nearer to the wanted one by 63 %
-constexpr double kRest = 1e-3;             // of the speed: slower is standing still
-constexpr double kFast = 4, kSlow = 0.25;  // of the speed
-constexpr double kNotch = 1.2;             // of the speed
+constexpr double kLongestStep = 1;         // longest step that is simulated, s
+constexpr double kInertia = 0.1;           // time constant of the velocity, s: 63 % of a change take this time
+constexpr double kRest = 1e-3;             // share of the speed below which the camera stops
+constexpr double kFast = 4, kSlow = 0.25;  // factors on the speed
+constexpr double kNotch = 1.2;             // factor on the speed for a notch of the wheel
 constexpr double kSlowest = 1e-9, kFastest = 1e12;
-constexpr double kFieldPx = 600;  // px that turn a look by the field of view
-constexpr double kOrbitPx = 600;  // px that turn an orbit by half a turn
+constexpr double kFieldPx = 600;  // pointer path that turns the view by its field of view, px
+constexpr double kOrbitPx = 600;  // pointer path that orbits by half a turn, px
 const double kHighest = glm::radians(89.0);
 
 bool isFinite(const NavigationInput& input) {
@@ -28,16 +28,16 @@ bool isFinite(const NavigationInput& input) {
   return std::ranges::all_of(all, [](double value) { return std::isfinite(value); });
 }
 
-// Horizontal, to the right of where a camera looks: the axis of looking up and down.
+// Horizontal axis to the right of the camera, about which the camera pitches.
 glm::dvec3 levelRight(const glm::dquat& rotation, glm::dvec3 up) {
   const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, -1), across = glm::cross(ahead, up);
   const double length = glm::length(across);
   if (length > 1e-6) return across / length;
-  const glm::dvec3 right = rotation * glm::dvec3(1, 0, 0);  // straight up or down: as the picture lies
+  const glm::dvec3 right = rotation * glm::dvec3(1, 0, 0);  // looking straight up or down: the image's x axis
   return glm::normalize(right - glm::dot(right, up) * up);
 }
 
-// The turn of the world's axes that `radians` to the right and down ask for.
+// Rotation of the world's axes for a turn by `radians` to the right and down, clamped to 89° of the horizon.
 glm::dquat turnOf(const glm::dquat& rotation, glm::dvec3 up, glm::dvec2 radians) {
   const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, -1);
   const double height = std::asin(std::clamp(glm::dot(ahead, up), -1.0, 1.0));
@@ -71,18 +71,18 @@ glm::dvec3 wantedVelocity(const Navigation& state, const NavigationInput& input)
   return direction * state.speed * (input.fast ? kFast : 1) * (input.slow ? kSlow : 1);
 }
 
-// v' = (wanted − v) / inertia, solved over the step.
+// Exact solution of v' = (wanted − v) / inertia over the step.
 void fly(Navigation& state, glm::dvec3 wanted, double seconds) {
   const double left = std::exp(-seconds / kInertia);
   state.pose.position += wanted * seconds + (state.velocity - wanted) * (kInertia * (1 - left));
   state.velocity = wanted + (state.velocity - wanted) * left;
   if (wanted == glm::dvec3(0) && glm::length(state.velocity) < kRest * state.speed) {
-    state.pose.position += state.velocity * kInertia;  // all that was still to come
+    state.pose.position += state.velocity * kInertia;  // the remaining way of the exponential decay
     state.velocity = glm::dvec3(0);
   }
 }
 
-// 0 to 1 with no velocity nor acceleration at the ends.
+// Quintic ease from 0 to 1, with zero velocity and acceleration at both ends.
 double eased(double u) {
   return u * u * u * (u * (6 * u - 15) + 10);
 }

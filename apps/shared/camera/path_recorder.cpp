@@ -13,10 +13,10 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kApart = 1e-3;   // s between keys
-constexpr int kSamples = 32;      // of a segment, for its length
-constexpr int kSettlings = 8;     // a spline's shape depends a little on its times
-constexpr double kStill = 1e-12;  // of the world's size: no way
+constexpr double kApart = 1e-3;   // minimum time between keys, s
+constexpr int kSamples = 32;      // samples of a segment, to measure its length
+constexpr int kSettlings = 8;     // iterations of the timing: the spline's shape depends a little on its times
+constexpr double kStill = 1e-12;  // share of the world's size below which a way counts as zero
 
 Pose poseOf(const CameraKey& key) {
   return {key.position, key.rotation};
@@ -31,7 +31,7 @@ CameraPath checked(CameraPath path) {
   return path;
 }
 
-// Along the spline, from each key to the next. Times need not be those of the keys' ways.
+// Lengths along the spline from each key to the next. The times need not match these lengths.
 std::vector<double> waysOf(const CameraPath& path, double unitsPerRadian) {
   std::vector<double> ways;
   for (std::size_t i = 0; i + 1 < path.keys.size(); ++i) {
@@ -53,7 +53,7 @@ bool standsStill(const CameraKey& a, const CameraKey& b, double unitsPerRadian) 
   return wayBetween(poseOf(a), poseOf(b), unitsPerRadian) <= kStill * size;
 }
 
-// `seconds` for the whole path, or with 0 the speed.
+// `seconds`: duration of the whole path; 0: `unitsPerSecond` applies.
 CameraPath retimed(const CameraPath& before, double unitsPerSecond, double seconds) {
   CameraPath path = before;
   const std::size_t segments = path.keys.empty() ? 0 : path.keys.size() - 1;
@@ -89,7 +89,7 @@ std::size_t putKey(CameraPath& path, const CameraKey& key) {
   const std::size_t index = std::size_t(place - changed.keys.begin());
   changed.keys.insert(place, key);
   changed = checked(std::move(changed));
-  changed.keys[index].rotation = unitRotation(key.rotation);  // so that it is the same once it was saved
+  changed.keys[index].rotation = unitRotation(key.rotation);  // normalised here, so that saving does not change the key
   path = std::move(changed);
   return index;
 }
@@ -99,7 +99,7 @@ std::size_t appendKey(CameraPath& path, const Pose& pose, double fovY, double un
   double time = 0;
   if (!path.keys.empty()) {
     const CameraKey& last = path.keys.back();
-    CameraPath longer = path;  // the first step knows no other
+    CameraPath longer = path;  // includes the new step: a path of one key has no distances
     longer.keys.push_back({last.time + 1, pose.position, pose.rotation, fovY});
     const double way = wayBetween(poseOf(last), pose, unitsPerRadianOf(longer));
     time = last.time + std::max(way / unitsPerSecond, std::max(1 / path.fps, kApart));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera path that a person makes: keys are added, moved, re-timed and deleted. It is plain data (camera_path.h):
-// copies are for undoing, cameraAt shows it, writeCameraPath saves it, and what is read again is the same to the last
-// bit. It always is what readCameraPath takes, but for having no key at all: whatever would not be is refused with
-// Error{invalidInput} and the path is as before.
+// Editing of camera paths: keys are added, moved, re-timed and deleted. A path is plain data (camera_path.h), so copies
+// serve as undo states. cameraAt shows a path, writeCameraPath saves it, and reading returns the same bits. A path is
+// always valid for readCameraPath, except that it may have no keys. Edits that would make the path invalid throw
+// Error{invalidInput} and leave the path unchanged.
 #pragma once
 
 #include <cstddef>
@@ -11,33 +11,33 @@
 
 namespace ibr::app {
 
-/// Puts a key at its time and gives its place; one that is within a millisecond is replaced.
+/// Inserts a key at its time and returns its index. Replaces a key within a millisecond.
 std::size_t putKey(CameraPath& path, const CameraKey& key);
 
-/// Puts a key behind the last one, so much later as the way there takes at `unitsPerSecond` > 0 (wayBetween), at least
-/// a frame. The first key is at 0 s.
+/// Appends a key after the last one. The time between both is the way (wayBetween) at `unitsPerSecond` > 0, at least a
+/// frame. The first key is at 0 s.
 std::size_t appendKey(CameraPath& path, const Pose& pose, double fovY, double unitsPerSecond);
 
-/// The key is at another time, and its place is given. It may pass others, but not come within a millisecond of one.
+/// Moves a key to another time and returns its new index. A key may pass others, but not come within 1 ms of one.
 std::size_t moveKey(CameraPath& path, std::size_t key, double time);
 
 void deleteKey(CameraPath& path, std::size_t key);
 
-/// World units from one pose to another along a line; a turn counts as a way, `unitsPerRadian` for each radian: the
-/// root of the sum of both squares.
+/// Returns the way from one pose to another, world units: the root of the sum of squares of the straight distance and
+/// of the turn, which counts `unitsPerRadian` per radian.
 double wayBetween(const Pose& from, const Pose& to, double unitsPerRadian);
 
-/// Twice the median of the ways between keys that differ in place, 1 where there are none: half a radian takes as long
-/// as the usual step.
+/// Returns twice the median distance between consecutive keys at different positions; 1 if there are none. Half a
+/// radian then takes as long as the median step.
 double unitsPerRadianOf(const CameraPath& path);
 
-/// New times, so that the camera goes along the spline at the same speed from key to key: between any two keys it is on
-/// average `unitsPerSecond` > 0. The first key keeps its time; where the camera stands still it stands as long as
-/// before.
+/// Re-times the keys for the same mean speed on every segment along the spline, `unitsPerSecond` > 0. The first key
+/// keeps its time. Where the camera stands still between two keys, the duration of this pause is
+/// unchanged.
 void retimeAtSpeed(CameraPath& path, double unitsPerSecond);
 
-/// The same speed from key to key, and `seconds` > 0 from first to last, standing still included: pauses become shorter
-/// or longer by the same share.
+/// Re-times the keys for the same speed on every segment and a total duration `seconds` > 0. Pauses are included: their
+/// durations scale by the same factor.
 void retimeToLast(CameraPath& path, double seconds);
 
 }  // namespace ibr::app

@@ -15,7 +15,7 @@ namespace {
 using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostAsked = 500;  // cameras
+constexpr std::size_t kMostAsked = 500;  // maximum number of cameras that neighbourDistance samples
 constexpr double kRadiansPerStep = 0.5;
 constexpr double kTwiceAStep = 2, kOfTheSpan = 0.05;
 
@@ -52,7 +52,7 @@ double largestCoordinate(const std::vector<Pose>& cameras) {
   return largest;
 }
 
-// Nearer is the same place, told by rounding alone.
+// Positions closer than this differ by rounding alone and count as equal.
 double samePlace(const std::vector<Pose>& cameras) {
   return 1e-12 * largestCoordinate(cameras);
 }

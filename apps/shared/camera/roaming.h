@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far from the photographs a camera may go, and which of them is near.
+// Limits of the distance between the camera and the photographs, and the search for near photographs.
 #pragma once
 
 #include <cstdint>
@@ -12,41 +12,41 @@
 
 namespace ibr::app {
 
-/// All that is within `radius` of a photograph's place, or of the line between two neighbours'.
+/// All points within `radius` of a photograph's position, or of the line between two neighbours.
 struct RoamingBounds {
   std::vector<glm::dvec3> places;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;  // of places
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;  // indices into places
   double radius = 0;                                                // world units, > 0
 };
 
-/// The lines of a scene's cells, each once.
+/// Returns the edges between the members of a scene's cells, each once.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> cellNeighbours(const Scene& scene);
 
-/// From each camera to its `count` nearest, each once: for what has no cells. Cameras at one place are no neighbours.
+/// Returns pairs of each camera and its `count` nearest at other positions, each pair once; for models without cells.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> nearNeighbours(const std::vector<Pose>& cameras,
                                                                     std::size_t count);
 
-/// World units to the nearest place or line; infinite where there is none.
+/// Returns the distance to the nearest position or line, world units; infinite if there is none.
 double distanceTo(const RoamingBounds& bounds, glm::dvec3 position);
 
-/// Where a camera comes to that goes from one position to another. What leads out ends on the boundary, at the point
-/// that is nearest; a camera that is outside already gets no further away, and never leaps back. Without places: `to`.
+/// Returns the end of a motion from `from` to `to`, limited to the bounds. A motion out of them ends at the nearest
+/// point of the boundary. A camera that is already outside gets no farther away. Without places: `to`.
 glm::dvec3 keptWithin(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 to);
 
-/// The median of the distances from a camera to the nearest that is at another place; nullopt where all are at one. Of
-/// many cameras, some are asked.
+/// Returns the median distance from a camera to the nearest camera at another position; nullopt if all are at one. At
+/// most 500 cameras are sampled.
 std::optional<double> neighbourDistance(const std::vector<Pose>& cameras);
 
-/// World units a second to begin with, from the scene's size: two steps between neighbours, at least a twentieth of
-/// what the cameras span; 1 where that is nothing.
+/// Returns an initial speed, world units a second: two distances between neighbours, at least a twentieth of the
+/// cameras' extent; 1 if all cameras share a position.
 double firstSpeed(const std::vector<Pose>& cameras);
 
-/// The camera that shows most nearly what `pose` does: half a radian off counts as a step between neighbours does.
-/// nullopt of none.
+/// Returns the camera with the view nearest to `pose`: half a radian counts as much as the distance between neighbours.
+/// nullopt: there are no cameras.
 std::optional<std::size_t> nearestCamera(const std::vector<Pose>& cameras, const Pose& pose);
 
-/// The camera `steps` after the nearest (before: < 0) in their order, round the ends; nullopt of none. One that is not
-/// where `pose` is counts as the first step, and those that see the same as `pose` are passed over.
+/// Returns the camera `steps` after the nearest one (negative: before) in their order, cyclic; nullopt: none. Going to
+/// the nearest camera counts as the first step unless `pose` is there. Cameras with the view of `pose` are skipped.
 std::optional<std::size_t> nextCamera(const std::vector<Pose>& cameras, const Pose& pose, int steps);
 
 }  // namespace ibr::app

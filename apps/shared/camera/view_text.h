@@ -12,16 +12,16 @@ namespace ibr::app {
 struct TextView {
   Pose pose;
   double fovY = 0;               // radians
-  std::optional<glm::dvec3> up;  // unit, world: where up is for who navigates
+  std::optional<glm::dvec3> up;  // unit, world: up direction for navigation
 };
 
-/// {"position":[x,y,z],"rotation":[x,y,z,w],"fovY":radians,"up":[x,y,z]} without a line break; the fields of a camera
-/// path's key. Read again it is the same to the last bit, given a unit rotation.
+/// Returns {"position":[x,y,z],"rotation":[x,y,z,w],"fovY":radians,"up":[x,y,z]} on one line; the fields of a camera
+/// path's key. For a unit rotation, reading restores the same bits.
 std::string viewText(const TextView& view);
 
-/// The same read back; "up" and, as a path's key has it, "time" may stand there, nothing else. White space at the ends
-/// is allowed. Throws Error{invalidInput} that names the field: numbers up to 1e15, rotation and up unit within 1e-3
-/// (they are divided by their length), fovY from 0.001 to π − 0.001, a field twice or unknown, and text of more than
+/// Reads viewText's format. "up" and "time" (as in a path's key) are optional; other fields are refused. White space at
+/// the ends is allowed. Throws Error{invalidInput} that names the field. Limits: numbers up to 1e15; rotation and up of
+/// unit length within 1e-3 (they are normalised); fovY from 0.001 to π − 0.001; no repeated or unknown field; at most
 /// 4096 characters.
 TextView viewOf(const std::string& text);
 

@@ -43,7 +43,7 @@ std::string_view levelName(LogLevel level) {
 
 void Context::write(LogLevel level, std::string_view message) const {
   if (level == LogLevel::debug && !options_.verbose) return;
-  if (level <= LogLevel::info && options_.quiet) return;
+  if (level < LogLevel::error && options_.quiet) return;
   writeBesideProgress(fmt::format("{}: {}{}\n", options_.program, levelName(level), message));
 }
 

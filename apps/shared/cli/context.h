@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a program, or a command of it, gets: the common options, and where its words go. Results go to stdout, all else
-// to stderr.
+// Context of a program or command: common options and output. Results go to stdout, all messages to
+// stderr.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,11 +15,11 @@
 namespace ibr::app {
 
 struct CommonOptions {
-  const char* program = "ibr";  // before each message
-  std::string json;             // file for the report, "-" for stdout, "" for none
+  const char* program = "ibr";  // prefix of each message
+  std::string json;             // report file; "-": stdout; "": none
   std::string device;
   std::uint64_t seed = 1;
-  int threads = 0;  // 0 = all cores
+  int threads = 0;  // 0: all cores
   bool quiet = false;
   bool verbose = false;
 };
@@ -29,16 +29,16 @@ class Context {
   explicit Context(const CommonOptions& options) : options_(options) {}
   const CommonOptions& options() const { return options_; }
 
-  /// A line of the result, for people. Dropped where stdout holds the JSON report. Throws Error{io}.
+  /// Prints a result line for people. Dropped with -q, and if the JSON report goes to stdout. Throws Error{io}.
   template <class... Args>
   void print(fmt::format_string<Args...> format, Args&&... args) const {
-    if (options_.json != "-") writeOut(fmt::format(format, std::forward<Args>(args)...));
+    if (options_.json != "-" && !options_.quiet) writeOut(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// The report for programs, complete; written where --json says. Throws Error{io}.
+  /// Writes the complete report, for programs, to the destination of --json. Throws Error{io}.
   void report(const std::string& json) const;
 
-  /// Messages of the library and of the commands, to stderr.
+  /// Log for messages of the library and of the commands, to stderr.
   LogCallback log() const;
   template <class... Args>
   void say(LogLevel level, fmt::format_string<Args...> format, Args&&... args) const {
@@ -52,10 +52,10 @@ class Context {
   CommonOptions options_;
 };
 
-/// Pushes what is still buffered to stdout. Throws Error{io} where it cannot be written: a full disk is a failure.
+/// Flushes stdout. Throws Error{io} if the buffered output cannot be written, such as on a full disk.
 void flushResults();
 
-/// "error: " in colour where stderr is a terminal and NO_COLOR is not set.
+/// "error: " and the like, in colour if stderr is a terminal and NO_COLOR is not set.
 std::string_view levelName(LogLevel level);
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the programs return: the one place where errors become exit codes.
+// Exit codes of the programs, and the only conversion from errors to exit codes.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace ibr::app {
 
-/// Exit codes (ARCHITECTURE §7). 130 is what shells expect of a program that Ctrl-C stopped.
+/// Exit codes. Shells expect 130 of a program that Ctrl-C stopped.
 enum ExitCode : int {
   kExitOk = 0,
   kExitCommandLine = 1,
@@ -23,10 +23,10 @@ enum ExitCode : int {
 
 ExitCode exitCodeOf(ErrorCode code);
 
-/// Writes "PROGRAM: error: WHAT" to stderr and gives `code` back.
+/// Writes "PROGRAM: error: WHAT" to stderr and returns `code`.
 ExitCode complain(std::string_view program, std::string_view what, ExitCode code);
 
-/// What `body` gives; where it throws, the error's code after `complain`.
+/// Returns the result of `body`; if `body` throws, reports the error with `complain` and returns its code.
 ExitCode guarded(std::string_view program, const std::function<ExitCode()>& body) noexcept;
 
 }  // namespace ibr::app

@@ -15,7 +15,7 @@ fs::path fromEnvironment(const char* variable) {
   return given ? given : "";
 }
 
-// $XDG_…_HOME, or what is below the home folder instead. Empty where there is neither.
+// Returns $XDG_…_HOME, else the subfolder `below` of the home folder. Empty: neither variable is set.
 fs::path baseFolder(const char* variable, const char* below) {
   const fs::path given = fromEnvironment(variable), home = fromEnvironment("HOME");
   return !given.empty() || home.empty() ? given : home / below;
@@ -28,7 +28,7 @@ fs::path ours(const fs::path& base) {
   return error ? fs::path() : base / "libibr";
 }
 
-// user-dirs.dirs has lines such as XDG_PICTURES_DIR="$HOME/Pictures"; $HOME alone says that there is none.
+// Parses lines such as XDG_PICTURES_DIR="$HOME/Pictures" in user-dirs.dirs; "$HOME" alone means no folder.
 fs::path namedByUser() {
   const std::string key = "XDG_PICTURES_DIR=\"", home = "$HOME/";
   std::ifstream file(baseFolder("XDG_CONFIG_HOME", ".config") / "user-dirs.dirs");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The user's folders, as the XDG base and user directories say.
+// The user's folders by the XDG base directory and user directory specifications.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,16 @@
 
 namespace ibr::app {
 
-/// For what programs keep: libibr in $XDG_CONFIG_HOME or ~/.config, for what could be made again in $XDG_CACHE_HOME or
-/// ~/.cache; made where they are missing. Empty where that cannot be.
+/// Returns libibr's folder for settings, in $XDG_CONFIG_HOME or ~/.config, and for its cache, in $XDG_CACHE_HOME or
+/// ~/.cache. A missing folder is created. Empty: the folder cannot be created.
 std::filesystem::path settingsFolder();
 std::filesystem::path cacheFolder();
 
-/// Where what a person makes goes: ibr in the folder for pictures that user-dirs.dirs names, or in ~/Pictures; the
-/// current folder where neither is there. Not made.
+/// Returns the folder for the user's output: ibr in the pictures folder of user-dirs.dirs, or in ~/Pictures; the
+/// current folder if neither exists. The folder is not created.
 std::filesystem::path picturesFolder();
 
-/// What people call a folder or file: its own name, also where the path ends in a slash or is ".".
+/// Returns the name of a folder or file for people, also if the path ends in a slash or is ".".
 std::string folderName(const std::filesystem::path& path);
 
 }  // namespace ibr::app

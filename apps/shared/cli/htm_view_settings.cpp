@@ -18,20 +18,24 @@ const char* htmMethodName(HtmMethod method) {
 }
 
 void declareHtmSettings(CLI::App& app, HtmSettings& settings) {
-  addDouble(app, "--gamma", settings.gamma, 1, 1000, "How much cameras that look as the view does are preferred");
+  addDouble(app, "--gamma", settings.gamma, 1, 1000,
+            "Preference for cameras that look in the view's direction; higher "
+            "is stronger");
   addDouble(app, "--weight-cut", settings.weightCut, 0, 0.99,
-            "Cameras that together weigh less than this share are left out");
+            "Share of the weights below which the remaining cameras are left out");
 }
 
 void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& onSource) {
   addChoice<HtmMethod>(
       app, "--method", settings.method,
       {{"htm", HtmMethod::harmonised}, {"vdtbm", HtmMethod::blended}, {"vdvbm", HtmMethod::vertexColours}},
-      "How colours come from photographs [htm]");
+      "Source of colours: displaced photographs (htm), blended photographs (vdtbm), or vertex colours (vdvbm) [htm]");
   addChoice<bool>(app, "--mesh", onSource, {{"optimised", false}, {"source", true}},
-                  "Which mesh is drawn; the one of before has nothing to harmonise [optimised]");
+                  "Mesh to draw; the source mesh, before optimisation, has nothing to harmonise [optimised]");
   declareHtmSettings(app, settings);
-  addDouble(app, "--smooth", settings.smoothSeconds, 0, 60, "Along a path, seconds in which weights follow the view");
+  addDouble(app, "--smooth", settings.smoothSeconds, 0, 60,
+            "Along a path, time constant with which weights follow the "
+            "view, in seconds");
 }
 
 nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool onSource) {

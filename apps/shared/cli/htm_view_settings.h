@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How harmonised models are drawn: options of a command and a part of its report.
+// Settings for drawing harmonised models: command-line options and their part of the report.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,16 +9,16 @@
 
 namespace ibr::app {
 
-/// "htm", "vdtbm", "vdvbm": the methods as [H] §4.2 names them.
+/// "htm", "vdtbm", "vdvbm": the methods' names in [H] §4.2.
 const char* htmMethodName(HtmMethod method);
 
-/// --gamma and --weight-cut.
+/// Declares --gamma and --weight-cut.
 void declareHtmSettings(CLI::App& app, HtmSettings& settings);
 
-/// These, --method, --mesh and --smooth. `onSource`: the mesh from before it was optimised.
+/// Declares these, --method, --mesh and --smooth. `onSource`: draws the mesh from before the optimisation.
 void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& onSource);
 
-/// The effective settings, each under the name of its option.
+/// Returns the effective settings, each under the name of its option.
 nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool onSource);
 
 }  // namespace ibr::app

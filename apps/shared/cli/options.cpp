@@ -13,7 +13,7 @@
 namespace ibr::app {
 namespace {
 
-// By the environment, so that it holds for every device of this program and of those that it starts.
+// Uses the environment, so that the list holds for all devices of this program and of the programs it starts.
 void disableFeatures(const std::string& list) {
   try {
     Device::disabledFeatures(list);
@@ -75,21 +75,23 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
 
 void declareCommonOptions(CLI::App& app, CommonOptions& options) {
   app.add_option("--json", options.json, "Write the report as JSON to FILE, or - for stdout")->type_name("FILE");
-  app.add_option("--device", options.device, "Vulkan device: its number or a part of its name (ibr device lists them)")
+  app.add_option("--device", options.device,
+                 "Vulkan device, by number or by part of its name (ibr doctor lists the "
+                 "devices)")
       ->type_name("NAME");
   app.add_option_function<std::string>("--disable-feature", disableFeatures,
-                                       fmt::format("Optional features of the device to leave alone, separated by "
-                                                   "commas: {}; as IBR_DISABLE_FEATURES does",
+                                       fmt::format("Optional device features to leave unused, separated by commas: {}; "
+                                                   "same as IBR_DISABLE_FEATURES",
                                                    fmt::join(Device::optionalFeatureNames(), ", ")))
       ->type_name("LIST");
   app.add_option_function<std::string>(
          "--seed",
          [&options](const std::string& text) { options.seed = std::uint64_t(parsedInt("--seed", text, 0, INT64_MAX)); },
-         "Seed of everything that is drawn at random [1]")
+         "Seed of all random numbers [1]")
       ->type_name("N");
-  addInt(app, "--threads", options.threads, 0, 1024, "Threads of the processor; 0 = all of them");
-  app.add_flag("-q,--quiet", options.quiet, "No progress and no messages, only warnings and errors");
-  app.add_flag("-v,--verbose", options.verbose, "More messages");
+  addInt(app, "--threads", options.threads, 0, 1024, "Number of CPU threads; 0 = all cores");
+  app.add_flag("-q,--quiet", options.quiet, "Print only errors");
+  app.add_flag("-v,--verbose", options.verbose, "Print more messages");
 }
 
 bool wasGiven(const CLI::Option& option) {
@@ -156,7 +158,7 @@ CLI::Option* addAutoPath(CLI::App& app, int& frames) {
               throw CLI::ValidationError("--path", "'" + text + "' is not of the form auto:N");
             frames = int(parsedInt("--path", text.substr(prefix.size()), 1, 1'000'000));
           },
-          "N views between and slightly beyond the photographs")
+          "Automatic path of N views, between and slightly beyond the photographs")
       ->type_name("auto:N");
 }
 
@@ -164,15 +166,14 @@ CLI::Option* addFov(CLI::App& app, double& degrees) {
   return app
       .add_option_function<std::string>(
           "--fov", [&degrees](const std::string& text) { degrees = parsedDouble("--fov", text, 1, 179); },
-          "Vertical field of view, were the principal point in the middle [that of the poses]")
+          "Vertical field of view, as if the principal point were centred [from the poses]")
       ->type_name("DEGREES");
 }
 
 void addGraph(CLI::App& app, bool& graph) {
   app.add_flag(
       "--graph", graph,
-      "Photographs' frusta, and the lines of the cells between them, over the pictures; what a picture is made "
-      "of in the colours of its cells' ranks");
+      "Draw the image graph over the images: camera frusta and cell edges, with the cells in use coloured by rank");
 }
 
 std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare) {

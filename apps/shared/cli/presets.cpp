@@ -12,7 +12,7 @@ namespace {
 constexpr std::array kDeviceKinds{std::pair{"software", DeviceKind::software},
                                   std::pair{"hardware", DeviceKind::hardware}};
 
-// "" where it was not given, or the app has it not.
+// Returns the option's last value; "" if it was not given or the app lacks it.
 std::string valueOf(const CLI::App& app, const char* option) {
   const CLI::Option* found = app.get_option_no_throw(option);
   return found && found->count() > 0 ? found->results().back() : std::string();
@@ -23,7 +23,7 @@ bool asksForCells(const CLI::App& app) {
          !valueOf(app, "--solo").empty();
 }
 
-// A word of --preset: with the kind of a device, or without.
+// Parses a word of --preset, with or without the kind of a device.
 RenderSettings presetNamed(const std::string& text, const CLI::App& app) {
   for (const auto& [word, meaning] : kPresets) {
     if (word == text) return preset(meaning, deviceKindFor(valueOf(app, "--device")));
@@ -35,7 +35,7 @@ RenderSettings presetNamed(const std::string& text, const CLI::App& app) {
                                              "-software or -hardware");
 }
 
-// The preset that is nearest, and the options in which it differs.
+// The preset that differs in the fewest options, and these options.
 struct NearestPreset {
   std::string name, but;
   std::size_t differences = 0;
@@ -59,19 +59,19 @@ NearestPreset nearestPreset(const RenderSettings& settings) {
 }  // namespace
 
 void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
-  settings = defaults.value_or(preset(Preset::balanced, DeviceKind::hardware));  // for what the help tells
-  // Declared first, so that what is given explicitly comes later and wins.
+  settings = defaults.value_or(preset(Preset::balanced, DeviceKind::hardware));  // default that the help shows
+  // Declared before the other settings, so that options given explicitly are applied later and override the preset.
   CLI::Option* option =
       app.add_option_function<std::string>(
              "--preset",
              [&app, &settings](const std::string& text) {
-               // A command that is not the one, and help, need no device.
+               // Help, and commands that are declared but not called, need no device.
                if (!app.parsed() || app.get_help_ptr()->count() > 0) return;
                settings = presetNamed(text, app);
                if (asksForCells(app)) settings.composition = Composition::cells;
              },
-             "All settings at once, from the fastest to the most accurate; those given beside it win. What each is "
-             "differs by the device; balanced-software or balanced-hardware is the same on all [balanced]")
+             "Preset of all settings, from fastest to most accurate; explicit options override the preset. Presets "
+             "depend on the device, except with -software or -hardware, as balanced-software [balanced]")
           ->type_name("fast|balanced|accurate|reference");
   if (!defaults) option->default_str("balanced")->force_callback();
 }

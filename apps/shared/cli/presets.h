@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render settings by name: what each is differs by the kind of the device.
+// Render settings by name. A preset's values differ by the kind of the device.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,25 +12,25 @@
 
 namespace ibr::app {
 
-/// Words of --preset, from the fastest.
+/// Words of --preset, from the fastest to the most accurate.
 inline constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
                                      std::pair{"accurate", Preset::accurate},
                                      std::pair{"reference", Preset::reference}};
 
-/// A preset in the place of these settings; what is shown over the picture stays, and which cells are drawn.
+/// Returns the preset; keeps from `settings` the overlays and the choice of cells to draw.
 RenderSettings presetOver(const RenderSettings& settings, Preset preset, DeviceKind kind);
 
-/// --preset. `settings` becomes `defaults`, or as declareSettings says.
+/// Declares --preset. `settings` is set to `defaults`, or as declareSettings describes.
 void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults);
 
-/// Kind of the device that --device names by `wish` (empty: without); software where there is none.
+/// Returns the kind of the device that --device selects by `wish` (empty: no --device); software if there is none.
 DeviceKind deviceKindFor(const std::string& wish);
 
-/// "balanced-software", which --preset takes on any device; without the kind where it makes no difference.
+/// Returns a name such as "balanced-software", valid for --preset on any device; no kind if all kinds are the same.
 std::string presetName(Preset preset, DeviceKind kind);
-/// Of the preset that differs from these settings in the fewest options.
+/// Returns the name of the preset that differs from these settings in the fewest options.
 std::string presetName(const RenderSettings& settings);
-/// That, and the options in which they differ: "balanced-software, but for --cells 4 --tiers 2".
+/// Returns this name and the differing options: "balanced-software, but for --cells 4 --tiers 2".
 std::string presetText(const RenderSettings& settings);
 
 }  // namespace ibr::app

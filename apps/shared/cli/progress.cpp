@@ -12,8 +12,8 @@
 namespace ibr::app {
 namespace {
 
-std::mutex stderrMutex;   // messages may come from threads of the library
-std::string barOnScreen;  // what stands on the terminal's last line; guarded by stderrMutex
+std::mutex stderrMutex;   // threads of the library may send messages
+std::string barOnScreen;  // current text of the terminal's last line; guarded by stderrMutex
 
 void put(std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
@@ -85,8 +85,9 @@ void ProgressLine::draw(const Progress& progress) {
   const double share = progress.total > 0 ? double(progress.done) / double(progress.total) : 0.0;
   if (!terminal_) {
     const int tenths = int(share * 10);
-    if (tenths == tenths_) return;
+    if (tenths == tenths_ || (tenths_ >= 0 && now - drawn_ < std::chrono::seconds(5))) return;
     tenths_ = tenths;
+    drawn_ = now;
     writeBesideProgress(progress.total > 1 ? fmt::format("{}: {}: {} %\n", program_, progress.stage, tenths * 10)
                                            : fmt::format("{}: {}\n", program_, progress.stage));
     return;

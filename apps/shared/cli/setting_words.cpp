@@ -6,7 +6,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// renderScale → --render-scale
+// Turns renderScale into --render-scale.
 std::string optionOf(const std::string& key) {
   std::string option = "--";
   for (const char c : key) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings as words of a command line: the way from one program to another.
+// Converts settings into command-line words, to pass settings from one program to another.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,9 +8,9 @@
 
 namespace ibr::app {
 
-/// The options that bring about what a report or a picture's record says ("settings", an object with a key for each
-/// option): {"renderScale":0.5,"graph":true,"floor":null} is --render-scale 0.5 --graph. Lists are joined by
-/// commas; null, false and empty lists are what there is without the option. Numbers keep their last bit.
+/// Returns the options for the "settings" object of a report or of an image's record. The object has a key for each
+/// option: {"renderScale":0.5,"graph":true,"floor":null} gives --render-scale 0.5 --graph. Lists are joined by
+/// commas; null, false and empty lists give no option. Numbers keep their last bit.
 std::vector<std::string> settingWords(const nlohmann::ordered_json& settings);
 
 }  // namespace ibr::app

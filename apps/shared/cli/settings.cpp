@@ -19,7 +19,7 @@ static_assert([] {
   return true;
 }());
 
-// "3,7"
+// Parses a list of cells such as "3,7".
 std::vector<std::uint32_t> parsedCells(const std::string& option, const std::string& text) {
   std::vector<std::uint32_t> cells;
   for (std::size_t from = 0; from <= text.size();) {
@@ -37,37 +37,39 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
   addChoice<Composition>(
       app, "--composition", settings.composition,
       {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
-      "Morphing cells alone; every pixel gathered from the photographs that saw it; or cells where all members agree "
-      "and the rest gathered [as --preset; cells with the paper's --order or --colour, --solo]");
+      "Source of pixels: morphing cells, a gather from photographs per pixel, or cells with a gather where members "
+      "disagree [as --preset; cells with the paper's --order or --colour, or --solo]");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
-                          "Gather from at most N photographs a frame");
+                          "Maximum number of photographs per frame to gather from");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
-                          "A gathered pixel is the mean of at most N photographs");
+                          "Maximum number of photographs averaged in a gathered pixel");
   addCount<std::uint32_t>(app, "--layers", settings.gatherLayers, 1, kMaxGatherLayers,
-                          "A gathered pixel shows at most N surfaces behind one another");
+                          "Maximum number of surfaces behind one another in a gathered pixel");
   addDouble(app, "--vote-scale", settings.voteScale, 0.05, 1,
-            "Photographs vote for depth in an image whose sides are X of the drawn one's; 0.25 with balanced-software");
-  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
-         "Draw tiers 0 to N: 0 is what photographs agree on, 2 also gathered pixels whose depth no second photograph "
-         "confirms, 3 fills holes from around, unless photographs have masks");
+            "Size of the image in which photographs vote for depth, as a factor on the drawn image's sides; 0.25 with "
+            "balanced-software");
+  addInt(app, "--tiers", settings.maxTier, kTierAgrees, kTierFilled,
+         "Draw tiers 0 to N: 0 confirmed by several photographs, 2 adds gathered pixels of unconfirmed depth, 3 fills "
+         "holes from around, except in scenes with masks");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
-                   "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
+                   "Position of morphed vertices: by inverse distances (ours), or by equation 4 of the paper [ours]");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
-                  "Cells that share photographs move a little, so that they agree where poses are wrong; not with the "
-                  "paper's morph [off]");
+                  "Shift cells that share photographs slightly until the cells agree, for inaccurate poses; not with "
+                  "the paper's morph [off]");
   addChoice<BlendMode>(app, "--blend", settings.blend,
                        {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}},
-                       "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
+                       "Combine photographs by a weighted sum (blend), by one photograph per pixel (dither), or by the "
+                       "mean of both [blend]");
   addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
-            "Draw no cell that is further away than X times its size");
+            "Draw no cell that is farther away than X times its size");
   addDouble(app, "--switch", settings.switchSeconds, 0, 60,
-            "Along a path, seconds over which a change of the main cell is mixed; 0: cuts");
+            "Along a path, seconds of the cross-fade after the main cell changes; 0: cut");
   addDouble(app, "--texture-scale", settings.textureScale, 0.01, 100,
-            "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
+            "Share of the photographs' detail to show: 0.5 uses textures of half the size");
   addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
-            "Draw cells in a picture whose sides are X of the result's, and scale it");
+            "Size of the drawn image, as a factor on the result's sides; the drawn image is then scaled");
   addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
-                  "Two views: one colour table for both, or each its own [shared]");
+                  "With two views: one colour table for both views, or one for each [shared]");
   addChoice<Exposure>(
       app, "--exposure", settings.exposure,
       [] {
@@ -75,26 +77,29 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
         for (const auto& [word, exposure] : kExposures) choices.emplace_back(word, exposure);
         return choices;
       }(),
-      "Photographs as they are, or as if all had one exposure: the scene's mean, or that of the photographs which the "
-      "main cell shows [adapted]");
+      "Exposure of the photographs: unchanged (off), the mean of the scene, or the mean of the photographs in the main "
+      "cell [adapted]");
   addChoice<ColourTable>(
       app, "--colour-table", settings.colourTable,
       {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
-      "How colour tables go on beyond the colours that cells share [preserving]");
+      "Extrapolation of colour tables beyond the colours that cells share [preserving]");
   addDouble(app, "--colour-samples", settings.colourSamples, 0, 1,
-            "Share of the pixels of an overlap that colour tables are made from");
+            "Share of an overlap's pixels that colour tables are computed from");
   addInt(app, "--colour-proxy", settings.colourProxy, 1, 64,
-         "Colour tables of ours are made from a picture of all cells whose sides are N times shorter");
+         "--colour ours: factor by which the proxy image, from which colour tables are computed, is smaller in width "
+         "and height");
   addInt(app, "--colour-period", settings.colourPeriod, 1, 1000,
-         "Along a path, colour tables of ours are made anew every N frames");
+         "--colour ours: along a path, number of frames after which colour tables are computed again");
 }
 
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
   declarePictureSettings(app, settings, defaults);
-  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount,
-                          "Draw at most N cells, of the hybrid 2");
+  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kMaxCellCount,
+                          "Maximum number of cells to draw; the "
+                          "hybrid composition draws at most 2");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
-                       "Main cell first with depth, or the paper's back to front without [ours]");
+                       "Draw order: main cell first with a depth test (ours), or the paper's back to front without one "
+                       "[ours]");
   addChoice<ColourMapping>(
       app, "--colour", settings.colourMapping,
       [] {
@@ -102,13 +107,13 @@ void declareSettings(CLI::App& app, RenderSettings& settings, const std::optiona
         for (const auto& [word, mapping] : kColourMappings) choices.emplace_back(word, mapping);
         return choices;
       }(),
-      "Colours of all cells adapt to the main cell's: tables from a proxy, or the paper's sequence, whose tables are\n"
-      "applied to all pixels or by drawing again [off]");
+      "Match colours of all cells to the main cell: tables from a proxy image (ours), or the paper's sequence, applied "
+      "per pixel (paper) or by redrawing [off]");
 }
 
 void declareOverlays(CLI::App& app, RenderSettings& settings) {
   std::vector<std::pair<std::string, Overlay>> choices;
-  std::string description = "What is shown over the picture or in its place [none]:";
+  std::string description = "Diagnostic image over the rendered image or in its place [none]:";
   for (const OverlayWord& line : kOverlays) {
     choices.emplace_back(line.word, line.overlay);
     if (line.overlay != Overlay::none) description += fmt::format("\n{}: {}", line.word, line.shows);
@@ -120,7 +125,7 @@ void declareOverlays(CLI::App& app, RenderSettings& settings) {
         ->type_name("N,N…");
   };
   cells("--mute", settings.mutedCells, "Never draw these cells");
-  cells("--solo", settings.soloCells, "Draw these cells alone");
+  cells("--solo", settings.soloCells, "Draw only these cells");
 }
 
 bool overlaysGoWith(const RenderSettings& settings) {
@@ -167,27 +172,28 @@ const char* wordOf(BlendMode blend) {
 
 void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
   addBytes(app, "--vram-budget", options.budgetBytes,
-           "Hold the scene in so many bytes of the device's memory (K, M, G for 2^10, 2^20, 2^30) and stream "
-           "photographs [no limit]");
+           "Maximum device memory for the scene, in bytes (K, M, G for 2^10, 2^20, 2^30); photographs are then "
+           "streamed [no limit]");
   addChoice<BlockTextures>(
       app, "--blocks", options.blocks,
       {{"auto", BlockTextures::automatic}, {"keep", BlockTextures::keep}, {"decode", BlockTextures::decode}},
-      "Textures in blocks (bc1, bc7) stay as they are, or become rgba8 [auto: that on software devices that have "
+      "Keep texture compression (bc1, bc7), or decode textures to rgba8 [auto: decode on software devices that have "
       "the memory]");
   addChoice<TextureFilter>(app, "--filter", options.filter,
                            {{"auto", TextureFilter::automatic},
                             {"bilinear", TextureFilter::bilinear},
                             {"trilinear", TextureFilter::trilinear},
                             {"bicubic", TextureFilter::bicubic}},
-                           "Sample one mip level of a photograph, or two; bicubic is sharper where a photograph is "
-                           "magnified [auto: one on software devices]");
+                           "Texture filter: one mip level (bilinear), two (trilinear), or two with sharper "
+                           "magnification (bicubic) [auto: trilinear, bilinear on software devices]");
 }
 
 void declareTextureFormat(CLI::App& app, TextureFormat& format) {
   addChoice<TextureFormat>(
       app, "--texture", format,
       {{"rgba8", TextureFormat::rgba8}, {"bc1", TextureFormat::bc1}, {"bc7", TextureFormat::bc7}},
-      "How textures are stored: 4 bytes a pixel as they are, or 0.5 (bc1) or 1 (bc7) in blocks [rgba8]");
+      "Texture compression: none with 4 bytes per pixel (rgba8), or blocks with 0.5 (bc1) or 1 byte per pixel (bc7) "
+      "[rgba8]");
 }
 
 nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
@@ -197,7 +203,7 @@ nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
           {"layers", settings.gatherLayers},
           {"voteScale", settings.voteScale},
           {"cells", settings.maxCells},
-          {"tiers", settings.lowestTier},
+          {"tiers", settings.maxTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"align", settings.alignCells ? "on" : "off"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},

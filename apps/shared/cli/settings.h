@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Render settings as options of a command and as a part of its report.
+// Render settings as command-line options and as a part of the report.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,71 +13,71 @@
 
 namespace ibr::app {
 
-/// Declares all of them. `settings` becomes `defaults`; without them, when options have been read, the preset balanced
-/// of the device that --device names, which is cells where an option asks for what is theirs alone (the paper's ways,
-/// --solo).
+/// Declares all render settings. `settings` is set to `defaults`. Without defaults, the preset `balanced` of the device
+/// of --device is set when the options are parsed. Its composition becomes cells if an option needs cells (the
+/// paper's methods, --solo).
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
-/// The same without --cells, --order and --colour, for a command that tries several of each.
+/// As declareSettings, without --cells, --order and --colour, for commands that compare several values of these.
 void declarePictureSettings(CLI::App& app, RenderSettings& settings,
                             const std::optional<RenderSettings>& defaults = {});
 
-/// --overlay, --mute and --solo, for programs whose pictures are looked at.
+/// Declares --overlay, --mute and --solo, for programs whose images are viewed by people.
 void declareOverlays(CLI::App& app, RenderSettings& settings);
 
-/// Not with the paper's ways of colour mapping.
+/// Returns false for the paper's methods of colour mapping.
 bool overlaysGoWith(const RenderSettings& settings);
-/// Throws CLI::ValidationError where there is one and it does not go with the other settings.
+/// Throws CLI::ValidationError if there is an overlay that the other settings exclude.
 void checkOverlays(const RenderSettings& settings);
-/// Throws Error{invalidInput} where --mute or --solo names a cell that the scene does not have.
+/// Throws Error{invalidInput} if --mute or --solo names a cell that the scene lacks.
 void checkCells(const RenderSettings& settings, const Scene& scene);
 
-/// --vram-budget, --blocks and --filter, for all commands that put a scene on a device.
+/// Declares --vram-budget, --blocks and --filter, for all commands that load a scene onto a device.
 void declareGpuScene(CLI::App& app, GpuSceneOptions& options);
 
-/// --texture, for commands that write textures.
+/// Declares --texture, for commands that write textures.
 void declareTextureFormat(CLI::App& app, TextureFormat& format);
 
-/// Words of --colour, also of reports.
+/// Words of --colour, also in reports.
 inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
     std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
 const char* wordOf(ColourMapping mapping);
 
-/// Words of --exposure, also of reports.
+/// Words of --exposure, also in reports.
 inline constexpr std::array kExposures{std::pair{"off", Exposure::off}, std::pair{"scene", Exposure::scene},
                                        std::pair{"adapted", Exposure::adapted}};
 const char* wordOf(Exposure exposure);
 const char* wordOf(BlendMode blend);
 const char* wordOf(Composition composition);
-/// After the last comes the first.
+/// Returns the next composition, cyclic.
 Composition next(Composition composition);
 
-/// Words of --overlay and what each shows, in the order in which a viewer goes through them.
+/// Words of --overlay and their descriptions, in the order in which the viewer cycles through them.
 struct OverlayWord {
   Overlay overlay;
   const char* word;
   const char* shows;
 };
 inline constexpr std::array kOverlays{
-    OverlayWord{Overlay::none, "none", "the picture alone"},
-    OverlayWord{Overlay::wireframe, "wireframe", "edges of the triangles, the better their cell's rank the lighter"},
-    OverlayWord{Overlay::tiers, "tiers", "what photographs agree on, what was completed, holes"},
-    OverlayWord{Overlay::weights, "weights", "which photographs of a cell the picture comes from"},
-    OverlayWord{Overlay::confidence, "confidence", "how certain the depth is"},
-    OverlayWord{Overlay::depth, "depth", "how far away it is"},
-    OverlayWord{Overlay::overlap, "overlap", "how many cells show a place"},
-    OverlayWord{Overlay::agreement, "agreement", "how well a cell's photographs correlate there"}};
+    OverlayWord{Overlay::none, "none", "the image alone"},
+    OverlayWord{Overlay::wireframe, "wireframe", "triangle edges, lighter for cells of better rank"},
+    OverlayWord{Overlay::tiers, "tiers", "confirmed depth, completed depth, holes"},
+    OverlayWord{Overlay::weights, "weights", "weights of a cell's photographs in each pixel"},
+    OverlayWord{Overlay::confidence, "confidence", "confidence of the depth"},
+    OverlayWord{Overlay::depth, "depth", "distance along the viewing axis"},
+    OverlayWord{Overlay::overlap, "overlap", "number of cells that show a pixel"},
+    OverlayWord{Overlay::agreement, "agreement", "correlation of a cell's photographs around a pixel"}};
 const OverlayWord& wordOf(Overlay overlay);
 
-/// How pictures are drawn, each setting under the name of its option.
+/// Returns the drawing settings, each under the name of its option.
 nlohmann::ordered_json optionsJson(const RenderSettings& settings);
 
-/// That, "preset" (presetName) before it and how the scene is held after it: the effective settings.
+/// Returns all effective settings: "preset" (presetName), the drawing settings, and the GPU scene's options.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
-/// These, "floor" and "floorSpacing" (FloorWish), "overlay", each null where there is none,
-/// "mute" and "solo", lists of cells: all that makes one picture of a view.
+/// Returns all settings that determine the image of a view: those of settingsJson, "floor" and "floorSpacing"
+/// (FloorWish), "overlay", each null if absent, and "mute" and "solo", lists of cells.
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
                                            const std::optional<FloorWish>& floor);
 

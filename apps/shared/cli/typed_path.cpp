@@ -22,7 +22,7 @@ std::vector<std::string> foldersThatBegin(const fs::path& parent, const std::str
   return names;
 }
 
-// Letters of more than one byte stay whole.
+// Cuts at the start of a UTF-8 character.
 void backToLetter(std::string& text, std::size_t end) {
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   text.resize(end);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders that a person types.
+// Paths of folders that a user types.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace ibr::app {
 
-/// White space at the ends is not meant; ~ at the beginning is the home folder.
+/// Removes white space at both ends, and replaces ~ at the beginning by the home folder.
 std::filesystem::path typedPath(const std::string& text);
 
-/// `text` with as much added as all folders go on with that begin so; the only one gets a slash. Hidden ones count
-/// where a dot has been typed. The same text where there is none.
+/// Extends `text` by the longest common continuation of all folders that begin with `text`; a single match also gets a
+/// slash. Hidden folders match only if a dot was typed. Without a match the text is returned unchanged.
 std::string completedFolder(const std::string& text);
 
 }  // namespace ibr::app

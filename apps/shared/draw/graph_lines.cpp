@@ -13,7 +13,7 @@ GraphOverlay linesOf(Device& device, const ImageGraph& graph, VkFormat format) {
 }
 
 Target recorded(Target picture) {
-  picture.before = picture.after;
+  picture.initialUse = picture.finalUse;
   return picture;
 }
 

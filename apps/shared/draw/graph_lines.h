@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image graph over pictures, as --graph and the viewer show it.
+// The image graph drawn over images, for --graph and the viewer.
 #pragma once
 
 #include <span>
@@ -10,11 +10,11 @@
 
 namespace ibr::app {
 
-/// Frusta are a third as long as photographs are apart.
+/// Builds the graph; the length of the frusta is a third of the distance between photographs.
 GraphOverlay graphLines(Device& device, const Scene& scene, VkFormat format);
-GraphOverlay graphLines(Device& device, const HtmModel& model, VkFormat format);  // photographs alone
+GraphOverlay graphLines(Device& device, const HtmModel& model, VkFormat format);  // photographs only
 
-/// Records it over a frame's pictures, which have just been recorded.
+/// Records the graph over the images of a frame that were recorded before.
 void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const FramePlan& plan,
                  std::span<const Target> pictures);
 void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const Camera& view, const Target& picture);

@@ -10,7 +10,7 @@
 namespace ibr::app {
 namespace {
 
-// On the thread that loads.
+// Runs on the loading thread.
 HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
   return preparedHtmPicture(model, camera, readHtmPicture(model, camera));
 }
@@ -25,7 +25,7 @@ HtmPlayer::HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& 
     return;
   }
   const Stopwatch watch;
-  HtmFrame alone{loadHtmModel(path), {}};  // its pictures are read when they are uploaded: there may be many
+  HtmFrame alone{loadHtmModel(path), {}};  // images are read during the upload: there may be many
   shown_.push_back({.frame = 0, .name = path_.filename().string(), .loading = 1e3 * watch.seconds()});
   take(std::make_shared<const HtmFrame>(std::move(alone)));
 }
@@ -56,7 +56,7 @@ void HtmPlayer::show(double seconds) {
 void HtmPlayer::upload() {
   if (!device_)
     device_ = std::make_unique<Device>(Device::create({.device = context_.options().device, .log = context_.log()}));
-  double reading = 0;  // seconds
+  double reading = 0;  // s
   const Stopwatch watch;
   const HtmPictureSource source = [&](const HtmModel& model, std::size_t camera) {
     if (!frame_->pictures.empty()) return frame_->pictures[camera];

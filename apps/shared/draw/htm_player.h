@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 3D video, or a single harmonised model, on a device, and pictures of it at any time.
+// Plays 3D video, or shows a single harmonised model, on a device. Renders images at any time of the video.
 #pragma once
 
 #include <filesystem>
@@ -13,41 +13,41 @@
 namespace ibr::app {
 
 struct HtmPlayerOptions {
-  bool onSource = false;  // meshes from before they were optimised
+  bool onSource = false;  // draws the meshes from before the optimisation
   std::size_t ahead = 8;  // frames loaded in the background
-  double seconds = 0;     // the first moment that is shown
-  bool graph = false;     // the cameras of its model are shown too
+  double seconds = 0;     // first time to show, s
+  bool graph = false;     // draws the model's cameras as well
 };
 
-/// The next frames are loaded while one is drawn; a frame that is not there yet is waited for. One frame is on the
-/// device at a time.
+/// Loads the next frames while one is drawn. Waits for a frame that is not loaded yet. The device holds one frame at a
+/// time.
 class HtmPlayer {
  public:
-  /// A model or a sequence. Reads the frame of the first moment, and looks for a device once a picture is asked for.
-  /// Throws Error, invalidInput where a mesh from before is asked for and a model keeps none.
+  /// Opens a model or a sequence and reads its first frame. The device is created for the first image. Throws Error;
+  /// invalidInput if `onSource` is set and a model has no mesh from before the optimisation.
   HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& options, const Context& context);
 
   bool isVideo() const { return sequence_ != nullptr; }
-  double fps() const { return sequence_ ? sequence_->fps() : 0; }  // of a model: 0
+  double fps() const { return sequence_ ? sequence_->fps() : 0; }  // 0 for a single model
   const HtmModel& model() const { return *model_; }                // of the frame that was shown last
   std::string deviceName() const { return device_ ? device_->name() : std::string(); }
 
-  /// Of the moment; a model is the same at all times. State and `dtSeconds` as HtmPictures::render has them: weights go
-  /// on from frame to frame.
+  /// Renders the frame at a time; a single model is the same at all times. `state` and `dtSeconds`: see
+  /// HtmPictures::render. Weights continue from frame to frame.
   struct Picture : HtmPictures::Picture {
     std::size_t frame = 0;
   };
   Picture render(const Camera& view, double seconds, const HtmSettings& settings, HtmState& state, double dtSeconds);
 
-  /// What a frame cost each time it came, ms.
+  /// Cost of showing a frame, for each time it was shown, ms.
   struct Shown {
     std::size_t frame = 0;
-    std::string name;        // its model's folder
-    double loading = 0;      // model and mip levels of pictures from files, of 3D video in the background
-    double waiting = 0;      // of that, how long nothing else was done
+    std::string name;        // folder of the frame's model
+    double loading = 0;      // reading the model and its images' mip levels; in the background for 3D video
+    double waiting = 0;      // part of `loading` that blocked the player
     double upload = 0;       // onto the device
-    double preparation = 0;  // pipelines and targets, of the first frame
-    double rendering = 0;    // of all its pictures
+    double preparation = 0;  // pipelines and targets; first frame only
+    double rendering = 0;    // of all images of the frame
     std::size_t pictures = 0;
   };
   const std::vector<Shown>& shown() const { return shown_; }
@@ -62,11 +62,11 @@ class HtmPlayer {
   const Context& context_;
   std::unique_ptr<HtmSequence> sequence_;
   std::shared_ptr<const HtmFrame> frame_;
-  std::shared_ptr<const HtmModel> model_;    // frame_'s, or what onSource makes of it
-  std::shared_ptr<const HtmModel> stateOf_;  // of the last picture
+  std::shared_ptr<const HtmModel> model_;    // frame_'s model, or its copy with the mesh from before the optimisation
+  std::shared_ptr<const HtmModel> stateOf_;  // model of the last image's state
   std::unique_ptr<Device> device_;
   std::unique_ptr<HtmPictures> pictures_;
-  bool uploaded_ = false;  // whether pictures_ show model_
+  bool uploaded_ = false;  // pictures_ shows model_
   std::vector<Shown> shown_;
 };
 

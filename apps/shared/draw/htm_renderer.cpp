@@ -42,13 +42,13 @@ HtmPictures::HtmPictures(const HtmModel& model, std::unique_ptr<Device> owned, D
     : model_(&model),
       owned_(std::move(owned)),
       device_(owned_ ? owned_.get() : device),
-      gpuModel_(*device_, model, source),  // throws where the model is not valid
+      gpuModel_(*device_, model, source),  // throws if the model is invalid
       timer_(*device_, 2) {
   bounds_ = htmBounds(model);
 }
 
 void HtmPictures::show(const HtmModel& model, const HtmPictureSource& source) {
-  gpuModel_.replace(model, source);  // throws where the model is not valid
+  gpuModel_.replace(model, source);  // throws if the model is invalid
   model_ = &model;
   bounds_ = htmBounds(model);
   if (renderer_) renderer_->show(gpuModel_);
@@ -63,11 +63,11 @@ void HtmPictures::prepare(const Intrinsics& intrinsics) {
   if (offscreen_ && offscreen_->target().extent.width == extent.width &&
       offscreen_->target().extent.height == extent.height)
     return;
-  renderer_.reset();  // first, so that there is never memory for two
+  renderer_.reset();  // freed first, so that only one renderer takes memory at a time
   offscreen_.reset();
   offscreen_.emplace(*device_, extent);
   renderer_.emplace(*device_, gpuModel_,
-                    HtmRendererOptions{.largest = extent, .formats = {offscreen_->target().format}});
+                    HtmRendererOptions{.maxExtent = extent, .formats = {offscreen_->target().format}});
 }
 
 HtmPictures::Picture HtmPictures::render(const Camera& view, const HtmSettings& settings, HtmState& state,

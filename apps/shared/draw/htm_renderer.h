@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A harmonised model on a device, and single pictures of it.
+// A harmonised model on a device, and rendering of single images.
 #pragma once
 
 #include <memory>
@@ -14,34 +14,34 @@
 
 namespace ibr::app {
 
-/// The photograph and the visibility of a camera, read from their files below `model.folder`. Throws Error.
+/// Reads a camera's photograph and visibility from their files below `model.folder`. Throws Error.
 HtmPicture readHtmPicture(const HtmModel& model, std::size_t camera);
 
 class HtmPictures {
  public:
-  /// The device that --device names. Reads every picture by `source`, which is readHtmPicture but in tests. The model
-  /// must outlive it.
+  /// Creates the device of --device. Each image is read by `source`, readHtmPicture except in tests. The model
+  /// must outlive this object.
   HtmPictures(const HtmModel& model, const Context& context, const HtmPictureSource& source = readHtmPicture);
-  /// The same on a device that is there already and outlives it: for models to compare with.
+  /// Uses an existing device, which must outlive this object, for models that are compared with each other.
   HtmPictures(const HtmModel& model, Device& device, const HtmPictureSource& source = readHtmPicture);
 
-  /// Another model in the place of this one, by GpuHtmModel::replace; it must outlive this too. After an exception
-  /// nothing but show() may follow.
+  /// Replaces the model by GpuHtmModel::replace; the new model must outlive this object. After an exception only show()
+  /// may be called.
   void show(const HtmModel& model, const HtmPictureSource& source = readHtmPicture);
 
-  /// Pictures from now on show the cameras as well, as they were in the model of this moment.
+  /// Images rendered from here on also show the cameras of the current model.
   void showGraph();
 
   struct Picture {
     Image8 image;              // RGBA; alpha: covered (HtmRenderer::record)
-    double preparation = 0;    // pipelines and targets that were not there yet, ms
-    double weights = 0;        // eq. 5, ms of the processor
-    double coordinates = 0;    // eq. 6, ms of the device
-    double rasterisation = 0;  // eq. 7, likewise
-    double milliseconds = 0;   // from planning until the picture is on the host, without preparation
+    double preparation = 0;    // creation of missing pipelines and targets, ms
+    double weights = 0;        // [H] eq. 5, CPU time, ms
+    double coordinates = 0;    // [H] eq. 6, device time, ms
+    double rasterisation = 0;  // [H] eq. 7, device time, ms
+    double milliseconds = 0;   // from planning until the image is on the host, without preparation
   };
-  /// Of any size. `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a
-  /// picture by itself.
+  /// Renders an image of any size. `state` comes from the previous image of the same walk, `dtSeconds` is the time
+  /// since. Single images take {} and 0.
   Picture render(const Camera& view, const HtmSettings& settings, HtmState& state, double dtSeconds = 0);
   Picture render(const Camera& view, const HtmSettings& settings) {
     HtmState state;

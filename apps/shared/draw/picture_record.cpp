@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kKey = "ibr";
 constexpr int kVersion = 1;
-constexpr double kLatest = 1e9;  // s
+constexpr double kLatest = 1e9;  // limit of "time", s
 
 }  // namespace
 

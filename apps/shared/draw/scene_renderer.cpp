@@ -44,8 +44,8 @@ SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views,
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene, withLog(gpuScene, context)),
-      renderer_(device_, gpuScene_, (options.largest = largestOf(views), options)),
-      wantsBuffers_(options.buffers != nullptr) {}
+      renderer_(device_, gpuScene_, (options.maxExtent = largestOf(views), options)),
+      wantsBuffers_(options.bufferScene != nullptr) {}
 
 void SceneRenderer::showGraph() {
   graph_ = graphLines(device_, scene_, VK_FORMAT_R8G8B8A8_UNORM);
@@ -57,7 +57,7 @@ void SceneRenderer::prepare(std::size_t eye, const Intrinsics& intrinsics) {
   if (offscreen && offscreen->target().extent.width == extent.width &&
       offscreen->target().extent.height == extent.height)
     return;
-  offscreen.reset();  // first, so that there is never memory for two
+  offscreen.reset();  // freed first, so that only one target takes memory at a time
   buffers_[eye].reset();
   offscreen.emplace(device_, extent);
   if (wantsBuffers_) buffers_[eye].emplace(device_, extent);
@@ -85,7 +85,7 @@ std::vector<SceneRenderer::Picture> SceneRenderer::render(const std::vector<Came
     renderer_.record(commandBuffer, plan, targets);
     if (graph_) recordGraph(commandBuffer, *graph_, plan, targets);
   });
-  for (std::size_t eye = 1; eye < views.size(); ++eye)  // drawn already
+  for (std::size_t eye = 1; eye < views.size(); ++eye)  // the first eye was drawn above
     pictures[eye].image = offscreen_[eye]->render([](VkCommandBuffer) {});
   const double milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

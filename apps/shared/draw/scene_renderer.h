@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene on a device, and single pictures of it.
+// A scene on a device, and rendering of single images.
 #pragma once
 
 #include <array>
@@ -16,30 +16,30 @@ namespace ibr::app {
 
 GpuSceneOptions withLog(GpuSceneOptions options, const Context& context);
 
-/// Submits streaming until all photographs that the plan shows are there, if the budget has room for them. `frame` is
-/// the number of the last frame, all of them finished; it is raised. Throws Error{io} where photographs cannot be read.
+/// Streams until all photographs of the plan are on the device, as far as the budget allows. `frame` is the number of
+/// the last frame and is increased; all frames must have finished. Throws Error{io} if photographs cannot be read.
 void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame);
 
 class SceneRenderer {
  public:
-  /// `views` are those that will be asked for: the largest of them is RendererOptions::largest. The scene must outlive
-  /// it.
+  /// `views`: all views that will be rendered; the largest determines the renderer's maximum extent. The scene must
+  /// outlive this object.
   SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,
                 RendererOptions options, const Context& context);
 
-  /// Pictures from now on show the image graph as well.
+  /// Images rendered from here on also show the image graph.
   void showGraph();
 
   struct Picture {
     Image8 image;                         // RGBA
-    double milliseconds = 0;              // from planning until the picture is on the host
-    std::optional<FrameBuffers> buffers;  // where RendererOptions::buffers are
+    double milliseconds = 0;              // from planning until the image is on the host
+    std::optional<FrameBuffers> buffers;  // if RendererOptions::buffers is set
   };
-  /// `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a picture by
-  /// itself.
+  /// Renders an image. `state` comes from the previous image of the same walk, `dtSeconds` is the time since. Single
+  /// images take {} and 0.
   Picture render(const Camera& view, const RenderSettings& settings, PlanState& state, double dtSeconds = 0);
 
-  /// A picture of each view: one, or both eyes, of which each says the time that both took.
+  /// Renders an image of each view: one view, or both eyes. `milliseconds` of each image is the time of both.
   std::vector<Picture> render(const std::vector<Camera>& views, const RenderSettings& settings, PlanState& state,
                               double dtSeconds = 0);
 

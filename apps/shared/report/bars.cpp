@@ -13,9 +13,9 @@
 namespace ibr::app {
 namespace {
 
-// All lengths in px of the drawing.
+// Lengths in px of the drawing.
 constexpr double kNames = 190, kWidth = 460, kRow = 24, kTop = 70, kGap = 40, kLetter = 5.6, kRight = 110;
-// Okabe & Ito, "Color universal design", 2008.
+// Colours for colour-blind viewers: Okabe & Ito, "Color universal design", 2008.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#606870", "#a0b030"};
 
 std::string text(double x, double y, const std::string& words, const std::string& style = "") {
@@ -49,7 +49,7 @@ double sumOf(const StackedBar& bar) {
   return sum;
 }
 
-// Of the marks of a row in a column, with the middle.
+// Interval that covers the row's marks in a column and the middle.
 std::pair<double, double> reachOf(const TornadoRow& row, std::size_t column, double middle) {
   std::pair reach{middle, middle};
   for (const TornadoMark& mark : row.marks)
@@ -82,7 +82,7 @@ std::string tornadoColumn(const TornadoColumn& column, std::size_t c, const std:
     const double y = kTop + kRow * double(r);
     const auto [low, high] = reachOf(rows[r], c, column.middle);
     out += box(at(low), y + 5, at(high) - at(low), kRow - 10, kColours[5], rows[r].name, 0.5);
-    double taken = -1e9;  // where the last label ends
+    double taken = -1e9;  // end of the last label, px
     std::vector<const TornadoMark*> marks;
     for (const TornadoMark& mark : rows[r].marks)
       if (std::isfinite(mark.at[c])) marks.push_back(&mark);

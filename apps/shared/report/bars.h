@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bars one below the other as a drawing (SVG 1.1): parts of a whole, or how far values reach from a middle.
+// Bar charts as SVG 1.1: stacked bars for parts of a whole, tornado charts for the range of values around a middle.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace ibr::app {
 
 struct BarPart {
-  std::string name;  // parts of one name have one colour
-  double value;      // not finite or below 0: none
+  std::string name;  // parts of the same name have the same colour
+  double value;      // not finite or below 0: not drawn
 };
 
 struct StackedBar {
@@ -17,13 +17,13 @@ struct StackedBar {
   std::vector<BarPart> parts;
 };
 
-/// Each bar's parts side by side, with their sum; names of all parts in a legend. `unit` follows the sums.
+/// Draws each bar's parts side by side, with their sum followed by `unit`, and a legend of all parts.
 std::string stackedSvg(const std::string& title, const std::vector<StackedBar>& bars, const std::string& unit);
 
-/// What one knob does: a value, and a mark on each of the columns.
+/// A value of a setting, and its result in each column.
 struct TornadoMark {
   std::string value;
-  std::vector<double> at;  // one a column; not finite: none
+  std::vector<double> at;  // one a column; not finite: not drawn
 };
 
 struct TornadoRow {
@@ -33,12 +33,12 @@ struct TornadoRow {
 
 struct TornadoColumn {
   std::string title;
-  double middle;             // where the bars start
-  bool logarithmic = false;  // values and middle are positive
+  double middle;             // start of the bars
+  bool logarithmic = false;  // true: values and middle are positive
 };
 
-/// Rows from the one that reaches furthest in the first column; a bar from the least to the largest mark, the marks on
-/// it with their values.
+/// Sorts the rows by their range in the first column, largest first. A bar spans the smallest to the largest mark; its
+/// marks carry their values.
 std::string tornadoSvg(const std::string& title, const std::vector<TornadoColumn>& columns,
                        std::vector<TornadoRow> rows);
 

@@ -18,14 +18,14 @@
 namespace ibr::app {
 namespace {
 
-// All lengths in px of the drawing.
+// Lengths in px of the drawing.
 constexpr double kWidth = 900, kLeastHeight = 240, kMostHeight = 900;
 constexpr double kMargin = 60, kLegend = 380, kLine = 16, kScaleBar = 160;
-constexpr std::size_t kLetters = 56;  // of a line of the legend
+constexpr std::size_t kLetters = 56;  // of a legend line
 constexpr std::size_t kMostListed = 40, kMostAmiss = 10;
 constexpr const char *kAddColour = "#c2410c", *kTroubleColour = "#b91c1c";
 
-// A walk through the colours of viridis (Smith & van der Walt 2015), without its bright end, which is lost on white.
+// The viridis colour map (Smith & van der Walt 2015) without its bright end, which is invisible on white.
 std::string colourOf(double share) {
   if (std::isnan(share)) return "#8899aa";
   constexpr std::array<std::array<double, 3>, 4> kStops{{{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}}};
@@ -93,7 +93,7 @@ class Drawing {
     frustum_ = std::clamp(0.35 * spacing(places) * scale_, 7.0, 34.0);
   }
 
-  // Typical distance in the drawing from a place to the next one, of some of them.
+  // Typical distance in the drawing from a position to the nearest other one, from up to 200 samples.
   static double spacing(const std::vector<glm::dvec2>& places) {
     constexpr std::size_t kSamples = 200;
     double longest = 0;
@@ -101,7 +101,7 @@ class Drawing {
     std::vector<double> nearest;
     for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / kSamples) {
       double least = std::numeric_limits<double>::infinity();
-      for (const glm::dvec2& other : places)  // those that stand on one spot count once
+      for (const glm::dvec2& other : places)  // positions that coincide count once
         if (const double d = glm::distance(places[i], other); d > 1e-3 * longest) least = std::min(least, d);
       if (std::isfinite(least)) nearest.push_back(least);
     }
@@ -118,7 +118,7 @@ class Drawing {
     return text;
   }
 
-  // NaN where cells have no scores.
+  // NaN if the cells have no scores.
   double share(double score) const { return best_ > 0 ? score / best_ : std::numeric_limits<double>::quiet_NaN(); }
 
   void drawCell(const Cell& cell) {
@@ -263,7 +263,7 @@ class Drawing {
   GraphView view_;
   std::vector<bool> used_;
   std::map<std::string, std::string> reason_;
-  double best_ = 0;  // score
+  double best_ = 0;  // best score of the cells
   double scale_ = 1, height_ = kLeastHeight, frustum_ = 10;
   glm::dvec2 shift_{0.0};
   std::string out_;

@@ -8,11 +8,11 @@
 
 namespace ibr::app {
 
-/// Seen as graphView says: cameras as small frusta (panoramas as circles), cells as lines, triangles and tetrahedra
-/// coloured by their score, photographs that no cell shows in grey with the reasons beside, a legend and a scale.
-/// Photographs to add are numbered, neighbours that are too far apart or not joined have a dashed line between them,
-/// and photographs with a trouble of their own by a circle. Names appear where one points at a camera. Valid XML
-/// whatever the scene's texts are. Of any scene, an empty one too.
+/// Draws the scene in the projection of graphView. Cameras are small frusta, panoramas circles. Cells are lines,
+/// triangles and tetrahedra coloured by their score. Photographs without a cell are grey, with the reasons beside.
+/// Photographs to add are numbered. Dashed lines join neighbours that are too far apart or not connected. Photographs
+/// with a problem of their own are circled. Names appear when the pointer is over a camera. The XML is valid for any
+/// text in the scene. Accepts any scene, an empty one too.
 std::string graphSvg(const Scene& scene, const CaptureAdvice& advice = {});
 
 }  // namespace ibr::app

@@ -11,15 +11,15 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kAlike = 1.15;  // ratio of spreads that count as one
-constexpr double kLevel = 0.3;   // |cos| between an axis and up below which the axis lies level
+constexpr double kAlike = 1.15;  // ratio below which two spreads count as equal
+constexpr double kLevel = 0.3;   // |cos| between an axis and up below which the axis counts as horizontal
 
 struct Spreads {
-  std::array<glm::dvec3, 3> axis;  // greatest spread first
+  std::array<glm::dvec3, 3> axis;  // largest spread first
   std::array<double, 3> spread;
 };
 
-// Eigenvectors of a symmetric matrix by Jacobi's rotations.
+// Eigenvectors of a symmetric matrix by Jacobi rotations.
 Spreads spreadsOf(glm::dmat3 m) {
   glm::dmat3 vectors(1.0);
   for (int sweep = 0; sweep < 30; ++sweep)
@@ -49,7 +49,7 @@ glm::dvec3 unitOr(glm::dvec3 v, glm::dvec3 otherwise) {
   return glm::length(v) > 1e-9 ? glm::normalize(v) : otherwise;
 }
 
-// Some direction at a right angle to one.
+// Returns a unit vector orthogonal to `v`.
 glm::dvec3 aside(glm::dvec3 v) {
   return glm::normalize(glm::cross(v, std::abs(v.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }

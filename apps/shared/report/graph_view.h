@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From where an image graph is best looked at in a flat picture.
+// Projection that shows an image graph best in a flat drawing.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -9,18 +9,18 @@
 
 namespace ibr::app {
 
-/// An orthographic view. right × up = toward, all of unit length, in world axes.
+/// Orthographic projection. right × up = toward, all of unit length, in world axes.
 struct GraphView {
   glm::dvec3 centre{0.0};
   glm::dvec3 right{1, 0, 0}, up{0, 1, 0}, toward{0, 0, 1};
 
-  /// World units, y upwards.
+  /// Projects a point: world units, y upwards.
   glm::dvec2 flat(glm::dvec3 point) const;
 };
 
-/// Along the axis of least spread of the photographs' places, from the side that is up for the cameras (from behind
-/// them where that axis lies level); the greatest spread runs to the right. Where two axes spread alike, the one of
-/// them that is nearer to the cameras' up. Of any scene, an empty one too.
+/// Looks along the axis of least spread of the photographs' positions, from the side that is up for the cameras. If
+/// this axis is horizontal, looks from behind the cameras. The largest spread runs to the right. If two axes have equal
+/// spread, the axis nearer to the cameras' up is the view axis. Accepts any scene, an empty one too.
 GraphView graphView(const Scene& scene);
 
 }  // namespace ibr::app

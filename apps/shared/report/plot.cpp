@@ -17,19 +17,19 @@
 namespace ibr::app {
 namespace {
 
-// All lengths in px of the drawing.
-constexpr double kHeight = 330;  // of a panel's field
+// Lengths in px of the drawing.
+constexpr double kHeight = 330;  // of a panel's plot area
 constexpr double kLeft = 88, kRight = 24, kTop = 92, kBottom = 50;
 constexpr double kLine = 18, kLetter = 5.6, kNoteLetter = 7, kLabelHeight = 11, kMarker = 5, kRing = 9;
 
-// Okabe & Ito, "Color universal design", 2008; without yellow, which is lost on white.
+// Okabe & Ito, "Color universal design", 2008; without yellow, which is invisible on white.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
 const char* colourOf(std::size_t series) {
   return kColours[series % kColours.size()];
 }
 
-// Around the origin.
+// SVG path of a marker, centred on the origin.
 const char* markerOf(std::size_t series) {
   constexpr std::array kMarkers{"M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z",
                                 "M-4.5-4.5h9v9h-9z",
@@ -178,7 +178,7 @@ class Panel {
     taken_.push_back({p - reach, p + reach});
   }
 
-  // Whether there is room; then it is taken.
+  // Reserves a box inside the field; returns false if the box meets a reserved one.
   bool take(const Box& box) {
     if (box.low.x < field_.low.x || box.low.y < field_.low.y || box.high.x > field_.high.x ||
         box.high.y > field_.high.y || std::ranges::any_of(taken_, [&](const Box& other) { return box.meets(other); }))
@@ -187,8 +187,8 @@ class Panel {
     return true;
   }
 
-  // On the first side that is free. A label for which there is no room is left out, but that of a usual point stands
-  // further off, at the end of a line.
+  // Places the label on the first free side of its marker. Without room the label is left out; a usual point's label
+  // is placed farther away, with a line to its marker.
   void drawLabel(std::size_t s, const PlotPoint& point) {
     if (point.label.empty() || !point.labelled) return;
     const double letters = double(lettersOf(point.label)) + (point.usual ? 1 : 0);
@@ -223,12 +223,12 @@ class Panel {
   std::string out_;
 };
 
-// In rows no longer than `width`; `rows`: how many they are.
+// Lays out the legend in rows of at most `width`; sets `rows` to their number.
 std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words, double width, int& rows) {
   std::string out;
   glm::dvec2 at(kLeft, 52);
   rows = 1;
-  // `mark`: what stands at the origin.
+  // `mark`: SVG element centred on the origin.
   const auto entry = [&](const std::string& mark, const std::string& name) {
     const double length = 26 + 6.6 * double(lettersOf(name));
     if (at.x > kLeft && at.x + length > width) {

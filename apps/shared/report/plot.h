@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scatter plots side by side as one drawing (SVG 1.1), for figures that people read.
+// Scatter plots side by side in one drawing (SVG 1.1), for figures in reports.
 #pragma once
 
 #include <cmath>
@@ -10,12 +10,12 @@
 namespace ibr::app {
 
 struct PlotPoint {
-  double x = 0, y = 0;           // not finite: not drawn; nor is <= 0 on a logarithmic axis
-  std::string label;             // written beside it where there is room, the usual ones' further off too
+  double x = 0, y = 0;           // not finite, or <= 0 on a logarithmic axis: not drawn
+  std::string label;             // drawn beside the marker if there is room; a usual point's label also farther away
   bool usual = false;            // the setting that all others are compared with: ringed
-  double low = NAN, high = NAN;  // of x: an interval around it, drawn where both are finite
-  bool labelled = true;          // false: its label is told, but not written
-  double size = 1;               // of its marker, in usual ones
+  double low = NAN, high = NAN;  // interval of x, drawn if both are finite
+  bool labelled = true;          // false: the label is a tooltip only
+  double size = 1;               // factor on the marker's size
 };
 
 struct PlotSeries {
@@ -23,7 +23,7 @@ struct PlotSeries {
   std::vector<PlotPoint> points;
 };
 
-/// A value of y that stands for all x: a dashed line. Not finite: none.
+/// Horizontal dashed line at a value of y. Not finite: not drawn.
 struct PlotLevel {
   std::string name;
   double y;
@@ -32,25 +32,25 @@ struct PlotLevel {
 struct PlotPanel {
   std::string title, xName, yName;
   bool logarithmicX = false, logarithmicY = false;
-  bool joinFront = false;     // of each series the points that no other one beats: less of x, more of y
-  bool joinAll = false;       // the same of all series together
-  bool lessIsBetter = false;  // of y, for what is joined
+  bool joinFront = false;     // joins each series' Pareto front: smaller x, larger y
+  bool joinAll = false;       // the same for all series together
+  bool lessIsBetter = false;  // inverts y for the front
   std::vector<PlotSeries> series;
   std::vector<PlotLevel> levels;
-  double width = 380;  // of its field, px
+  double width = 380;  // of the plot area, px
 };
 
-/// Words of the legend.
+/// Texts of the legend.
 struct PlotWords {
   std::string usual = "default";
   std::string joined = "joined: none of its method is both faster and better";
-  std::vector<std::pair<double, std::string>> sizes;  // of markers, and what they mean
-  std::string interval;                               // what a bar through a marker means; empty: not told
+  std::vector<std::pair<double, std::string>> sizes;  // sizes of markers, and their meanings
+  std::string interval;                               // meaning of a bar through a marker; empty: not shown
 };
 
-/// Panels in a row under `title`, with a legend of the first panel's series, and lines of text below. A series has the
-/// same colour (safe for colour-blind eyes) and marker in all panels, by its place; there are six of each. Valid XML
-/// whatever the texts are; of any panels, empty ones too.
+/// Draws panels in a row under `title`, with a legend of the first panel's series, and lines of text below. A series
+/// has the same colour (safe for colour-blind viewers) and marker in all panels, by its index; there are six of each.
+/// The XML is valid for any text. Accepts any panels, empty ones too.
 std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& panels,
                     const std::vector<std::string>& notes, const PlotWords& words = {});
 

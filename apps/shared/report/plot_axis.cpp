@@ -9,11 +9,11 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kMargin = 0.08;  // of the values' range, on each side
+constexpr double kMargin = 0.08;  // share of the values' range, on each side
 constexpr int kMostTicks = 7;
 
-// 1, 2 and 5 times powers of ten; all digits where those are few, powers alone where they are too many, and of them
-// every so many.
+// Ticks at 1, 2 and 5 times powers of ten. If these are few, all digits; if too many, powers of ten alone, thinned
+// to kMostTicks.
 std::vector<double> logTicks(double low, double high) {
   std::vector<double> all, fine, coarse;
   for (int n = int(std::floor(std::log10(low))); n <= int(std::ceil(std::log10(high))); ++n)
@@ -38,7 +38,7 @@ RoundTicks roundTicks(double low, double high, int most) {
   int power = int(std::floor(std::log10((high - low) / most)));
   for (;; ++power)
     for (const int digit : {1, 2, 5}) {
-      // Divided by a whole power where there are decimals: 0.3 is then the double next to 0.3.
+      // Divides by a whole power of ten, which gives the double nearest to a decimal such as 0.3.
       const double ten = std::pow(10.0, std::abs(power)), step = power < 0 ? digit / ten : digit * ten;
       const auto first = std::ceil(low / step), last = std::floor(high / step);
       if (last - first + 1 > most) continue;

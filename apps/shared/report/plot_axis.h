@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Axes of plots: what they cover, and ticks at round numbers.
+// Axes of plots: ranges and round ticks.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace ibr::app {
 
-/// Ascending multiples of 1, 2 or 5 times a power of ten, the smallest such step with at most `most` ticks from `low`
+/// Ascending multiples of 1, 2 or 5 times a power of ten: the smallest such step with at most `most` ticks from `low`
 /// to `high`. Preconditions: finite, low < high, most >= 2.
 struct RoundTicks {
   std::vector<double> values;
-  int decimals = 0;  // that tell them apart
+  int decimals = 0;  // decimals that distinguish the values
 };
 RoundTicks roundTicks(double low, double high, int most);
 
@@ -21,12 +21,12 @@ struct PlotAxis {
   std::vector<double> ticks;
   std::vector<std::string> labels;  // of the ticks
 
-  /// Where a value stands: 0 at low, 1 at high. Precondition: positive on a logarithmic axis.
+  /// Returns the position of a value: 0 at low, 1 at high. Precondition: positive on a logarithmic axis.
   double share(double value) const;
 };
 
-/// Covers all of `values` that it can show (finite; positive on a logarithmic axis) with a margin. Never empty: around
-/// a single value, and 0 to 1 (1 to 10) where there is none.
+/// Returns an axis that covers all drawable `values` (finite; positive on a logarithmic axis) with a margin. Never
+/// empty: extends around a single value; 0 to 1 (1 to 10) if there is none.
 PlotAxis axisOver(const std::vector<double>& values, bool logarithmic);
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which measurements are worth having, and whether two figures rank them alike.
+// Pareto fronts and rank correlations of measurements.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace ibr::app {
 
-/// Indices of the Pareto front of (cost, worth): points beside which no other one costs no more and is worth no less,
-/// one of the two strictly. By rising cost; of equal points the first. Points that are not finite are left out.
+/// Returns the indices of the Pareto front of (cost, worth), by increasing cost. A point is on the front if no other
+/// has at most its cost and at least its worth, one strictly. Of equal points the first counts. Skips NaN and infinity.
 std::vector<std::size_t> paretoFront(std::span<const glm::dvec2> points);
 
-/// Spearman's rank correlation, -1 to 1: Pearson's of the ranks, equal values having the mean of theirs. Pairs that are
-/// not finite are left out. NaN for fewer than two pairs and where a side is constant. Precondition: equal lengths.
+/// Spearman's rank correlation, -1 to 1: Pearson's correlation of the ranks; equal values share their mean rank. Skips
+/// pairs that are not finite. NaN: fewer than two pairs, or a constant side. Precondition: equal lengths.
 double spearman(std::span<const double> a, std::span<const double> b);
 
 }  // namespace ibr::app

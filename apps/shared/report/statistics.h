@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of repeated measurements.
+// Statistics of repeated measurements.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 
 namespace ibr::app {
 
-/// q of 0 to 1; NaN of no values.
+/// Returns the q-quantile, q from 0 to 1; NaN without values.
 inline double quantile(std::vector<double> values, double q) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::sort(values.begin(), values.end());
   return values[std::min(values.size() - 1, std::size_t(q * double(values.size())))];
 }
 
-/// Of at least one value.
+/// Returns the mean of at least one value.
 inline double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts inside drawings (SVG).
+// Text in SVG drawings.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace ibr::app {
 
-/// For the content and the attributes (in double quotes) of an element; control characters become '?'.
+/// Escapes text for the content and the double-quoted attributes of an element; control characters become '?'.
 std::string escapedXml(const std::string& text);
 
-/// Letters, not bytes, of UTF-8.
+/// Returns the number of characters, not bytes, of a UTF-8 text.
 std::size_t lettersOf(const std::string& text);
 
-/// At spaces, into lines of at most so many letters; longer words stand alone. At least one line.
+/// Wraps at spaces into lines of at most `letters` characters; longer words get their own line. Never empty.
 std::vector<std::string> wrapped(const std::string& text, std::size_t letters);
 
 }  // namespace ibr::app

@@ -9,7 +9,7 @@
 namespace ibr::app {
 namespace {
 
-// Characters on the screen, for names in UTF-8.
+// Number of characters on the screen, for UTF-8 names.
 std::size_t widthOf(const std::string& text) {
   return std::size_t(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));

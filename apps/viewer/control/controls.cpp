@@ -45,7 +45,7 @@ constexpr std::array kKeys{
     KeyHelp{"ctrl Q", "quit"},
 };
 
-// Walking stops while keys go through a panel; one that was only clicked leaves them to the view.
+// Returns true while a panel uses the keyboard, so that keys do not move the camera. A mere click does not count.
 bool panelTakesKeys(const Viewer& viewer) {
   const ImGuiIO& io = ImGui::GetIO();
   return io.WantTextInput || io.NavVisible || viewer.panelHasKeys || viewer.asksForFolder;
@@ -55,7 +55,7 @@ NavigationInput handsOf(const Viewer& viewer, OpenItem& place, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
   NavigationInput hands{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
   const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
-  // Where a button goes down, the way that the mouse came there is not meant.
+  // Ignores the mouse motion of the frame in which a button goes down: that motion came before the press.
   const auto holds = [&](ImGuiMouseButton button) {
     return !io.WantCaptureMouse && ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
   };
@@ -70,7 +70,7 @@ NavigationInput handsOf(const Viewer& viewer, OpenItem& place, double seconds) {
     hands.wheel = double(io.MouseWheel);
   if (io.KeyCtrl || panelTakesKeys(viewer)) return hands;
   const auto down = [&](int key) { return ImGui::IsKeyDown(key) && !viewer.shortcutKeys.contains(key) ? 1.0 : 0.0; };
-  // Arrows walk through a panel as soon as it has been clicked.
+  // Arrows navigate inside a panel as soon as the panel has been clicked.
   constexpr double kArrow = 400;  // px/s
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow))
     hands.look += kArrow * seconds *
@@ -80,26 +80,26 @@ NavigationInput handsOf(const Viewer& viewer, OpenItem& place, double seconds) {
   return hands;
 }
 
-// Any of them ends a path that is shown.
+// Returns true for inputs that end the playback of a camera path.
 bool handsMove(const NavigationInput& hands) {
   return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
 }
 
-// By a flight, a panel or a key, since the route was shown last.
+// Returns true if a flight, a panel or a key moved the camera since the path was last shown.
 bool wasMoved(const OpenItem& place) {
   const Navigation& walk = place.walk;
   return walk.flight || walk.pose.position != place.routePose.position ||
          walk.pose.rotation != place.routePose.rotation || walk.fovY != place.routeFovY;
 }
 
-// Whether it goes on.
+// Returns true while the playback continues.
 bool followRoute(OpenItem& place, double seconds) {
   const double first = place.route.keys.front().time, whole = place.route.keys.back().time - first;
   const Camera shown = cameraAt(place.route, first + place.routeTime);
   place.walk.pose = place.routePose = shown.pose;
   place.walk.fovY = place.routeFovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
   place.walk.velocity = glm::dvec3(0);
-  place.showingRoute = place.routeTime < whole;  // the last key itself is shown last
+  place.showingRoute = place.routeTime < whole;  // the last key itself is shown before the end
   const double next = place.routeTime + seconds;
   place.routeTime = place.repeatingRoute && whole > 0 ? std::fmod(next, whole) : next;
   return place.showingRoute;
@@ -122,7 +122,7 @@ void turnComposition(OpenItem& place) {
   place.changed = true;
 }
 
-// Those about the place that is shown.
+// Handles keys that act on the open scene.
 void pressInPlace(Viewer& viewer, OpenItem& place, const KeyPress& press) {
   switch (press.key) {
     case GLFW_KEY_O:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keys and the mouse, put into the camera of the place that is shown.
+// Maps keys and mouse to the camera of the scene that is shown.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace ibr::app {
 
-/// Between ImGui's new frame and the picture. `seconds` since the frame before. Says whether the picture changes.
+/// Call after ImGui::NewFrame, before rendering. `seconds`: since the previous frame. Returns true if the view changes.
 bool control(Viewer& viewer, OpenItem& place, double seconds);
 
-/// Between ImGui's new frame and `control`: what each key that was pressed means. While text is typed, or a panel has
-/// the keyboard, most are its.
+/// Handles pressed keys. Call between ImGui::NewFrame and `control`. While text is typed or a panel has keyboard focus,
+/// most keys are left to ImGui.
 void press(Viewer& viewer, std::span<const KeyPress> keys);
 
-/// A line for each key, for the help.
+/// Help text of a key.
 struct KeyHelp {
   const char* keys;
   const char* what;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long the last frames took, for people to look at.
+// Durations of the last frames, for the interface.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 namespace ibr::app {
 
 struct FrameTimes {
-  std::size_t frame = 0;                                      // its number; 0: none
-  float sinceLast = std::numeric_limits<float>::quiet_NaN();  // ms; not a number after a rest
-  std::vector<std::pair<std::size_t, float>> passes;          // ms on the device; index into names
+  std::size_t frame = 0;                                      // frame number; 0: none
+  float sinceLast = std::numeric_limits<float>::quiet_NaN();  // ms; NaN after a pause in drawing
+  std::vector<std::pair<std::size_t, float>> passes;          // ms on the device; first: index into names()
 };
 
 class FrameHistory {
@@ -26,16 +26,16 @@ class FrameHistory {
 
   void add(std::size_t frame, float sinceLast) { slot(frame) = {frame, sinceLast, {}}; }
 
-  /// The device's times of a frame come later.
+  /// Adds the device times of a frame, which arrive some frames later.
   void addDevice(std::size_t frame, const std::vector<ScopeTime>& scopes) {
     if (of(frame).frame != frame) return;
     for (const ScopeTime& scope : scopes)
       if (scope.depth == 0) slot(frame).passes.emplace_back(indexOf(scope.name), float(scope.milliseconds));
   }
 
-  /// Of a frame that is one of the last, or that is not there (its number is another).
+  /// Returns the entry of a frame. If the frame is not among the last kLength, FrameTimes::frame differs from `frame`.
   const FrameTimes& of(std::size_t frame) const { return ring_[frame % kLength]; }
-  /// Passes that were seen so far, each where it was seen first.
+  /// Names of the passes so far, in order of first appearance.
   const std::vector<std::string>& names() const { return names_; }
   std::size_t indexOf(const std::string& name) {
     const auto found = std::ranges::find(names_, name);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is made beside the viewer, by programs that run one after the other in processes of their own: so the viewer
-// needs nothing that only making does, and lives on whatever becomes of it.
+// Background job: programs that run one after the other in separate processes. The viewer therefore does not link what
+// only building scenes needs, and survives if a program crashes.
 #pragma once
 
 #include <atomic>
@@ -14,18 +14,18 @@ namespace ibr::app {
 
 struct JobPlan {
   struct Step {
-    std::string what;                // it does, until it says something itself
+    std::string what;                // progress text until the program prints its first line
     std::vector<std::string> words;  // program and arguments
   };
-  std::string name;             // what is being made, for people
-  std::vector<Step> steps;      // each begins when the one before has ended well
-  std::string done;             // what to say then; empty: nothing
-  std::filesystem::path opens;  // place that is opened then; empty: none
+  std::string name;             // name of the result, for people
+  std::vector<Step> steps;      // each begins after the previous one has succeeded
+  std::string done;             // message on success; empty: none
+  std::filesystem::path opens;  // scene opened on success; empty: none
 };
 
 class Job {
  public:
-  /// Begins. Where a program cannot be started it has failed.
+  /// Starts the job. If a program cannot be started, the job's state becomes failed.
   explicit Job(JobPlan plan);
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
@@ -35,8 +35,8 @@ class Job {
 
   enum class State { running, done, cancelled, failed };
   State state() const;
-  std::string progress() const;                  // the last line that a program said
-  void cancel() noexcept { cancelled_ = true; }  // files that are whole stay
+  std::string progress() const;                  // last line that a program printed
+  void cancel() noexcept { cancelled_ = true; }  // complete files are kept
 
  private:
   void run();
@@ -44,16 +44,16 @@ class Job {
 
   const JobPlan plan_;
   std::atomic<bool> cancelled_ = false;
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards state_ and progress_
   State state_ = State::running;
   std::string progress_;
-  std::thread thread_;  // last: it uses all of this
+  std::thread thread_;  // last: uses all members above
 };
 
-/// `ibr` beside this program's folder, as it is built, or else on PATH.
+/// Path of the `ibr` program: beside this program or in the build tree's batch folder, else "ibr" for a lookup on PATH.
 std::filesystem::path ibrProgram();
 
-/// Whether PATH has a program of that name.
+/// Returns true if a folder on PATH has an executable of this name.
 bool isOnPath(const std::string& program);
 
 }  // namespace ibr::app

@@ -27,7 +27,7 @@ bool isPhotograph(const fs::path& file) {
   return false;
 }
 
-// The poses that lie with the photographs, as options.
+// Returns options for poses stored with the photographs (COLMAP model or transforms.json).
 Words posesIn(const fs::path& folder) {
   for (const char* model : {"sparse/0", "sparse"})
     for (const char* images : {"images.bin", "images.txt"})
@@ -36,21 +36,21 @@ Words posesIn(const fs::path& folder) {
   return {};
 }
 
-// Of `ibr render`.
+// Returns the options of `ibr render` for the current settings.
 Words wordsOf(const OpenItem& place, const GpuSceneOptions& gpuScene) {
   Words words = settingWords(settingsOf(place, gpuScene));
   if (place.video && !place.playing) append(words, {"--time", fmt::format("{}", place.time)});
   return words;
 }
 
-// A pattern for ffmpeg, in which % stands for a number.
+// Returns ffmpeg's input pattern. A % in the folder's name is doubled, because ffmpeg reads % as a frame number.
 std::string framesIn(const fs::path& folder) {
   std::string pattern;
   for (const char c : folder.string()) pattern += c == '%' ? "%%" : std::string(1, c);
   return pattern + "/frame_%04d.png";
 }
 
-// Sides are even in what players show everywhere.
+// Crops to even sides: yuv420p, which all players support, needs them.
 Words encode(const fs::path& pictures, double fps, const fs::path& video) {
   return {"ffmpeg",      "-v",
           "error",       "-y",
@@ -95,7 +95,7 @@ JobPlan videoPlan(const OpenItem& place, const fs::path& cameraPath, const GpuSc
   if (!device.empty()) append(render, {"--device", device});
   JobPlan plan{.name = video.filename().string(), .steps = {{"begins", std::move(render)}}, .done = {}, .opens = {}};
   if (isOnPath("ffmpeg")) {
-    const fs::path part = pictures.string() + ".part.mp4";  // a video that is there is whole
+    const fs::path part = pictures.string() + ".part.mp4";  // temporary name: NAME.mp4 is always complete
     plan.steps.push_back({"ffmpeg joins the pictures", encode(pictures, place.route.fps, part)});
     plan.steps.push_back({"", {"mv", part.string(), video.string()}});
     plan.done = fmt::format("{} written", video.string());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer has made beside it.
+// Plans of background jobs: building a scene, rendering a video.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,17 @@
 
 namespace ibr::app {
 
-/// Whether a folder holds photographs, in it or below.
+/// Returns true for two or more photographs in the folder or its subfolders, among the first 10000 entries.
 bool holdsPhotographs(const std::filesystem::path& folder) noexcept;
 
-/// A scene of a folder's photographs, beside it and with "-scene" behind its name: `ibr build` with the poses that the
-/// folder holds (sparse/, sparse/0/ or transforms.json), else those that COLMAP estimates. A build that was stopped
-/// there goes on.
+/// Builds a scene with `ibr build` from a folder of photographs. The output folder lies beside the input and has
+/// "-scene" appended to its name. Uses poses in the folder (sparse/, sparse/0/ or transforms.json), else COLMAP
+/// estimates them. An interrupted build is resumed.
 JobPlan buildPlan(const std::filesystem::path& photographs);
 
-/// Pictures of a camera path, NAME/frame_0000.png and so on for NAME.json, and a video of them, NAME.mp4: `ibr render`
-/// with the place's settings, then ffmpeg where there is one. 3D video that plays begins with the path; where it stands
-/// still it does so there.
+/// Renders a camera path NAME.json with `ibr render` and the scene's settings to NAME/frame_0000.png and so on. If
+/// ffmpeg is available, also encodes NAME.mp4. Playing 3D video starts with the path; paused 3D video stays at its
+/// current time.
 JobPlan videoPlan(const OpenItem& place, const std::filesystem::path& cameraPath, const GpuSceneOptions& gpuScene,
                   const std::string& device);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of the device's own memory there is for us.
+// Device memory available to this program.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@ namespace ibr::app {
 
 struct MemoryBudget {
   std::uint64_t bytes = 0;            // of the device's largest local heap, for this program
-  std::optional<std::uint64_t> used;  // of that, by this program, all that drivers need included; where it is known
+  std::optional<std::uint64_t> used;  // used by this program, driver overhead included; nullopt: unknown
 };
 
-/// By VK_EXT_memory_budget; where the device lacks that, `bytes` is the whole heap.
+/// Reads VK_EXT_memory_budget. Without the extension, `bytes` is the size of the whole heap.
 class MemoryMeter {
  public:
-  explicit MemoryMeter(const Device& device);  // which must outlive it
+  explicit MemoryMeter(const Device& device);  // `device` must outlive the meter
 
   MemoryBudget read() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the place without the interface.
+// Screenshots of the scene without the interface.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,13 @@
 
 namespace ibr::app {
 
-/// FOLDER/NAME_0001.png, say, or the first such number that is free: no video and no folder has it either.
+/// Returns FOLDER/NAME_0001.png, or the first number for which no such file, folder or .mp4 exists.
 std::filesystem::path freeFile(const std::filesystem::path& folder, const char* name, const char* extension);
 
-/// All that makes one picture of a view of the place, as `ibr render` reports it.
+/// Returns all settings that determine the image, in the format that `ibr render` reports.
 nlohmann::ordered_json settingsOf(const OpenItem& place, const GpuSceneOptions& gpuScene);
 
-/// Writes what `ibr render` writes for the same view and settings. Throws Error{io}.
+/// Writes the same image file as `ibr render` for the same view and settings. Throws Error{io}.
 void writeScreenshot(const std::filesystem::path& file, const Image8& image, const OpenItem& place, VkExtent2D extent,
                      const GpuSceneOptions& gpuScene);
 

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-// The first settings are those of all places; they may name cells that this one does not have. Whether they did.
+// The first settings apply to all scenes, and may name cells that this scene lacks. Returns true if any were removed.
 bool keepCellsOf(const Scene& scene, RenderSettings& settings) {
   std::size_t dropped = 0;
   for (std::vector<std::uint32_t>* cells : {&settings.mutedCells, &settings.soloCells})
@@ -76,7 +76,7 @@ bool Viewer::takeDone() {
 
 bool Viewer::takeOpened() {
   bool any = takeDone();
-  // In the order in which they were asked for.
+  // Takes results in the order of the requests.
   while (!opening.empty() && opening[0].place.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     Opening done = std::move(opening[0]);
     opening.erase(opening.begin());

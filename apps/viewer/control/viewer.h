@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer knows, whatever device draws it: the places that are open, what is shown of them, what was said.
+// The viewer's state, independent of the device: open scenes, the scene that is shown, jobs, messages.
 #pragma once
 
 #include <chrono>
@@ -24,63 +24,63 @@ struct LogLine {
   std::string text;
 };
 
-/// A place whose files are being read.
+/// A scene whose files are being read.
 struct Opening {
   std::filesystem::path path;
   std::future<OpenItem> place;
 };
 
 struct Viewer {
-  std::vector<std::unique_ptr<OpenItem>> places;  // in the order in which they were opened
-  std::size_t current = 0;                        // of places, where there is one
-  std::size_t shownTab = 0;                       // of places, in the panel
+  std::vector<std::unique_ptr<OpenItem>> places;  // in the order of opening
+  std::size_t current = 0;                        // index into places; unused if empty
+  std::size_t shownTab = 0;                       // index into places, of the panel's tab
   std::vector<Opening> opening;
   std::vector<std::unique_ptr<Job>> jobs;
   std::deque<LogLine> log;
-  LogCallback mirror;                    // also gets what is said
-  RenderSettings first;                  // of scenes when they are opened
-  std::optional<CameraPath> firstRoute;  // shown, again and again, of the first place that is opened
+  LogCallback mirror;                    // also receives every message
+  RenderSettings first;                  // initial settings of every scene
+  std::optional<CameraPath> firstRoute;  // path of the first scene that is opened, played in a loop
 
   bool showInterface = true;    // F2
   bool showHelp = false;        // F1
-  std::size_t shownPanel = 0;   // of the side panel's
-  bool wantsPanelKeys = false;  // F6: the keyboard goes to the next panel, or back to the view
-  bool panelHasKeys = false;    // it is there
-  std::size_t keyPanel = 0;     // where F6 has brought it last
-  float interfaceScale = 1;     // of that of the monitor; ctrl +, ctrl -
-  bool layOut = false;          // panels are to take the sizes that they begin with
-  glm::vec2 laidOutFor{0};      // size of the window that the side panel lies in
+  std::size_t shownPanel = 0;   // index of the side panel's page
+  bool wantsPanelKeys = false;  // F6: moves the keyboard focus to the next panel, or back to the view
+  bool panelHasKeys = false;    // a panel has the keyboard focus
+  std::size_t keyPanel = 0;     // panel that F6 focused last
+  float interfaceScale = 1;     // relative to the monitor's scale; ctrl +, ctrl -
+  bool layOut = false;          // panels reset to their default sizes in the next frame
+  glm::vec2 laidOutFor{0};      // size of the window for which the side panel was laid out
   bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
   bool wantsClose = false;
   bool asksForFolder = false;  // ctrl O
-  std::string typedFolder;     // there, last
+  std::string typedFolder;     // text of that dialog
   std::set<int>
-      shortcutKeys;  // places of keys pressed with ctrl that are still down: they do not fly when ctrl is let go first
-  std::string message;  // for a moment, over the picture
-  bool warned = false;  // it is to be seen even where the interface is hidden
+      shortcutKeys;  // keys pressed with ctrl and still down: they must not move the camera if ctrl is released first
+  std::string message;  // shown over the image for some seconds
+  bool warned = false;  // `message` is a warning: shown even if the interface is hidden
   std::chrono::steady_clock::time_point messageUntil{};
 
-  std::vector<std::pair<std::string, std::string>> shaderFaults;  // file and the compiler's text
+  std::vector<std::pair<std::string, std::string>> shaderFaults;  // file and compiler output
 
-  // Of the last frames.
+  // Statistics of the last frames.
   std::vector<ScopeTime> deviceTimes;
   FrameHistory history;
-  std::optional<double> firstPicture;  // s, from the program's start until the device had drawn a place
+  std::optional<double> firstPicture;  // s, from program start until the device had drawn a scene
   std::size_t frames = 0;              // drawn
-  std::size_t onDevice = 0;            // places
-  bool failed = false;                 // something could not be opened or drawn
+  std::size_t onDevice = 0;            // number of scenes
+  bool failed = false;                 // a scene could not be opened or drawn
 
   OpenItem* place() { return current < places.size() ? places[current].get() : nullptr; }
 
-  /// Begins to read a place; one that is open already is shown, and what is being read or made already is waited for. A
-  /// folder of photographs is made a scene first.
+  /// Starts reading a scene. A scene that is already open is shown; one that is being read or built is not started
+  /// twice. A folder of photographs is built into a scene first.
   void open(const std::filesystem::path& path);
-  /// Takes what has been read, and opens what has been made. Says whether there was anything.
+  /// Takes scenes that have been read, and opens results of finished jobs. Returns true if anything changed.
   bool takeOpened();
   void closeCurrent();
-  bool takeDone();                             // jobs; a place that was made anew is opened anew
-  void show(std::string text);                 // into the log, and over the picture for a moment
-  void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
+  bool takeDone();                             // takes finished jobs; a scene that was rebuilt is opened again
+  void show(std::string text);                 // writes to the log, and over the image for 3 s
+  void say(LogLevel level, std::string text);  // writes to the log; warnings also over the image
 };
 
 }  // namespace ibr::app

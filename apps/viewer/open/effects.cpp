@@ -27,12 +27,12 @@ Effects effectsOf(const OpenItem& place, VkExtent2D extent, DeviceKind kind) {
   for (const auto& [name, preset] : kPresets)
     effects.lines.push_back({name, presetOver(place.settings, preset, kind), {}});
   effects.lines.push_back({kAsSet, place.settings, {}});
-  for (Effect& line : effects.lines) line.settings.overlay = Overlay::none;  // of the picture itself
+  for (Effect& line : effects.lines) line.settings.overlay = Overlay::none;  // compares the images without overlays
   return effects;
 }
 
 void measureNext(Effects& effects, PlaceOnDevice& place, std::uint64_t& frame) {
-  // The reference first: the others are compared with it.
+  // The reference first: the other images are compared with it.
   const auto wanted = [&](const Effect& line) {
     return !line.measured && (!effects.reference.values.empty() || line.name == std::string_view(kReference));
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What settings cost and what they show, measured where the view stands: each preset, and the settings as they are,
-// against the reference.
+// Cost and quality of settings, measured at the current view. Each preset and the current settings are compared with
+// the reference preset.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@ namespace ibr::app {
 class PlaceOnDevice;
 struct OpenItem;
 
-inline constexpr const char* kAsSet = "as set";  // the settings as they are
+inline constexpr const char* kAsSet = "as set";  // name of the line with the current settings
 
 struct Effect {
   struct Measured {
     double milliseconds = 0;  // of a frame on the device
-    double psnr = 0;          // dB, against the reference's picture; infinite where they are the same
+    double psnr = 0;          // dB, against the reference's image; infinite if identical
   };
   const char* name;
   RenderSettings settings;
@@ -29,19 +29,19 @@ struct Effect {
 
 struct Effects {
   Camera view;
-  std::vector<Effect> lines;  // from the fastest preset to the reference, then the settings as they are
+  std::vector<Effect> lines;  // from the fastest preset to the reference, then the current settings
   Image8 reference;
 
   bool done() const;
 };
 
-/// Of a scene's view; nothing is measured yet.
+/// Prepares the lines for the current view of a scene; measures nothing.
 Effects effectsOf(const OpenItem& place, VkExtent2D extent, DeviceKind kind);
 
 /// Measures the next line. Waits for the device. Throws Error.
 void measureNext(Effects& effects, PlaceOnDevice& place, std::uint64_t& frame);
 
-/// "12.3 ms, 38.1 dB", or that it is still to come.
+/// Returns "12.3 ms, 38.1 dB", or a text for a line that is not measured yet.
 std::string text(const Effect& effect);
 
 }  // namespace ibr::app

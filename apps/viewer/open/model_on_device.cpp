@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonised models and 3D video.
+// Draws harmonised models and 3D video.
 #include <algorithm>
 #include <optional>
 
@@ -36,16 +36,16 @@ class ModelOnDevice final : public PlaceOnDevice {
   bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
 
   Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
-    choose(true);  // what the picture says that it shows
+    choose(true);  // waits, so that the image shows the frame that its metadata names
     Offscreen offscreen(device_, extent);
-    const HtmRenderer renderer(device_, *gpuModel_, {.largest = extent});
+    const HtmRenderer renderer(device_, *gpuModel_, {.maxExtent = extent});
     const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
     ++frame;
     Image8 image = offscreen.render([&](VkCommandBuffer commands) {
       renderer.record(commands, plan, offscreen.target());
       if (place_.showGraph) recordGraph(commands, graph(), plan.view, offscreen.target());
     });
-    if (place_.showGraph) makeOpaque(image);  // lines lie beside the object too
+    if (place_.showGraph) makeOpaque(image);  // lines also lie outside the object, where alpha is 0
     return image;
   }
 
@@ -59,7 +59,7 @@ class ModelOnDevice final : public PlaceOnDevice {
     vkDeviceWaitIdle(device_.handle());
     graph_.reset();
     if (!renderer_) return;
-    HtmRenderer fresh(device_, *gpuModel_, {.largest = largest_, .formats = {format_}});
+    HtmRenderer fresh(device_, *gpuModel_, {.maxExtent = largest_, .formats = {format_}});
     *renderer_ = std::move(fresh);
   }
 
@@ -72,8 +72,8 @@ class ModelOnDevice final : public PlaceOnDevice {
   }
 
  private:
-  // The model of this moment. One that is not there yet is waited for, or comes later and the last one stays until
-  // then.
+  // Selects the model of the current time. If the model is not loaded yet, waits for it, or keeps the last model until
+  // a later call.
   void choose(bool waits = false) {
     std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*place_.model};
     HtmPictureSource source = readHtmPicture;
@@ -104,11 +104,11 @@ class ModelOnDevice final : public PlaceOnDevice {
     vkDeviceWaitIdle(device_.handle());
     largest_ = {std::max(largest_.width, e.width), std::max(largest_.height, e.height)};
     format_ = target.format;
-    renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.largest = largest_, .formats = {target.format}});
+    renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.maxExtent = largest_, .formats = {target.format}});
   }
 
   GraphOverlay& graph() {
-    if (!graph_) graph_ = graphLines(device_, *place_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    if (!graph_) graph_ = graphLines(device_, *place_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
     return *graph_;
   }
 

@@ -30,12 +30,12 @@ GraphView mapOf(const std::vector<Viewpoint>& viewpoints) {
   return graphView(places);
 }
 
-// On the thread that loads.
+// Runs on the thread that loads.
 HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
   return preparedHtmPicture(model, camera, readHtmPicture(model, camera));
 }
 
-// The photograph nearest to the middle of all.
+// Returns the index of the photograph nearest to the mean position.
 std::size_t middleOf(const std::vector<Pose>& poses) {
   glm::dvec3 middle(0);
   for (const Pose& pose : poses) middle += pose.position / double(poses.size());
@@ -105,7 +105,7 @@ void OpenItem::showRoute() {
   routePose = walk.pose;
   routeFovY = walk.fovY;
   walk.flight.reset();
-  // As in a video that is made of it.
+  // Start at the path's time, as in a video made of the path.
   if (showingRoute && video && playing) time = std::fmod(route.keys.front().time, video->duration());
   changed = true;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A place that is open in the viewer: a scene, a harmonised model or 3D video, with the camera as it was left ([T]
-// §4.1.1). What a device holds of it is a PlaceOnDevice: it may be lost and made anew.
+// An open scene, harmonised model or 3D video, with its camera and settings ([T] §4.1.1). Its GPU resources are a
+// PlaceOnDevice, which may be lost and created again.
 #pragma once
 
 #include <filesystem>
@@ -20,62 +20,62 @@
 
 namespace ibr::app {
 
-/// A photograph of a place, to snap to.
+/// A photograph's name and camera; the view can fly there.
 struct Viewpoint {
   std::string name;
   Camera camera;
 };
 
 struct OpenItem {
-  std::uint64_t number = 0;  // of all that were opened: another place may later lie where this one lay
+  std::uint64_t number = 0;  // unique among all that were opened, because a path or address may be reused
   std::filesystem::path path;
-  std::string name;  // of the folder
-  // One of them:
+  std::string name;  // the folder's name
+  // A scene or a model; 3D video has `model` and `video`.
   std::optional<Scene> scene;
-  std::optional<HtmModel> model;  // of 3D video its first frame's
+  std::optional<HtmModel> model;  // of 3D video: the first frame's model
   std::unique_ptr<HtmSequence> video;
 
   std::vector<Viewpoint> viewpoints;
-  double step = 1;       // median distance from a photograph to its nearest one, world units
-  RoamingBounds bounds;  // where views may be trusted
-  GraphView map;         // from where the places of the photographs are best looked at
+  double step = 1;       // median distance of a photograph to its nearest neighbour, world units
+  RoamingBounds bounds;  // region near the photographs, where views may be trusted
+  GraphView map;         // projection for the map of capture sites
 
-  // As it was left.
+  // The user's view and settings.
   Navigation walk;
   bool bounded = false;                 // the camera stays within `bounds`
-  CameraPath route{1280, 720, 30, {}};  // recorded key by key; the size is that of the window it is saved from
-  double routeTime = 0;                 // s, while it is shown
+  CameraPath route{1280, 720, 30, {}};  // recorded key by key; size of the window at the last save
+  double routeTime = 0;                 // s since the start of the path, while it is shown
   bool showingRoute = false, repeatingRoute = false;
-  Pose routePose;        // what was shown of it last: who has moved the view since then ends it
+  Pose routePose;        // last pose shown from the path: any other movement of the view ends the playback
   double routeFovY = 0;  // radians
   RenderSettings settings;
   HtmSettings htmSettings;
   double time = 0;  // s, of 3D video
   bool playing = false;
-  /// Puts a key of where the view is behind the route's last one; the way there takes as long as at the speed of
-  /// flying.
+  /// Appends a key at the current view to the path. The time from the previous key follows from the flying
+  /// speed.
   void addRouteKey();
-  /// Shows the route from its beginning, at its own rate.
+  /// Plays the path from its beginning, in real time.
   void showRoute();
 
-  bool changed = false;    // a panel has changed what is shown
-  bool showGraph = false;  // frusta and cells over the picture
+  bool changed = false;    // a panel changed something that affects the image
+  bool showGraph = false;  // draws frusta and cells over the image
 
-  // What is asked of the device, and what it found.
-  std::optional<glm::dvec2> pickAt;  // px: the view goes round what is seen there from now on
-  std::optional<Trust> trust;        // of the view that stands
+  // Requests to the device, and their results.
+  std::optional<glm::dvec2> pickAt;  // px of a click: the point seen there becomes the orbit centre
+  std::optional<Trust> trust;        // of the current view, while it rests
   bool wantsEffects = false;
   std::optional<Effects> effects;
 
   std::vector<Pose> poses() const;  // of viewpoints
-  /// To a photograph's view, in so many seconds.
+  /// Moves the view to a photograph within `seconds`.
   void flyToViewpoint(std::size_t viewpoint, double seconds = 0.6);
 };
 
-/// Reads a place's files. For any thread. Throws Error that names the file.
+/// Reads the files. May run on any thread. Throws Error that names the file.
 OpenItem openPlace(const std::filesystem::path& path);
 
-/// The view in a picture of that size.
+/// Returns the current view as a pinhole camera for an image of this size.
 Camera cameraOf(const OpenItem& place, VkExtent2D extent);
 
 bool sameView(const Camera& a, const Camera& b);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kinds of place, for putOnDevice.
+// Factories of the kinds of PlaceOnDevice, for putOnDevice.
 #pragma once
 
 #include "viewer/open/place_on_device.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a device holds of a place, and how it is drawn. One thread.
+// GPU resources of an open scene or model, and how it is drawn. Threading: one thread.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -17,17 +17,17 @@
 
 namespace ibr::app {
 
-/// A frame that is being recorded. Numbers rise from 1; `completed`: the device has finished it and all before it.
+/// A frame being recorded. Numbers start at 1; the device has finished frame `completed` and all frames before it.
 struct Moment {
   VkCommandBuffer commands;
   std::uint64_t frame, completed;
-  double seconds;  // since the frame before
+  double seconds;  // since the previous frame
 };
 
 struct MemoryClass {
   std::string name;
   std::uint64_t bytes;
-  bool ofScene;  // GpuSceneOptions::budgetBytes counts it
+  bool ofScene;  // counts towards GpuSceneOptions::budgetBytes
 };
 
 struct TimedPicture {
@@ -39,38 +39,38 @@ class PlaceOnDevice {
  public:
   virtual ~PlaceOnDevice() = default;
 
-  /// Records the place as it is left into the target, whose extent may change from frame to frame. Throws Error.
+  /// Records the current view into the target, whose extent may change from frame to frame. Throws Error.
   virtual void record(const Moment& moment, const Target& target, ScopeTimer* timer) = 0;
 
-  /// What is drawn next would differ though nobody moved: something streams, fades or plays.
+  /// Returns true if the next frame would differ with an unchanged view: streaming, a fade or 3D video in progress.
   virtual bool restless() const = 0;
 
-  /// The same view by itself, as `ibr render` draws it, of that size. Waits for the device; `frame` is raised by the
-  /// frames that it takes. Throws Error.
+  /// Draws the current view alone, as `ibr render` does, at this size. Waits for the device. Increases `frame` by the
+  /// number of frames submitted. Throws Error.
   virtual Image8 picture(VkExtent2D extent, std::uint64_t& frame) = 0;
 
-  /// A picture of any view with any settings, and what it costs: the median of a few frames. As `picture`. Of scenes.
+  /// Draws any view with any settings; the time is the median of a few frames. Otherwise as `picture`. Scenes only.
   virtual TimedPicture timed(const Camera&, const RenderSettings&, std::uint64_t&) { return {}; }
 
-  /// The point of the world that a pixel of the view shows (px), where there is one. Waits for the device. Throws
-  /// Error.
+  /// Returns the world point at a pixel of the view (px); nullopt: no surface is known there. Waits for the device.
+  /// Throws Error.
   virtual std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) = 0;
 
-  /// Of the view. Waits for the device. Throws Error. nullopt for harmonised models.
+  /// Trust statistics of the current view. Waits for the device. Throws Error. nullopt for harmonised models.
   virtual std::optional<Trust> trust(VkExtent2D) { return std::nullopt; }
 
-  /// Makes the pipelines anew, after shaders have changed; what is drawn changes with them. Waits for the device.
-  /// Throws Error, and then goes on with those that it had.
+  /// Builds the pipelines again after shaders changed, so the image changes. Waits for the device. Throws Error, and
+  /// then keeps the previous pipelines.
   virtual void remakePipelines() = 0;
 
-  /// What the last frame was made of; nullptr for harmonised models.
+  /// Plan of the last frame; nullptr for harmonised models.
   virtual const FramePlan* plan() const { return nullptr; }
   virtual std::vector<MemoryClass> memory() const = 0;
-  /// Photographs of the last frame; none of harmonised models.
+  /// Streaming statistics of the last frame; nullopt for harmonised models.
   virtual std::optional<GpuScene::Streamed> streamed() const { return std::nullopt; }
 };
 
-/// The place must outlive it, and may change in the meantime as OpenItem says. Submits uploads and waits. Throws Error.
+/// `place` must outlive the result and may change meanwhile as OpenItem allows. Uploads and waits. Throws Error.
 std::unique_ptr<PlaceOnDevice> putOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options);
 
 }  // namespace ibr::app

@@ -14,15 +14,15 @@
 namespace ibr::app {
 namespace {
 
-// Whether a renderer made for `has` can draw what needs `needs`.
+// Returns true if a renderer made with `has` can draw everything that `needs` asks for.
 bool serves(const RendererOptions& has, const RendererOptions& needs) {
   const auto within = [](const auto& few, const auto& many) {
     return std::ranges::all_of(few, [&](auto one) { return std::ranges::find(many, one) != many.end(); });
   };
-  return has.largest.width >= needs.largest.width && has.largest.height >= needs.largest.height &&
+  return has.maxExtent.width >= needs.maxExtent.width && has.maxExtent.height >= needs.maxExtent.height &&
          has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
          within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
-         has.largestScale >= needs.largestScale && within(needs.formats, has.formats) &&
+         has.maxRenderScale >= needs.maxRenderScale && within(needs.formats, has.formats) &&
          within(needs.orders, has.orders) && within(needs.blends, has.blends) &&
          within(needs.compositions, has.compositions) && has.gatherCandidates >= needs.gatherCandidates &&
          has.gatherColours == needs.gatherColours && has.gatherLayers == needs.gatherLayers &&
@@ -44,7 +44,7 @@ class SceneOnDevice final : public PlaceOnDevice {
       const GpuScope scope(moment.commands, timer, "graph");
       recordGraph(moment.commands, graph(), plan_, std::span(&target, 1));
     }
-    // Colours fade for longer than the order does.
+    // The colour mapping may fade for longer than the draw order's cross-fade.
     const RenderSettings& s = place_.settings;
     const bool same = sameView(view, lastView_) && s == lastSettings_;
     lastView_ = view;
@@ -72,7 +72,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   }
 
   TimedPicture timed(const Camera& view, const RenderSettings& settings, std::uint64_t& frame) override {
-    constexpr int kFrames = 5;  // after the first, which is slow
+    constexpr int kFrames = 5;  // after the first frame, which is slow
     const FramePlan plan = planFrame(*place_.scene, bounds_, {{view}, settings, 0}, {});
     const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
     Offscreen offscreen(device_, extent);
@@ -131,7 +131,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   RendererOptions needsOf(const RenderSettings& settings, VkExtent2D extent,
                           VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     RendererOptions options = optionsFor(settings, extent, format);
-    options.uncertainties = &*place_.scene;
+    options.uncertaintyScene = &*place_.scene;
     return options;
   }
 
@@ -139,13 +139,13 @@ class SceneOnDevice final : public PlaceOnDevice {
     const RendererOptions needed = needsOf(place_.settings, target.extent, target.format);
     if (renderer_ && serves(options_, needed)) return;
     vkDeviceWaitIdle(device_.handle());
-    renderer_.reset();  // first, so that there is never memory for two
+    renderer_.reset();  // release first, so that two renderers never hold memory at once
     options_ = needed;
     renderer_.emplace(device_, gpuScene_, options_);
   }
 
   GraphOverlay& graph() {
-    if (!graph_) graph_ = graphLines(device_, *place_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    if (!graph_) graph_ = graphLines(device_, *place_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
     return *graph_;
   }
 
@@ -166,7 +166,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   GpuScene::Streamed streamed_;
   Camera lastView_;
   RenderSettings lastSettings_;
-  std::optional<glm::dvec3> lastExposure_;  // that the eye had adapted to, logarithms
+  std::optional<glm::dvec3> lastExposure_;  // of the adapting exposure, logarithms
   double quiet_ = 0;
   bool restless_ = true;
 };

@@ -5,11 +5,11 @@
 
 namespace ibr::app {
 
-/// How far a view may be trusted.
+/// Trust statistics of a view.
 struct Trust {
-  std::array<double, 4> tiers{};  // shares of the pixels by tier: photographs agree, none, completed, invented or empty
-  double extrapolation = 0;       // of the main cell, in its sizes; infinite where there is none
-  double depthError = 0;  // median of σ_ρ / ρ over the pixels whose depth is known: 0.01 is a hundredth of it
+  std::array<double, 4> tiers{};  // shares of pixels by tier: 0 photographs agree, 1 none, 2 completed, 3 fill or hole
+  double extrapolation = 0;       // of the main cell, in units of the cell's size; infinite without a cell
+  double depthError = 0;          // median of σ_ρ / ρ over pixels with known depth, i.e. the relative depth error
 };
 
 }  // namespace ibr::app

@@ -10,10 +10,10 @@
 namespace ibr::app {
 namespace {
 
-constexpr int kSide = 64;  // px, the longer side of the picture that is judged
+constexpr int kSide = 64;  // px, longer side of the image that is judged
 
 RendererOptions optionsFor(const Scene& scene) {
-  RendererOptions options{.largest = {kSide, kSide}};
+  RendererOptions options{.maxExtent = {kSide, kSide}};
   options.switchMixing = options.fill = options.dissolve = false;
   options.colour = ColourSupport::off;
   options.formats = {VK_FORMAT_R8G8B8A8_UNORM};
@@ -22,11 +22,11 @@ RendererOptions optionsFor(const Scene& scene) {
   options.compositions = {Composition::cells, Composition::hybrid, Composition::gathered};
   options.gatherCandidates = kMaxGatherCandidates;
   options.voteScale = 1;
-  options.buffers = &scene;
+  options.bufferScene = &scene;
   return options;
 }
 
-// The camera of one pixel of a picture.
+// Returns the camera of a single pixel of the image.
 Camera pixelOf(Camera view, glm::dvec2 pixel) {
   Intrinsics& k = view.intrinsics;
   k.cx -= pixel.x - 0.5;
@@ -70,7 +70,7 @@ Trust Probe::trust(const Camera& view, const RenderSettings& settings) {
   const FramePlan plan = planOf(small(view), settings);
   Trust trust{.extrapolation = std::numeric_limits<double>::infinity()};
   RenderSettings ofCells = settings;
-  ofCells.composition = Composition::cells;  // also where the hybrid draws none, since the gather shows more
+  ofCells.composition = Composition::cells;  // also if the hybrid draws no cells because the gather covers more
   if (const FramePlan nearest = planOf(small(view), ofCells); !nearest.cells.empty())
     trust.extrapolation = nearest.cells[0].extrapolationDistance / bounds_.cells[nearest.cells[0].cell].size;
   const FrameBuffers known = look(plan);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a scene's pixels beside their colours, in pictures so small that it costs little. One thread.
+// Reads depth, tiers and uncertainty of a view from small images, which cost little. Threading: one thread.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,13 @@ namespace ibr::app {
 
 class Probe {
  public:
-  /// Scene and device must outlive it.
+  /// Scene, bounds and device must outlive the probe.
   Probe(Device& device, const Scene& scene, const SceneBounds& bounds, const GpuScene& gpuScene);
 
-  /// All of these submit and wait; what is to be sampled has been streamed by commands that are submitted. Throw Error.
+  /// All methods submit and wait. Photographs must already be streamed by submitted commands. Throw Error.
   Trust trust(const Camera& view, const RenderSettings& settings);
-  /// Along the viewing axis, world units, of what a pixel shows (px, inside the picture); nullopt where nothing is, or
-  /// it is infinitely far.
+  /// Returns the depth along the viewing axis, world units, at a pixel (px, inside the image); nullopt if the pixel is
+  /// empty or infinitely far.
   std::optional<double> depthAt(const Camera& view, const RenderSettings& settings, glm::dvec2 pixel);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an overlay's colours mean: the colours are those of the shaders, by the same functions.
+// Legend of an overlay. Its colours come from the same functions as the shaders'.
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -23,7 +23,7 @@ void named(glm::vec3 colour, const std::string& what) {
   ImGui::TextUnformatted(what.c_str());
 }
 
-// A bar from 0 to 1 with words below both ends.
+// Draws a colour bar from 0 to 1 with labels below both ends.
 void ramp(const std::function<glm::vec3(float)>& colour, const std::string& low, const std::string& high) {
   constexpr int kSteps = 64;
   const float width = 16 * ImGui::GetFontSize(), height = ImGui::GetFontSize();
@@ -38,7 +38,7 @@ void ramp(const std::function<glm::vec3(float)>& colour, const std::string& low,
   ImGui::TextUnformatted(high.c_str());
 }
 
-// From `low` to `high` in equal factors.
+// Interpolates geometrically from `low` to `high`.
 float between(float low, float high, float share) {
   return low * std::pow(high / low, share);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells in order, log.
+// Pages "Cells" (in draw order) and "Log".
 #include <imgui.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ bool has(const Cells& cells, std::uint32_t cell) {
   return std::ranges::find(cells, cell) != cells.end();
 }
 
-// A letter that is pressed or not; told by light and dark, so by no colour alone. Says whether it was clicked.
+// Draws a toggle button; light or dark shows its state, not colour alone. Returns true if clicked.
 bool toggle(const char* letter, Cells& cells, std::uint32_t cell, const char* help) {
   const bool on = has(cells, cell);
   if (on) {
@@ -48,7 +48,7 @@ void photographsOf(const Scene& scene, std::uint32_t cell) {
   ImGui::TextUnformatted(names.c_str());
 }
 
-// Returns whether something was muted or soloed.
+// Draws a cell's row. Returns true if the cell was muted or soloed.
 bool drawnCell(const Scene& scene, RenderSettings& settings, const FramePlan& plan, std::size_t rank) {
   const PlannedCell& cell = plan.cells[rank];
   ImGui::TableNextRow();
@@ -69,7 +69,7 @@ bool drawnCell(const Scene& scene, RenderSettings& settings, const FramePlan& pl
   return changed;
 }
 
-// Those in view that are too many or not wanted, and those that were chosen and are out of view.
+// Returns cells in view that were not chosen, and muted or soloed cells that are not drawn, ascending.
 Cells cellsLeftOut(const Scene& scene, const RenderSettings& settings, const FramePlan& plan) {
   Cells out = plan.next.hiddenCells;
   out.insert(out.end(), settings.mutedCells.begin(), settings.mutedCells.end());

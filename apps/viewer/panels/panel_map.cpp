@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image graph from above: where photographs were taken, cells between them, and where the view stands.
+// Map of the image graph from above: photographs' positions, cells between them, and the current view.
 #include <imgui.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace ibr::app {
 namespace {
 
-// World to the panel.
+// Maps world coordinates to panel coordinates.
 struct Map {
   GraphView view;
   glm::dvec2 low{0}, high{1};

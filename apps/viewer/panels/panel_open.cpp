@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line to type a folder into, which is opened then.
+// Text field for a folder to open.
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -35,7 +35,7 @@ void showOpen(PanelInput& input) {
   ImGui::End();
   if (!entered && !left) return;
   viewer.asksForFolder = false;
-  ImGui::SetWindowFocus(nullptr);  // keys are the view's again
+  ImGui::SetWindowFocus(nullptr);  // gives the keyboard back to the view
   if (const std::filesystem::path folder = typedPath(viewer.typedFolder); entered && !folder.empty())
     viewer.open(folder);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings by name, and what each costs and shows where the view stands.
+// Preset buttons, with the measured cost and quality of each at the current view.
 #include <imgui.h>
 
 #include "shared/cli/presets.h"

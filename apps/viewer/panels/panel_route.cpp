@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera path, key by key.
+// Page "Path": the camera path, key by key.
 #include <fmt/format.h>
 #include <imgui.h>
 

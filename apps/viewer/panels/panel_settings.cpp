@@ -13,7 +13,7 @@ void hint(const char* text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }
 
-// A choice among words; whether it was changed.
+// Draws a combo box. Returns true if the value changed.
 template <class T, std::size_t N>
 bool choose(const char* label, T& value, const std::array<std::pair<const char*, T>, N>& choices, const char* help) {
   const char* now = "";
@@ -97,9 +97,9 @@ bool sceneSettings(RenderSettings& s) {
                     "ours: right for static points everywhere; the paper's: unclamped weights, no depth");
   changed |= ImGui::Checkbox("cells aligned", &s.alignCells);
   hint("Cells that share photographs move a little, so that they agree where poses are wrong");
-  changed |= count("cells", s.maxCells, 1, int(kLargestCellCount), "At most so many are drawn, best first");
+  changed |= count("cells", s.maxCells, 1, int(kMaxCellCount), "At most so many are drawn, best first");
   const auto tier = [&] {
-    return ImGui::SliderInt("lowest tier", &s.lowestTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
+    return ImGui::SliderInt("lowest tier", &s.maxTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
   };
   changed |= tier();
   hint("0: what photographs agree on; 2: also what no second one confirms; 3: holes are filled");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where time and memory go.
+// Pages "Times" and "Memory".
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -13,7 +13,7 @@
 namespace ibr::app {
 namespace {
 
-// Okabe and Ito's colours, which people tell apart whatever they see of red and green.
+// Colours of Okabe and Ito, distinguishable with any colour vision deficiency.
 constexpr std::array kColours{IM_COL32(86, 180, 233, 255), IM_COL32(230, 159, 0, 255),   IM_COL32(0, 158, 115, 255),
                               IM_COL32(240, 228, 66, 255), IM_COL32(204, 121, 167, 255), IM_COL32(0, 114, 178, 255),
                               IM_COL32(213, 94, 0, 255)};
@@ -33,7 +33,7 @@ float sumOf(const FrameTimes& times) {
                          [](float sum, const auto& pass) { return sum + pass.second; });
 }
 
-// 1, 2 or 5 times a power of ten, above x.
+// Rounds x up to 1, 2 or 5 times a power of ten.
 float roundedUp(float x) {
   const float power = std::pow(10.0f, std::floor(std::log10(std::max(x, 1e-3f))));
   for (const float step : {1.0f, 2.0f, 5.0f})
@@ -58,7 +58,7 @@ void tellFrame(const FrameTimes& times, const FrameHistory& history) {
   ImGui::EndTooltip();
 }
 
-// Passes on the device one upon the other, and a line for the whole from frame to frame.
+// Draws passes on the device as stacked bars, and the frame-to-frame time as a line.
 void drawGraph(const FrameHistory& history, std::size_t last) {
   const std::size_t first = last >= FrameHistory::kLength ? last - FrameHistory::kLength + 1 : 1;
   Graph graph{
@@ -101,7 +101,7 @@ double inMiB(std::uint64_t bytes) {
   return double(bytes) / (1 << 20);
 }
 
-// What is taken, a colour a class, of what there is.
+// Draws the used memory, one colour per class, as a share of `whole`.
 void drawBar(const std::vector<MemoryClass>& classes, bool sceneAlone, std::uint64_t whole) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{std::max(50.0f, ImGui::GetContentRegionAvail().x), 1.2f * ImGui::GetFontSize()};

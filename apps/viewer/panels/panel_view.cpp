@@ -17,7 +17,7 @@ namespace {
 
 const ImVec4 kNear(0.0f, 0.62f, 0.45f, 1), kFar(0.9f, 0.62f, 0.0f, 1);
 
-// How far it may go, and how far it is.
+// Shows the limit on the distance from the photographs, and the current distance.
 void showRoaming(OpenItem& place) {
   ImGui::Checkbox("stay near the photographs (B)", &place.bounded);
   const double away = distanceTo(place.bounds, place.walk.pose.position);
@@ -41,13 +41,13 @@ struct TierText {
 constexpr std::array kTiers{TierText{kTierAgrees, "photographs agree"}, TierText{kTierCompleted, "depth completed"},
                             TierText{kTierFilled, "invented, or nothing"}};
 
-// As Overlay::tiers shows it.
+// The colour of Overlay::tiers.
 ImVec4 colourOf(std::size_t tier) {
   const glm::vec3 colour = shader::tierColour(std::uint32_t(tier));
   return {colour.x, colour.y, colour.z, 1};
 }
 
-// Of what the picture is made, as a bar.
+// Shows the shares of the tiers in the image as a bar.
 void showTrust(const std::optional<Trust>& trust) {
   const float height = 0.8f * ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();

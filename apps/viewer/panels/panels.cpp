@@ -23,7 +23,7 @@ constexpr std::array kTabs{
     Tab{"View", showView},  Tab{"Settings", showSettings}, Tab{"Cells", showCells},   Tab{"Map", showMap},
     Tab{"Path", showRoute}, Tab{"Times", showTimes},       Tab{"Memory", showMemory}, Tab{"Log", showLog}};
 
-// Places that are open, and what else can be done with the mouse alone.
+// Tabs of the open scenes; a scene can be chosen and closed with the mouse alone.
 void showPlaces(PanelInput& input) {
   Viewer& viewer = input.viewer;
   if (!ImGui::BeginTabBar("places", ImGuiTabBarFlags_FittingPolicyScroll)) return;
@@ -47,7 +47,7 @@ void showPlaces(PanelInput& input) {
   }
 }
 
-// All names at any width: as many in a row as there is room for.
+// Draws buttons instead of ImGui's tab bar: they wrap, so that all names are visible at any width.
 void chooseTab(std::size_t& shown) {
   const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
   const ImGuiStyle& style = ImGui::GetStyle();
@@ -59,12 +59,12 @@ void chooseTab(std::size_t& shown) {
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_TabHovered));
     if (ImGui::Button(kTabs[i].name)) shown = i;
     ImGui::PopStyleColor(2);
-    if (i == shown) ImGui::SetItemDefaultFocus();  // where keys begin
+    if (i == shown) ImGui::SetItemDefaultFocus();  // the start of keyboard navigation
   }
   ImGui::Separator();
 }
 
-// Who asks for the keyboard gets it, one panel after the other; a mouse that was used elsewhere has taken it back.
+// F6 moves the keyboard focus through the panels. A mouse click outside the focused panel ends the focus.
 void giveKeys(Viewer& viewer) {
   std::vector<const char*> panels;
   if (viewer.place()) panels.push_back(kSidePanel);
@@ -77,11 +77,11 @@ void giveKeys(Viewer& viewer) {
     viewer.panelHasKeys = viewer.keyPanel < panels.size();
     ImGui::SetWindowFocus(viewer.panelHasKeys ? panels[viewer.keyPanel] : nullptr);
   }
-  if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui begins with the keyboard in some panel
+  if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui starts with some panel focused
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
 }
 
-// It stays as far from the window's right edge as it was, and inside.
+// Keeps the panel's distance to the window's right edge when the window is resized, and keeps the panel inside.
 void followWindow(glm::vec2& laidOutFor) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const glm::vec2 before = std::exchange(laidOutFor, {size.x, size.y});
@@ -105,7 +105,7 @@ void showSidePanel(PanelInput& input) {
     followWindow(viewer.laidOutFor);
     const OpenItem* place = viewer.place();
     showPlaces(input);
-    if (viewer.place() != place) {  // what is known of the frame before is of the other place
+    if (viewer.place() != place) {  // the input still describes the scene of the previous frame
       input.plan = nullptr;
       input.memory.clear();
       input.streamed.reset();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies over the picture, a file a panel. Each shows and changes what the viewer knows; none touches a device.
+// Panels over the image, one file each. A panel reads and changes the Viewer's state; no panel uses a device.
 #pragma once
 
 #include <imgui.h>
@@ -21,17 +21,17 @@ struct PanelInput {
   Window& window;
   std::string device;
   DeviceKind deviceKind;
-  const FramePlan* plan = nullptr;  // of the frame before; none for harmonised models
+  const FramePlan* plan = nullptr;  // of the previous frame; nullptr for harmonised models
   std::vector<MemoryClass> memory = {};
   std::uint64_t sceneBudget = 0;  // --vram-budget; 0: none
   MemoryBudget budget = {};
   std::optional<GpuScene::Streamed> streamed = {};
 };
 
-/// Everything, in a frame of ImGui.
+/// Draws the whole interface. Call within an ImGui frame.
 void showAll(PanelInput& input);
 
-// Tabs of the side panel.
+// Pages of the side panel.
 void showView(PanelInput& input);
 void showSettings(PanelInput& input);
 void showCells(PanelInput& input);
@@ -42,20 +42,20 @@ void showTimes(PanelInput& input);
 void showMemory(PanelInput& input);
 void showLog(PanelInput& input);
 
-/// A panel has changed the settings of a place.
+/// Call after a panel has changed the settings of a scene: requests a redraw and clears the outdated measurement.
 void settingsChanged(OpenItem& place);
 
-// Over the picture itself.
+// Windows over the image.
 void showHelp(PanelInput& input);
-void showWelcome(PanelInput& input);  // nothing is open
-void showOpen(PanelInput& input);     // while a folder is asked for
+void showWelcome(PanelInput& input);  // while nothing is open
+void showOpen(PanelInput& input);     // while Viewer::asksForFolder
 void showMessage(PanelInput& input);
 void showTimeLine(PanelInput& input);  // 3D video
-void showLegend(PanelInput& input);    // while there is an overlay
+void showLegend(PanelInput& input);    // while an overlay is on
 
-/// A window that only says something; ImGui::End ends it.
+/// Begins a window without decoration, sized to its contents; end it with ImGui::End.
 void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys = ImGuiWindowFlags_NoNav);
-/// A square of a display-encoded colour, as large as a letter.
+/// Draws a square of a display-encoded colour, with a side of one font size.
 void swatch(glm::vec3 colour);
 
 }  // namespace ibr::app

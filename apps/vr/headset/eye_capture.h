@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both eyes' pictures on their way to the host.
+// Copies both eyes' images to the host.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ class EyeCapture {
  public:
   explicit EyeCapture(const Device& device) : device_(device) {}
 
-  /// Records copies of what the eyes' images hold now, in use::kColourAttachment before and after.
+  /// Records copies of both eyes' images, which must be in use::kColourAttachment and stay so.
   void record(VkCommandBuffer commands, const EyeImages& images);
 
-  /// RGB as displayed, after the device has finished the commands.
+  /// Returns display-encoded RGB. Call after the device has finished the recorded commands.
   std::array<Image8, 2> read() const;
 
  private:

@@ -17,7 +17,7 @@ constexpr XrSwapchainUsageFlags kDrawn = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT
 constexpr XrSwapchainUsageFlags kFilled = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT;
 constexpr XrSwapchainUsageFlags kDepth = XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 
-// Contents are replaced; the runtime hands images over in an attachment's layout.
+// Contents are replaced. The runtime hands over images in attachment layouts.
 constexpr ImageUse kColourBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
                                  VK_ACCESS_2_NONE};
 constexpr ImageUse kDepthBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
@@ -183,7 +183,7 @@ std::array<Target, 2> EyeImages::acquire(double unitsPerMetre) {
     Target& target = targets[eye];
     target.extent = extent_;
     target.format = format();
-    target.before = kColourBefore;
+    target.initialUse = kColourBefore;
     target.image = drawn_ ? drawn_->get() : chain(colour_).image();
     target.view = drawn_ ? drawnViews_[eye].get() : chain(colour_).view(layer(colour_));
     target.layer = drawn_ ? eye : layer(colour_);
@@ -191,7 +191,7 @@ std::array<Target, 2> EyeImages::acquire(double unitsPerMetre) {
     target.depth = DepthTarget{.image = own ? ownDepth_->get() : chain(depth_).image(),
                                .view = own ? ownDepthViews_[eye].get() : chain(depth_).view(layer(depth_)),
                                .format = own ? VK_FORMAT_D32_SFLOAT : depth_[0].format(),
-                               .before = kDepthBefore,
+                               .initialUse = kDepthBefore,
                                .nearPlane = kNearPlane * unitsPerMetre,
                                .farPlane = kFarPlane * unitsPerMetre,
                                .layer = own ? eye : layer(depth_)};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The runtime's images for both eyes, as targets of a renderer: colour, and depth for the runtime's reprojection where
-// it takes any (XR_KHR_composition_layer_depth). One image of two layers where the runtime has such, else one for each
-// eye.
+// The OpenXR runtime's images for both eyes, as targets of a renderer: colour, and depth for the runtime's reprojection
+// if supported (XR_KHR_composition_layer_depth). One image with two layers if the runtime supports arrays, else one
+// image for each eye.
 //
-// Runtimes decode what they show from sRGB formats and take all others for linear. So a picture goes into an sRGB
-// format as it is; where a runtime has none, into one of ours, from which a blit makes linear values. One thread.
+// Runtimes decode sRGB formats and treat all other formats as linear. Frames are drawn into the runtime's sRGB images
+// if there are any, else into an own sRGB image that a blit converts to linear values. Threading: one thread.
 #pragma once
 
 #include <array>
@@ -19,19 +19,19 @@
 
 namespace ibr::app {
 
-/// One of the runtime's swapchains, images of one or two layers.
+/// One of the runtime's swapchains; its images have one or two layers.
 class XrImages {
  public:
   XrImages() = default;
   XrImages(Headset& headset, const Device& device, const Session& session, VkFormat format, XrSwapchainUsageFlags usage,
            VkExtent2D extent, std::uint32_t layers);
 
-  /// Takes the next image and waits until it may be written.
+  /// Acquires the next image and waits until writing is allowed.
   void acquire(Headset& headset);
   void release(Headset& headset);
 
   XrSwapchain get() const noexcept { return swapchain_.get(); }
-  VkImage image() const noexcept { return images_[current_].image; }  // the one that is acquired
+  VkImage image() const noexcept { return images_[current_].image; }  // the acquired image
   VkImageView view(std::uint32_t layer) const noexcept { return images_[current_].views[layer].get(); }
   VkFormat format() const noexcept { return format_; }
 
@@ -46,33 +46,33 @@ class XrImages {
   std::uint32_t current_ = 0;
 };
 
-/// The format that pictures of 8 bits go into as they are, where the runtime has one.
+/// Returns an 8-bit sRGB format of the runtime, for display-encoded pictures; nullopt: none.
 std::optional<VkFormat> pictureFormat(const Session& session);
 
 class EyeImages {
  public:
-  /// Projection of the depth that is given to the runtime and to shapes, metres.
+  /// Near and far plane of the depth for the runtime and for the guiding shapes, metres.
   static constexpr double kNearPlane = 0.05, kFarPlane = 1000;
 
-  /// Throws Error{unsupported} that names the formats offered where none can be used.
+  /// Throws Error{unsupported}, naming the offered formats, if none of them can be used.
   EyeImages(Headset& headset, const Device& device, const Session& session, const LogCallback& log);
   EyeImages(const EyeImages&) = delete;
   EyeImages& operator=(const EyeImages&) = delete;
 
   VkExtent2D extent() const noexcept { return extent_; }
-  /// Of pictures that are drawn.
+  /// Format of the images that are drawn.
   VkFormat format() const noexcept { return drawn_ ? drawn_->info().format : colour_[0].format(); }
   VkFormat depthFormat() const noexcept { return depth_.empty() ? VK_FORMAT_D32_SFLOAT : depth_[0].format(); }
-  std::string description() const;  // of all that was chosen, for people
+  std::string description() const;  // of all choices, for people
 
-  /// Takes the next images. Targets by eye, their depth included; drawing leaves them as their `after` says.
+  /// Acquires the next images. Returns a target for each eye, depth included; drawing leaves them in Target::finalUse.
   std::array<Target, 2> acquire(double unitsPerMetre);
-  /// Gives them back, after `finish` was recorded and the commands were submitted.
+  /// Returns the images to the runtime. Record `finish` and submit the commands first.
   void release();
-  /// Records what brings the pictures to the runtime, where they were not drawn into its images.
+  /// Records the blit into the runtime's images; does nothing if they were drawn directly.
   void finish(VkCommandBuffer commands) const;
 
-  /// An eye's picture as drawn, in Target::after, while it is acquired.
+  /// An eye's image as drawn, in Target::finalUse. Valid while the images are acquired.
   struct Picture {
     VkImage image;
     std::uint32_t layer;
@@ -80,7 +80,7 @@ class EyeImages {
   Picture picture(std::uint32_t eye) const noexcept;
 
   XrSwapchainSubImage colour(std::uint32_t eye) const noexcept;
-  /// nullopt where the runtime takes none.
+  /// nullopt if the runtime takes no depth.
   std::optional<XrSwapchainSubImage> depth(std::uint32_t eye) const noexcept;
 
  private:
@@ -95,10 +95,10 @@ class EyeImages {
   const Device& device_;
   const Session& session_;
   VkExtent2D extent_;
-  std::vector<XrImages> colour_, depth_;  // one for both eyes, or one for each; depth: or none
-  std::optional<GpuImage> drawn_;         // where the runtime's images cannot be drawn into
+  std::vector<XrImages> colour_, depth_;  // one for both eyes, or one for each; depth_ may be empty
+  std::optional<GpuImage> drawn_;         // if the runtime's images cannot be drawn into
   std::array<ImageViewHandle, 2> drawnViews_;
-  std::optional<GpuImage> ownDepth_;  // where it takes no depth
+  std::optional<GpuImage> ownDepth_;  // if the runtime takes no depth
   std::array<ImageViewHandle, 2> ownDepthViews_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both eyes' pictures as files: NAME_l.png and NAME_r.png, with view and settings inside
-// (shared/draw/picture_record.h), so that `ibr render SCENE --poses NAME_l.png --stereo` draws them again.
+// Writes both eyes' images as NAME_l.png and NAME_r.png, with view and settings as metadata
+// (shared/draw/picture_record.h). `ibr render SCENE --poses NAME_l.png --stereo` draws them again.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace ibr::app {
 
-/// The first view_0001.png, view_0002.png … of the folder that neither eye has yet.
+/// Returns the first of view_0001.png, view_0002.png … in the folder for which no file of either eye exists.
 std::filesystem::path freePicture(const std::filesystem::path& folder);
 
-/// `file`: NAME.png, of which the eyes' are made, which are given back. Folders are made. Throws Error{io}.
+/// `file`: NAME.png; the eyes' file names derive from it and are returned. Creates folders. Throws Error{io}.
 std::array<std::filesystem::path, 2> writeEyes(const std::filesystem::path& file, const std::array<Image8, 2>& pictures,
                                                const std::vector<Camera>& eyes, nlohmann::ordered_json settings);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Microseconds are enough.
+// Rounds to microseconds.
 double rounded(double ms) {
   return std::round(1e3 * ms) / 1e3;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What became of each frame, as lines of JSON in a file that is whole at any time, and what they come to.
+// Writes a line of JSON for each frame, and a summary. The file is complete after every line.
 //
 //   {"frame":1,"intervalMs":13.9,"processorMs":3.1,"deviceMs":7.9,"level":0,"cells":12,"missed":false}
 //   {"frame":812,"decision":"frame 812: 10.4 ms of 11.1 ms: cells 12 → 8"}
@@ -16,25 +16,25 @@
 namespace ibr::app {
 
 struct FrameTimes {
-  std::uint64_t frame = 0;  // from 1
-  double intervalMs = 0;    // between the times at which it and the one before are seen; 0: the first
-  double processorMs = 0;   // of work from when it could be begun until it was handed over: waits do not count
-  double deviceMs = 0;      // 0: not known
+  std::uint64_t frame = 0;  // counted from 1
+  double intervalMs = 0;    // between the display times of the previous frame and this one; 0: first, or after a pause
+  double processorMs = 0;   // CPU time from the start of the frame to its submission, without waits
+  double deviceMs = 0;      // GPU time; 0: unknown
   std::size_t level = 0;    // of the governor
-  std::size_t cells = 0;    // that were drawn
-  bool missed = false;      // the one before was shown for longer than a frame
+  std::size_t cells = 0;    // drawn
+  bool missed = false;      // the previous frame was shown for longer than one display period
 };
 
 class FrameLog {
  public:
-  /// An empty path: no file. Throws Error{io} where it cannot be written.
+  /// An empty path: no file. Throws Error{io} if the file cannot be written.
   explicit FrameLog(const std::filesystem::path& file);
 
   void add(const FrameTimes& times);
   void add(std::uint64_t frame, const std::string& decision);
-  /// Writes the last line, and gives what stands there.
+  /// Writes the summary line and returns its contents.
   nlohmann::ordered_json finish();
-  /// Throws Error{io} where not all could be written.
+  /// Throws Error{io} if a line could not be written.
   void check() const;
 
  private:

@@ -24,7 +24,7 @@ FrameRing::FrameRing(const Device& device) : device_(device) {
 
 FrameRing::~FrameRing() {
   const std::lock_guard lock(*device_.queueMutex());
-  vkDeviceWaitIdle(device_.handle());  // a lost device is idle too
+  vkDeviceWaitIdle(device_.handle());  // a lost device counts as idle
 }
 
 void FrameRing::wait() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command buffers of the frames that are in flight. One thread.
+// Command buffers of the frames in flight. Threading: one thread.
 #pragma once
 
 #include <array>
@@ -16,26 +16,26 @@ class FrameRing {
  public:
   static constexpr std::uint32_t kSlots = 2;
 
-  /// The device has a queueMutex.
+  /// The device must have a queueMutex.
   explicit FrameRing(const Device& device);
   FrameRing(const FrameRing&) = delete;
   FrameRing& operator=(const FrameRing&) = delete;
-  ~FrameRing();  // waits for all of them
+  ~FrameRing();  // waits for all frames
 
   struct Frame {
-    VkCommandBuffer commands;         // begun
-    std::uint32_t slot;               // 0 to kSlots − 1: what was used with it before is free again
-    std::uint64_t number, completed;  // from 1; `completed` and all before it are done
-    ScopeTimer* timer;                // reset
+    VkCommandBuffer commands;         // recording has begun
+    std::uint32_t slot;               // 0 to kSlots − 1; the slot's previous frame has finished
+    std::uint64_t number, completed;  // from 1; the device has finished `completed` and all frames before it
+    ScopeTimer* timer;                // already reset
   };
-  /// Waits until the frame that had this slot is done.
+  /// Waits until the slot's previous frame has finished.
   Frame begin();
   /// Throws Error (deviceLost, outOfMemory).
   void submit(const Frame& frame);
-  /// Until all that was submitted is done.
+  /// Waits until the device has finished all submitted frames.
   void wait() const;
 
-  /// Milliseconds that the device took for the frame that had the slot of `begin`'s last frame before it; 0: unknown.
+  /// Device time, ms, of the frame that used the slot before the last frame of `begin`; 0: unknown.
   double deviceMs() const noexcept { return deviceMs_; }
 
  private:

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::array kHands{"/user/hand/left", "/user/hand/right"};
 
-// Where the actions are on a controller, below a hand's path; null: nowhere.
+// Suggested bindings of a controller, as paths below the hand's path; nullptr: none.
 struct Profile {
   const char* name;
   std::array<const char*, 2> menu;  // left, right
   const char* select = "/input/trigger/value";
   const char* stick = "/input/thumbstick";
-  const char* pressed = nullptr;  // where touching alone must not count: a pad, not a stick
+  const char* pressed = nullptr;  // for a trackpad: the stick counts only while the pad is pressed, not merely touched
 };
 
 constexpr Profile kProfiles[]{
@@ -104,7 +104,7 @@ void Hands::suggestAll(XrInstance instance) const {
                                                     .countSuggestedBindings = std::uint32_t(bindings.size()),
                                                     .suggestedBindings = bindings.data()};
     const XrResult result = xrSuggestInteractionProfileBindings(instance, &info);
-    // A runtime need not know every controller.
+    // Runtimes may reject controllers that they do not support.
     if (result != XR_ERROR_PATH_UNSUPPORTED) xr(result, "xrSuggestInteractionProfileBindings");
   }
 }
@@ -149,7 +149,7 @@ void Hands::buzz(const Session& session, Hand hand) const noexcept {
                                     .amplitude = 0.4f};
   const XrHapticActionInfo info{
       .type = XR_TYPE_HAPTIC_ACTION_INFO, .next = nullptr, .action = buzz_, .subactionPath = paths_[hand]};
-  // Not every controller buzzes.
+  // Controllers without haptics return an error, which is ignored.
   static_cast<void>(
       xrApplyHapticFeedback(session.get(), &info, reinterpret_cast<const XrHapticBaseHeader*>(&vibration)));
 }

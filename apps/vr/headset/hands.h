@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two controllers: what they do, as actions with suggested bindings for the common ones. One thread.
+// Input of the two controllers, as OpenXR actions with suggested bindings for common models. Threading: one thread.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@ namespace ibr::app {
 
 class Hands {
  public:
-  /// Attaches its actions to the session: no others can follow. Throws Error.
+  /// Attaches the actions to the session; OpenXR allows this once per session. Throws Error.
   Hands(const Headset& headset, const Session& session);
   Hands(const Hands&) = delete;
   Hands& operator=(const Hands&) = delete;
 
-  /// What both hands do, and where they will be at that time, in the session's space. Hands are not active while the
-  /// program is not focused.
+  /// Returns the state of both hands, with poses predicted for `time`, in the session's space. Hands are inactive while
+  /// the session is not focused.
   std::array<HandInput, 2> read(const Session& session, XrTime time);
 
-  /// A short buzz.
+  /// Vibrates a controller for 20 ms.
   void buzz(const Session& session, Hand hand) const noexcept;
 
-  /// Which controllers there are, left and right: "/interaction_profiles/valve/index_controller"; empty: none.
+  /// Interaction profiles, left and right, such as "/interaction_profiles/valve/index_controller"; empty: none.
   std::array<std::string, 2> profiles(const Headset& headset, const Session& session) const;
 
  private:
@@ -34,7 +34,7 @@ class Hands {
   bool isOn(const Session& session, XrAction action, XrPath hand, bool otherwise) const;
 
   XrActionSetOwner set_;
-  // They go with the set.
+  // owned by the action set
   XrAction aim_ = XR_NULL_HANDLE, select_ = XR_NULL_HANDLE, menu_ = XR_NULL_HANDLE, stick_ = XR_NULL_HANDLE,
            pressed_ = XR_NULL_HANDLE, buzz_ = XR_NULL_HANDLE;
   std::array<XrPath, 2> paths_{};  // of the hands

@@ -52,8 +52,8 @@ std::string versionText(XrVersion version) {
 
 }  // namespace
 
-// Monado 25 adds VkPhysicalDeviceTimelineSemaphoreFeatures to what a device is made with, although features of Vulkan
-// 1.2 are there, which must hold it then. Drivers take it; it happens once, as the device is made.
+// Monado 25 appends VkPhysicalDeviceTimelineSemaphoreFeatures to the device's create-info, although the Vulkan 1.2
+// features are already there. Drivers accept that. The validation message about it appears once and is not counted.
 LogCallback Headset::counting(const HeadsetOptions& options) {
   return [this, log = options.log, count = options.messages](LogLevel level, std::string_view text) {
     if (text.find("VUID-VkDeviceCreateInfo-pNext-02830") == std::string_view::npos) {

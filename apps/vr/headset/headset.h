@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenXR runtime's instance, its headset, and the Vulkan device that it wants to be drawn with
-// (XR_KHR_vulkan_enable2). Where any of it is lost, all of it is made anew. One thread, but for what `device` says.
+// An OpenXR instance, its headset, and the Vulkan device that the runtime requires (XR_KHR_vulkan_enable2). If any is
+// lost, create a new Headset. Threading: one thread, except for `device`.
 #pragma once
 
 #include <atomic>
@@ -19,37 +19,37 @@
 namespace ibr::app {
 
 struct HeadsetOptions {
-  bool validation = false;                      // Vulkan's
-  std::vector<std::string> instanceExtensions;  // of Vulkan, further ones: those of a window
-  std::vector<std::string> deviceExtensions;    // likewise, where the device has them
-  std::filesystem::path pipelineCache;          // file, as DeviceOptions has it; empty: none
-  LogCallback log;                              // from any thread
+  bool validation = false;                      // Vulkan validation layers
+  std::vector<std::string> instanceExtensions;  // additional Vulkan extensions, such as a window's
+  std::vector<std::string> deviceExtensions;    // additional; enabled if the device has all of them
+  std::filesystem::path pipelineCache;          // file, as DeviceOptions::pipelineCache; empty: none
+  LogCallback log;                              // called from any thread
   std::atomic<std::uint64_t>* messages =
-      nullptr;  // counts what validation says, but for what the runtime is to blame for
+      nullptr;  // counts validation messages, except for messages that the runtime itself causes
 };
 
 class Headset {
  public:
-  /// Throws Error{unsupported} that says what is missing: a runtime, a headset, Vulkan.
+  /// Throws Error{unsupported} that names what is missing: a runtime, a headset, Vulkan.
   explicit Headset(const HeadsetOptions& options);
   Headset(const Headset&) = delete;
   Headset& operator=(const Headset&) = delete;
 
   XrInstance instance() const noexcept { return instance_.get(); }
   XrSystemId system() const noexcept { return system_; }
-  std::string name() const { return name_; }  // runtime and headset, as a person would cite them
+  std::string name() const { return name_; }  // of headset and runtime, for people
 
-  // Extensions that are on.
+  // Enabled extensions.
   bool takesDepth() const noexcept { return takesDepth_; }  // XR_KHR_composition_layer_depth
   bool hidesArea() const noexcept { return hidesArea_; }    // XR_KHR_visibility_mask
 
-  /// For a session.
+  /// Graphics binding for a session.
   XrGraphicsBindingVulkan2KHR binding() const noexcept;
 
-  /// A Device of its own for each thread that uses the device; all lock the queue. The headset must outlive it.
+  /// Adopts the device; each thread needs its own Device. All lock the queue. The headset must outlive them.
   Device device(LogCallback log);
   std::mutex& queueMutex() noexcept { return queueMutex_; }
-  bool hasDeviceExtensions() const noexcept { return hasExtensions_; }  // HeadsetOptions::deviceExtensions, all
+  bool hasDeviceExtensions() const noexcept { return hasExtensions_; }  // all of HeadsetOptions::deviceExtensions
 
  private:
   LogCallback counting(const HeadsetOptions& options);
@@ -77,7 +77,7 @@ class Headset {
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queueFamily_ = 0;
   std::optional<PipelineCache> pipelines_;
-  DeviceFeatures optionalFeatures_;  // that are on
+  DeviceFeatures optionalFeatures_;  // enabled
   std::mutex queueMutex_;
 };
 

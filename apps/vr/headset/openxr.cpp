@@ -22,7 +22,7 @@ const char* nameOf(XrResult result) noexcept {
   }
 }
 
-// What people can do about it, where they can.
+// Returns a hint for the user; "" if there is none.
 const char* adviceFor(XrResult result) noexcept {
   switch (result) {
     case XR_ERROR_RUNTIME_UNAVAILABLE:
@@ -84,7 +84,7 @@ XrPosef xrPoseOf(const Pose& pose) {
 }
 
 bool makesPicture(const XrFovf& fov) noexcept {
-  constexpr float kWidest = 1.569f;  // 89.9°
+  constexpr float kWidest = 1.569f;  // rad, 89.9°: bounds the tangents
   const auto spans = [](float low, float high) { return low >= -kWidest && low < high && high <= kWidest; };
   return spans(fov.angleLeft, fov.angleRight) && spans(fov.angleDown, fov.angleUp);
 }

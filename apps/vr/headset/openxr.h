@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenXR as the program uses it: results as exceptions, owners of handles, poses in our types.
+// OpenXR helpers: results as exceptions, owning handles, conversion of poses.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -14,18 +14,18 @@
 
 namespace ibr::app {
 
-/// Throws Error that names call and result where it is a failure: deviceLost where session, instance or runtime are
-/// gone, so that making them anew may go on; outOfMemory, unsupported, else vulkan. Gives successes back.
+/// Returns successes; throws Error, naming call and result, for failures. Code deviceLost: session or instance are lost
+/// and may be created again. Other codes: outOfMemory, unsupported, else vulkan.
 XrResult xr(XrResult result, const char* call);
 
-/// What an instance without the extension does not have. Throws Error{unsupported}.
+/// Loads a function of an extension. Throws Error{unsupported} if the instance lacks the extension.
 PFN_xrVoidFunction xrFunction(XrInstance instance, const char* name);
 template <class Function>
 Function xrFunction(XrInstance instance, const char* name) {
   return reinterpret_cast<Function>(xrFunction(instance, name));
 }
 
-/// Move-only. A default-made or moved-from one holds XR_NULL_HANDLE.
+/// Move-only owner. Holds XR_NULL_HANDLE after default construction or a move.
 template <class T, auto Destroy>
 class XrOwner {
  public:
@@ -51,7 +51,7 @@ using XrSpaceOwner = XrOwner<XrSpace, xrDestroySpace>;
 using XrSwapchainOwner = XrOwner<XrSwapchain, xrDestroySwapchain>;
 using XrActionSetOwner = XrOwner<XrActionSet, xrDestroyActionSet>;
 
-/// xrMake<XrSpaceOwner>(xrCreateReferenceSpace, session, info, "xrCreateReferenceSpace"). Throws as xr().
+/// Creates a handle: xrMake<XrSpaceOwner>(xrCreateReferenceSpace, session, info, "xrCreateReferenceSpace").
 template <class Owner, class Create, class Parent, class Info>
 Owner xrMake(Create create, Parent parent, const Info& info, const char* call) {
   decltype(Owner().get()) handle = XR_NULL_HANDLE;
@@ -61,13 +61,13 @@ Owner xrMake(Create create, Parent parent, const Info& info, const char* call) {
 
 inline constexpr XrPosef kXrIdentity{{0, 0, 0, 1}, {0, 0, 0}};
 
-/// Metres. Rotations that runtimes round are of unit length again.
+/// Positions in metres. Normalises rotations, which runtimes may round.
 Pose poseOf(const XrPosef& pose);
 XrPosef xrPoseOf(const Pose& pose);
 
-/// Whether intrinsicsOf has an answer.
+/// Returns true if intrinsicsOf accepts the field of view.
 bool makesPicture(const XrFovf& fov) noexcept;
-/// A pinhole of that size. Throws Error{invalidInput} where the angles make no picture.
+/// Returns a pinhole of this size. Throws Error{invalidInput} for angles that no pinhole has.
 Intrinsics intrinsicsOf(const XrFovf& fov, int width, int height);
 
 }  // namespace ibr::app

@@ -66,7 +66,7 @@ void Session::chooseView() {
   const auto modes = enumerated<XrEnvironmentBlendMode>({}, "xrEnumerateEnvironmentBlendModes", [&](auto... arguments) {
     return xrEnumerateEnvironmentBlendModes(headset_.instance(), headset_.system(), kStereo, arguments...);
   });
-  // Headsets that one sees through show the place all the same.
+  // Also draws on see-through headsets: takes the runtime's first blend mode if opaque is not supported.
   if (std::ranges::find(modes, blendMode_) == modes.end() && !modes.empty()) blendMode_ = modes.front();
 }
 
@@ -153,7 +153,7 @@ XrMoment Session::beginFrame() {
   xr(xrWaitFrame(get(), &waitInfo, &state), "xrWaitFrame");
   const XrFrameBeginInfo beginInfo{.type = XR_TYPE_FRAME_BEGIN_INFO, .next = nullptr};
   const std::lock_guard lock(headset_.queueMutex());
-  xr(xrBeginFrame(get(), &beginInfo), "xrBeginFrame");  // XR_FRAME_DISCARDED is a success: the last one went nowhere
+  xr(xrBeginFrame(get(), &beginInfo), "xrBeginFrame");  // XR_FRAME_DISCARDED is a success: previous frame dropped
   return {state.predictedDisplayTime, 1e-6 * double(state.predictedDisplayPeriod), state.shouldRender == XR_TRUE};
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenXR session: its life from state to state, its frames, and where the eyes are. One thread.
+// An OpenXR session: its states, its frames, and the poses of the eyes. Threading: one thread.
 //
-// All poses are in "the space": metres, y up, its origin on the floor. It is the runtime's STAGE, or where there is
-// none its LOCAL space, put so that the head is at a chosen height to begin with.
+// All poses are in the session's space: metres, y up, origin on the floor. The space is the runtime's STAGE space.
+// Without STAGE it is LOCAL, shifted so that the head starts at a chosen height.
 #pragma once
 
 #include <array>
@@ -16,40 +16,40 @@ namespace ibr::app {
 
 enum class SpaceKind : std::uint8_t { stage, local };
 
-/// What has happened since the last call.
+/// Events since the last call.
 struct SessionEvents {
   struct Recentred {
-    XrTime time;                 // from then on
-    std::optional<Pose> change;  // the new space's origin in the space as it was, where the runtime knows
+    XrTime time;                 // the new space is valid from this time on
+    std::optional<Pose> change;  // new origin in the previous space; nullopt: unknown
   };
-  std::vector<Recentred> recentred;  // in their order
-  bool maskChanged = false;          // hiddenArea gives others
-  bool handsChanged = false;         // other controllers
+  std::vector<Recentred> recentred;  // in the order of events
+  bool maskChanged = false;          // hiddenArea has changed
+  bool handsChanged = false;         // controllers have changed
 };
 
-/// To be drawn, and when it will be seen.
+/// Display time of a frame, and whether to draw.
 struct XrMoment {
   XrTime time = 0;
-  double periodMs = 0;  // from one frame to the next
-  bool shown = false;   // false: nothing need be drawn
+  double periodMs = 0;  // between frames
+  bool shown = false;   // false: nothing needs to be drawn
 };
 
 struct EyeView {
-  Pose pose;  // in the space
+  Pose pose;  // in the session's space
   XrFovf fov{};
 };
 
 struct EyeViews {
   std::array<EyeView, 2> eyes;
-  bool oriented = false;    // there are fields of view to draw, and where they look is known
-  bool positioned = false;  // and where they are
-  /// In the middle of the eyes ([T] §2.5.4).
+  bool oriented = false;    // fields of view are valid and rotations are tracked
+  bool positioned = false;  // positions are tracked, too
+  /// Pose in the middle between the eyes ([T] §2.5.4).
   Pose head() const;
 };
 
 class Session {
  public:
-  /// `space`: what is wanted; STAGE where it is nullopt and there is one. `eyeHeight`: of LOCAL, m. Throws Error.
+  /// `space`: the requested one; nullopt: STAGE if available, else LOCAL. `eyeHeight`: for LOCAL, m. Throws Error.
   Session(Headset& headset, std::optional<SpaceKind> space, double eyeHeight);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -58,27 +58,27 @@ class Session {
   XrSpace space() const noexcept { return space_.get(); }
   SpaceKind spaceKind() const noexcept { return kind_; }
 
-  /// Goes where the runtime wants the session to be. Throws Error{deviceLost} where it, or all of the runtime, is lost
-  /// or about to be.
+  /// Polls events and follows the runtime's state changes. Throws Error{deviceLost} if the session or the instance is
+  /// lost or about to be lost.
   SessionEvents handleEvents();
-  bool running() const noexcept { return running_; }  // frames are wanted
+  bool running() const noexcept { return running_; }  // frames must be submitted
   bool ended() const noexcept { return ended_; }
-  /// The runtime then lets it end. Nothing while it does not run.
+  /// Asks the runtime to end the session. Does nothing while the session is not running.
   void requestExit();
 
-  /// The size in which the runtime would like each eye's picture.
+  /// Size that the runtime recommends for each eye's image.
   VkExtent2D eyeExtent() const noexcept { return eyeExtent_; }
 
-  /// Waits until it is time for the next frame, and begins it.
+  /// Waits until the runtime wants the next frame, and begins that frame.
   XrMoment beginFrame();
   EyeViews locate(XrTime time) const;
   std::optional<Pose> locate(XrSpace what, XrTime time) const;  // nullopt: not tracked
   void endFrame(const XrMoment& moment, std::span<const XrCompositionLayerBaseHeader* const> layers);
 
-  /// Triangles in tangents (x right, y up) that an eye's lens never shows; none where the runtime does not tell.
+  /// Triangles, as tangents (x right, y up), that an eye's lens never shows; empty if the runtime has no mask.
   std::vector<glm::vec2> hiddenArea(std::uint32_t eye) const;
 
-  /// Of LOCAL: the floor lies so far below where the head was when the space was set up.
+  /// For LOCAL: sets the height of the head's initial position above the floor.
   void setEyeHeight(double metres);
 
  private:

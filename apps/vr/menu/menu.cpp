@@ -12,9 +12,9 @@
 namespace ibr::app {
 namespace {
 
-// The panel in units: 800 × 600.
+// Layout in units; the panel has 800 × 600.
 constexpr float kEdge = 16, kGap = 8;
-constexpr float kColumn = 228;  // width of what is always there
+constexpr float kColumn = 228;  // width of the column of buttons that every page has
 constexpr float kPageX = kEdge + kColumn + 24, kPageWidth = 800 - kEdge - kPageX, kPageHeight = kPageWidth;
 constexpr float kButton = 60;  // height
 
@@ -122,13 +122,13 @@ void Menu::showColumn(MenuSheet& sheet, MenuWishes& wishes) {
   showExit(sheet, wishes, y);
 }
 
-// The first press asks; only a second one soon after it leaves.
+// The first press asks for confirmation; a second press within kConfirmSeconds exits.
 void Menu::showExit(MenuSheet& sheet, MenuWishes& wishes, float y) {
   exitSeconds_ = std::max(0.0, exitSeconds_ - double(ImGui::GetIO().DeltaTime));
   const bool asks = exitSeconds_ > 0;
   const MenuRect at = sheet.rect(kEdge, y, kColumn, kButton);
   if (!sheet.button("exit", asks ? "Really exit?" : "Exit", at, asks ? MenuLook::warning : MenuLook::plain)) {
-    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left)) exitSeconds_ = 0;  // on something else
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Left)) exitSeconds_ = 0;  // anywhere else
     return;
   }
   wishes.exit = asks;
@@ -140,7 +140,7 @@ void Menu::showScenes(MenuSheet& sheet, const MenuModel& model, MenuWishes& wish
   constexpr float kRow = 66, kScroll = 72;
   const std::size_t count = model.scenes.size();
   if (count == 0) sheet.text("No scenes", sheet.rect(kPageX, kEdge, kPageWidth, kPageHeight), kMenuDim);
-  const std::size_t last = count > kRows ? count - kRows : 0;  // where the list can begin
+  const std::size_t last = count > kRows ? count - kRows : 0;  // last possible first row
   if (model.scene != seenScene_) {
     seenScene_ = model.scene;
     const std::size_t scene = model.scene.value_or(0);

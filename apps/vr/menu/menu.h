@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu of a program for headsets: what it shows, and what a person wishes by pointing and one button.
+// Contents of the headset program's menu, and the requests that a user makes by pointing and one button.
 //
-// Contents alone: pages of Dear ImGui made from a model, in whose frame they are shown. menu_panel.h gives them input,
-// menu_drawer.h draws them.
+// The pages are drawn with Dear ImGui from a model, within the caller's ImGui frame. menu_panel.h provides input,
+// menu_drawer.h draws the result.
 #pragma once
 
 #include <cstddef>
@@ -13,32 +13,32 @@
 
 namespace ibr::app {
 
-/// What the menu shows. Numbers that are not finite are survived: what they stand for is not shown.
+/// Data that the menu shows. Numbers may be infinite or NaN; such values are not shown.
 struct MenuModel {
   struct Spot {
-    glm::dvec2 at{0.0};  // of the map: x to the right, y down, 0 to 1
-    bool here = false;   // where the person stands
+    glm::dvec2 at{0.0};  // on the map: x to the right, y down, 0 to 1
+    bool here = false;   // the user stands here
   };
   std::vector<std::string> scenes;
-  std::optional<std::size_t> scene;                  // the one that is open
-  std::vector<Spot> spots;                           // places of photographs, seen from above
-  std::optional<glm::dvec2> you;                     // on the map; held at its edge
-  glm::dvec2 facing{0.0};                            // of the person, on the map, of any length; (0, 0): not shown
-  double unitsPerMetre = 1, firstUnitsPerMetre = 1;  // world units; now, and when the scene was opened
+  std::optional<std::size_t> scene;                  // the open scene
+  std::vector<Spot> spots;                           // capture sites, seen from above
+  std::optional<glm::dvec2> you;                     // the user's position on the map; clamped to its edge
+  glm::dvec2 facing{0.0};                            // the user's direction on the map, any length; (0, 0): not shown
+  double unitsPerMetre = 1, firstUnitsPerMetre = 1;  // world units; current, and when the scene was opened
   bool smoothMotion = false;
   double snapDegrees = 30;          // of one turn
-  std::optional<double> eyeHeight;  // m; none where the headset knows the floor
-  std::optional<bool> governor;     // whether less may be drawn to keep the pace; none where that is no choice
-  std::string composition;          // a word of --composition; empty where that is no choice
-  std::string line;                 // what is happening, such as frames a second
+  std::optional<double> eyeHeight;  // m; nullopt: the headset knows the floor
+  std::optional<bool> governor;     // frame governor on or off; nullopt: cannot be changed
+  std::string composition;          // a word of --composition; empty: cannot be changed
+  std::string line;                 // status line, such as frame times
   std::optional<double> loading;    // 0 to 1, while a scene is read
 };
 
-/// What was asked for in one frame; nothing without a press.
+/// Requests of one frame; empty unless something was pressed.
 struct MenuWishes {
-  std::optional<std::size_t> teleport;  // MenuModel::spots
-  std::optional<std::size_t> scene;     // MenuModel::scenes; another one than is open
-  std::optional<double> scaleFactor;    // times as many world units a metre; finite, above 0
+  std::optional<std::size_t> teleport;  // index into MenuModel::spots
+  std::optional<std::size_t> scene;     // index into MenuModel::scenes; not the open scene
+  std::optional<double> scaleFactor;    // factor on world units per metre; finite, above 0
   std::optional<bool> smoothMotion;
   std::optional<double> snapDegrees;
   std::optional<double> eyeHeight;  // m, 0.5 to 2.5
@@ -48,10 +48,10 @@ struct MenuWishes {
   bool operator==(const MenuWishes&) const = default;
 };
 
-/// Something that can be pointed at, in pixels. Names: "map page", "scenes page", "settings page", "picture",
-/// "recentre", "close", "exit"; "map", whose corners are (0, 0) and (1, 1) of MenuModel::Spot::at; "scene 0" and so on,
-/// "scenes up", "scenes down"; "smaller", "larger", "first scale", "turn 15", 30, 45, 90, "lower", "higher",
-/// "smooth motion", "governor", "composition".
+/// An item that can be pointed at, in pixels. Names: "map page", "scenes page", "settings page", "picture", "recentre",
+/// "close", "exit"; "map", whose corners are (0, 0) and (1, 1) of MenuModel::Spot::at; "scene 0" and so on, "scenes
+/// up", "scenes down"; "smaller", "larger", "first scale", "turn 15", 30, 45, 90, "lower", "higher", "smooth motion",
+/// "governor", "composition".
 struct MenuItem {
   std::string name;
   glm::dvec2 low{0.0}, high{0.0};
@@ -61,13 +61,13 @@ struct MenuSheet;
 
 class Menu {
  public:
-  /// Shows all of it over so many pixels, in a frame of ImGui whose letters are kMenuLetters of their height.
+  /// Draws the menu over `pixels`, within an ImGui frame whose font height is kMenuLetters of pixels.y.
   MenuWishes show(const MenuModel& model, glm::vec2 pixels);
 
-  /// What was there in the last frame.
+  /// Items of the last frame.
   const std::vector<MenuItem>& items() const noexcept { return items_; }
 
-  /// As if it were opened anew: on its map, nothing half done.
+  /// Returns to the state of a newly opened menu: map page, no pending confirmation.
   void reset();
 
  private:
@@ -81,12 +81,12 @@ class Menu {
   std::vector<MenuItem> items_;
   Page page_ = Page::map;
   std::optional<std::size_t> pressedSpot_;
-  std::optional<std::size_t> seenScene_;  // that the list was scrolled to
-  std::size_t firstScene_ = 0;            // of the list
-  double exitSeconds_ = 0;                // for which a second press leaves
+  std::optional<std::size_t> seenScene_;  // scene that the list was scrolled to
+  std::size_t firstScene_ = 0;            // first row of the list
+  double exitSeconds_ = 0;                // remaining time in which a second press exits
 };
 
-/// Height of letters, of the panel's: 24 of 480 pixels.
+/// Font height as a share of the panel's height: 24 of 480 pixels.
 inline constexpr double kMenuLetters = 0.05;
 
 }  // namespace ibr::app

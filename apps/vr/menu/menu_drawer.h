@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu's panel, drawn by a device into the image of a headset's layer.
+// Draws the menu's panel with a Vulkan device into the image of a headset layer.
 //
-// Colours of ImGui are display-encoded. They are drawn into an image of our own that takes them as they are, and copied
-// bit by bit into the layer's: so they are the same in those that encode what is drawn (SRGB) and in those that do not.
+// ImGui's colours are display-encoded. They are drawn into an own UNORM image, which is copied bit by bit into the
+// layer's image. SRGB and UNORM layers therefore show the same colours.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,22 @@ namespace ibr::app {
 
 class MenuDrawer {
  public:
-  /// `format`: of the layer's images. A frame is recorded so many times at most before the device has finished the
-  /// first. Panel and device outlive it. Throws Error: unsupported where the format's values are not display-encoded
-  /// ones (rawFormat in window/raw_copy.h knows it), outOfMemory.
+  /// `format`: of the layer's images. At most `framesInFlight` frames may be recorded before the device has finished
+  /// the first of them. Panel and device must outlive the drawer. Throws Error: unsupported if rawFormat
+  /// (window/raw_copy.h) does not know the format, outOfMemory.
   MenuDrawer(const Device& device, const MenuPanel& panel, VkFormat format, std::uint32_t framesInFlight);
   MenuDrawer(const MenuDrawer&) = delete;
   MenuDrawer& operator=(const MenuDrawer&) = delete;
-  ~MenuDrawer();  // the device is idle
+  ~MenuDrawer();  // the device must be idle
 
-  /// Records what the panel showed last, opaque, into an image of its size that transfers may write; all of it is
-  /// replaced. `before`: how it was used last.
+  /// Records the panel's last frame, opaque, over all of `image`, which must have the panel's size and transfer usage.
+  /// `before`: the image's last use.
   void record(VkCommandBuffer commands, VkImage image, ImageUse before, ImageUse after);
 
  private:
   const MenuPanel& panel_;
   GpuImage drawn_;
-  std::optional<InterfaceDrawer> drawer_;  // made and destroyed in the panel's context
+  std::optional<InterfaceDrawer> drawer_;  // created and destroyed with the panel's context current
 };
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu's map: places of photographs from above, to be gone to.
+// The menu's map: capture sites from above; pressing one teleports there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace ibr::app {
 namespace {
 
 constexpr float kSide = 516;  // units
-constexpr float kReach = 26;  // units from the pointer to a spot that is meant
+constexpr float kReach = 26;  // max. distance from the pointer to a chosen spot, units
 constexpr ImU32 kSpot = IM_COL32(72, 190, 184, 255);
 
 bool finite(glm::dvec2 at) {
@@ -22,7 +22,7 @@ bool finite(glm::dvec2 at) {
 
 struct Map {
   MenuRect rect;
-  float unit, dot;  // pixels; the radius of a spot
+  float unit, dot;  // pixels per unit; radius of a spot, pixels
 
   ImVec2 at(glm::dvec2 place) const {
     const glm::dvec2 held = glm::clamp(place, 0.0, 1.0);
@@ -45,13 +45,13 @@ std::optional<std::size_t> nearest(const Map& map, const std::vector<MenuModel::
 }
 
 void drawSpots(ImDrawList& list, const Map& map, const std::vector<MenuModel::Spot>& spots) {
-  for (const bool here : {false, true})  // what matters lies over the others
+  for (const bool here : {false, true})  // the user's spot is drawn over the others
     for (const MenuModel::Spot& spot : spots) {
       if (spot.here != here || !finite(spot.at)) continue;
       const ImVec2 at = map.at(spot.at);
       const float radius = here ? std::max(map.dot, 6 * map.unit) : map.dot;
       const ImU32 colour = here ? kMenuHere : kSpot;
-      if (radius < 4)  // there are many
+      if (radius < 4)  // squares are faster for many spots
         list.AddRectFilled({at.x - radius, at.y - radius}, {at.x + radius, at.y + radius}, colour);
       else
         list.AddCircleFilled(at, radius, colour, 16);
@@ -65,13 +65,13 @@ void drawMeant(MenuSheet& sheet, const Map& map, ImVec2 at, std::size_t number) 
   const float width = ImGui::CalcTextSize(words.c_str()).x + 28 * map.unit, height = 40 * map.unit;
   const float x = std::clamp(at.x - 0.5f * width, map.rect.low.x, map.rect.high.x - width);
   float y = at.y - 22 * map.unit - height;
-  if (y < map.rect.low.y) y = at.y + 34 * map.unit;  // below, where the pointer does not hide it
+  if (y < map.rect.low.y) y = at.y + 34 * map.unit;  // below the pointer, else the pointer hides the text
   const MenuRect box{{x, y}, {x + width, y + height}};
   sheet.list.AddRectFilled(box.low, box.high, kMenuText, 6 * map.unit);
   sheet.text(words, box, kMenuBack);
 }
 
-// Drawn over the spots, so that it is found among thousands.
+// Drawn over the spots, to be visible among thousands of them.
 void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 facing) {
   const ImVec2 at = map.at(place);
   const double length = glm::length(facing);
@@ -96,7 +96,7 @@ void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 f
 
 }  // namespace
 
-// A hand shakes as it presses: what was pointed at when the press began is gone to.
+// Chooses the spot under the pointer at the start of the press, because the hand shakes while pressing.
 void Menu::showMap(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes) {
   const float crowd = kSide / std::sqrt(float(std::max<std::size_t>(model.spots.size(), 1)));
   const Map map{sheet.rect(784 - kSide, 16, kSide, kSide), sheet.unit,
@@ -106,7 +106,7 @@ void Menu::showMap(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes)
   std::optional<std::size_t> meant;
   if (ImGui::IsItemHovered()) meant = nearest(map, model.spots, ImGui::GetIO().MousePos);
   if (ImGui::IsItemActivated()) pressedSpot_ = meant;
-  if (pressedSpot_ && *pressedSpot_ >= model.spots.size()) pressedSpot_.reset();  // another scene
+  if (pressedSpot_ && *pressedSpot_ >= model.spots.size()) pressedSpot_.reset();  // the scene has changed
   if (chosen) wishes.teleport = pressedSpot_;
   if (ImGui::IsItemActive()) meant = pressedSpot_;
   if (!ImGui::IsItemActive()) pressedSpot_.reset();

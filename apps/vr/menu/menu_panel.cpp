@@ -16,12 +16,12 @@ namespace ibr::app {
 namespace {
 
 bool onPanel(const MenuPointer& pointer) {
-  const auto inside = [](double value) { return value >= 0 && value <= 1; };  // not NaN
+  const auto inside = [](double value) { return value >= 0 && value <= 1; };  // false for NaN
   return pointer.at && inside(pointer.at->x) && inside(pointer.at->y);
 }
 
-// DejaVu Sans where a distribution has put it: its strokes are as wide as a headset needs, and it has the letters of
-// most names. Else those that ImGui brings.
+// Uses DejaVu Sans if installed: its strokes are wide enough for a headset, and it covers Latin, Greek and Cyrillic
+// names. Else uses ImGui's built-in font.
 void addLetters(ImFontAtlas& fonts, float pixels) {
   constexpr std::array kFiles{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                               "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -58,12 +58,12 @@ CurrentContext::~CurrentContext() {
 MenuPanel::MenuPanel(int width, int height) : width_(width), height_(height) {
   check(width >= 64 && height >= 64, ErrorCode::invalidInput, "the menu's panel is {}×{} pixels", width, height);
   IMGUI_CHECKVERSION();
-  ImGuiContext* before = ImGui::GetCurrentContext();  // making one may make it the current one
+  ImGuiContext* before = ImGui::GetCurrentContext();  // CreateContext may make the new context current
   context_ = ImGui::CreateContext();
   ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
-  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // InterfaceDrawer: maps of many spots
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // supported by InterfaceDrawer; maps have many vertices
   io.DisplaySize = {float(width), float(height)};
   addLetters(*io.Fonts, float(std::round(kMenuLetters * height)));
   ImGui::GetStyle().WindowPadding = {0, 0};
@@ -91,7 +91,7 @@ void MenuPanel::takePointer(const MenuPointer& pointer) {
 MenuWishes MenuPanel::show(const MenuModel& model, const MenuPointer& pointer, double seconds) {
   const CurrentContext current(context_);
   takePointer(pointer);
-  // ImGui takes nothing but steps above 0; after a pause nothing has aged.
+  // ImGui requires a positive time step; the limit keeps a pause from counting as time.
   ImGui::GetIO().DeltaTime = seconds > 1e-4 ? float(std::min(seconds, 0.1)) : 1e-4f;
   ImGui::NewFrame();
   const MenuWishes wishes = menu_.show(model, {float(width_), float(height_)});

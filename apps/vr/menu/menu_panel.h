@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu as a panel: Dear ImGui in a context of its own, whose mouse is a hand that points. No window, no device.
+// The menu as a panel: Dear ImGui in its own context, with a pointing hand as mouse. Needs no window and no device.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -15,13 +15,13 @@ namespace ibr::app {
 
 /// A hand's ray and button.
 struct MenuPointer {
-  std::optional<glm::dvec2> at;  // where it meets the panel: x to the right, y down, 0 to 1; none: beside it
+  std::optional<glm::dvec2> at;  // hit point on the panel: x to the right, y down, 0 to 1; nullopt: no hit
   bool held = false;
 };
 
 class MenuPanel {
  public:
-  /// Letters are kMenuLetters of its height; both sides at least 64 pixels, or Error{invalidInput}.
+  /// Font height is kMenuLetters of `height`. Throws Error{invalidInput} if a side is below 64 pixels.
   MenuPanel(int width, int height);
   MenuPanel(const MenuPanel&) = delete;
   MenuPanel& operator=(const MenuPanel&) = delete;
@@ -30,14 +30,14 @@ class MenuPanel {
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
 
-  /// The next frame, so many seconds after the one before. A press counts where it began on the panel; one that was
-  /// held when the panel was opened does not.
+  /// Runs the next frame, `seconds` after the previous one. A press counts where it began on the panel. A button
+  /// already held when the panel was opened must be released first.
   MenuWishes show(const MenuModel& model, const MenuPointer& pointer, double seconds);
 
-  /// As if it were opened anew: the next frame is its first.
+  /// Opens the panel: resets the menu; the next frame is its first.
   void open();
 
-  /// What was there in the last frame, in pixels.
+  /// Items of the last frame, in pixels.
   const std::vector<MenuItem>& items() const noexcept { return menu_.items(); }
   ImGuiContext* context() const noexcept { return context_; }
 
@@ -47,10 +47,10 @@ class MenuPanel {
   int width_, height_;
   ImGuiContext* context_;
   Menu menu_;
-  bool seenFree_ = false;  // the button, since the panel was opened
+  bool seenFree_ = false;  // the button was seen released since the panel was opened
 };
 
-/// Makes a context of ImGui the current one while it lives.
+/// Makes an ImGui context current for the lifetime of this object.
 class CurrentContext {
  public:
   explicit CurrentContext(ImGuiContext* context);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the menu's pages are made of: places on the panel, large buttons, texts that fit. In a frame of ImGui.
+// Widgets of the menu's pages: rectangles, large buttons, shortened texts. Use within an ImGui frame.
 #pragma once
 
 #include <imgui.h>
@@ -11,14 +11,14 @@
 
 namespace ibr::app {
 
-/// Pixels of the panel.
+/// Rectangle in pixels of the panel.
 struct MenuRect {
   ImVec2 low, high;
   ImVec2 size() const noexcept { return {high.x - low.x, high.y - low.y}; }
   ImVec2 middle() const noexcept { return {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)}; }
 };
 
-// Display-encoded.
+// Display-encoded colours.
 inline constexpr ImU32 kMenuBack = IM_COL32(20, 22, 26, 255), kMenuField = IM_COL32(32, 35, 41, 255),
                        kMenuButton = IM_COL32(52, 58, 66, 255), kMenuHovered = IM_COL32(78, 87, 98, 255),
                        kMenuMarked = IM_COL32(33, 131, 127, 255), kMenuPressed = IM_COL32(24, 96, 93, 255),
@@ -29,21 +29,21 @@ enum class MenuLook { plain, marked, warning };
 enum class MenuSign { up, down, plus, minus };
 
 struct MenuSheet {
-  float unit;  // pixels of a 600th of the panel's height
+  float unit;  // pixels per unit; the panel is 600 units high
   std::vector<MenuItem>& items;
   ImDrawList& list;
 
-  /// In units from the panel's upper left.
+  /// Converts units from the panel's upper left corner to pixels.
   MenuRect rect(float x, float y, float width, float height) const noexcept;
 
-  /// An area that can be pressed, nothing drawn. Says whether it was: begun and let go on it.
+  /// Adds an invisible area. Returns true if it was pressed and released.
   bool area(const std::string& name, const MenuRect& at);
   bool button(const std::string& name, const std::string& label, const MenuRect& at, MenuLook look = MenuLook::plain);
   bool button(const std::string& name, MenuSign sign, const MenuRect& at);
-  /// A whole row that is switched on or off.
+  /// Draws a row with a switch. Returns true if pressed.
   bool toggle(const std::string& name, const std::string& label, const MenuRect& at, bool on);
 
-  /// In one line, shortened where it does not fit; `align` 0 at the left, 0.5 in the middle, 1 at the right.
+  /// Draws one line of text, shortened to fit; `align`: 0 left, 0.5 centred, 1 right.
   void text(const std::string& words, const MenuRect& at, ImU32 colour = kMenuText, float align = 0.5f);
 
  private:

@@ -29,7 +29,7 @@ void clear(VkCommandBuffer commands, VkImage image) {
 }  // namespace
 
 VkRect2D letterbox(VkExtent2D picture, VkExtent2D window) noexcept {
-  // Whole numbers of 64 bits: sides of images are far below 2^31.
+  // 64-bit integers avoid overflow: sides of images are far below 2^31.
   const auto part = [](std::uint32_t side, std::uint32_t of, std::uint32_t by) {
     return std::max(1u, std::uint32_t((std::uint64_t(side) * by + of / 2) / of));
   };
@@ -44,7 +44,7 @@ VkRect2D letterbox(VkExtent2D picture, VkExtent2D window) noexcept {
 Mirror::Mirror(const Device& device, VkFormat format, VkExtent2D most)
     : values_(device, imageInfo(format, most), "the window's picture of an eye") {}
 
-// A blit would decode the values of an SRGB image, and a window's frame is UNORM: they are copied bit by bit first.
+// Copies bit by bit first: a blit would decode the values of an SRGB source, and the window's frame is UNORM.
 void Mirror::record(VkCommandBuffer commands, const MirrorSource& source,
                     const Swapchain::Frame& frame) const noexcept {
   constexpr ImageUse kRewritten{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one eye sees, in a window beside the headset.
+// Mirrors one eye's image in a window.
 #pragma once
 
 #include "gpu/transfer/gpu_image.h"
@@ -9,30 +9,30 @@
 
 namespace ibr::app {
 
-/// An eye's picture, in one layer of an image that transfers may read.
+/// An eye's image: one layer of an image with transfer source usage.
 struct MirrorSource {
   VkImage image;
   std::uint32_t layer = 0;
-  VkRect2D rect{};                        // of the picture in it
+  VkRect2D rect{};                        // of the eye's image within the layer
   ImageUse use = use::kColourAttachment;  // of the layer, before and after
 };
 
 class Mirror {
  public:
-  /// For sources of that format whose pictures are at most so large. Throws Error: unsupported where the format's
-  /// values are not display-encoded ones (rawFormat in window/raw_copy.h knows it), outOfMemory.
+  /// For sources of `format` with images of at most `most`. Throws Error: unsupported if rawFormat (window/raw_copy.h)
+  /// does not know the format, outOfMemory.
   Mirror(const Device& device, VkFormat format, VkExtent2D most);
 
-  /// Records the whole picture into the middle of a window's frame, as large as fits, bars beside it: all that the
-  /// frame needs before Swapchain::end. Values stay as they are but for scaling. The frame is to be submitted on the
-  /// queue after what draws the source, and before a runtime takes the source back.
+  /// Records the image into the middle of a window's frame, scaled to fit, with bars beside it. Swapchain::end needs no
+  /// other commands. Display-encoded values are kept except for scaling. Submit the frame on the queue after the source
+  /// was drawn and before the runtime gets the source back.
   void record(VkCommandBuffer commands, const MirrorSource& source, const Swapchain::Frame& frame) const noexcept;
 
  private:
   GpuImage values_;
 };
 
-/// Where a picture lies in a window that shows all of it as large as it can. At least a pixel; neither is empty.
+/// Returns the largest centred rectangle with the picture's aspect in the window, at least a pixel. No side may be 0.
 VkRect2D letterbox(VkExtent2D picture, VkExtent2D window) noexcept;
 
 }  // namespace ibr::app

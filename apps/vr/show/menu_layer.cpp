@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kWidth = 960, kHeight = 720;         // px
 constexpr glm::dvec2 kSize{0.72, 0.54};            // m
-constexpr double kDistance = 0.85, kLower = 0.12;  // m from the head, and below it
+constexpr double kDistance = 0.85, kLower = 0.12;  // m, ahead of the head and below it
 
 constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
 
@@ -45,7 +45,7 @@ void MenuLayer::recentred(const Pose& newInOld) {
 MenuLayer::Meeting MenuLayer::meeting(const Pose& aim) const {
   const glm::dquat back = glm::conjugate(pose_.rotation);
   const glm::dvec3 from = back * (aim.position - pose_.position), along = back * (aim.rotation * glm::dvec3(0, 0, -1));
-  if (from.z <= 0 || along.z >= 0) return {};  // from behind, or away
+  if (from.z <= 0 || along.z >= 0) return {};  // from behind, or pointing away
   const double metres = -from.z / along.z;
   const glm::dvec3 hit = from + metres * along;
   const glm::dvec2 at{0.5 + hit.x / kSize.x, 0.5 - hit.y / kSize.y};
@@ -61,7 +61,7 @@ void MenuLayer::point(std::array<HandInput, 2>& hands) {
 }
 
 MenuWishes MenuLayer::show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds) {
-  // Whoever presses has it; else a hand that points at it while the other does not.
+  // The pressing hand has the pointer; without a press, a hand that points at the panel while the other does not.
   for (const Hand hand : {kLeft, kRight})
     if (hands[hand].panelSelect && !hands[pointer_].panelSelect) pointer_ = hand;
   const Hand other = pointer_ == kLeft ? kRight : kLeft;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The menu in a headset: a panel in the room, which the runtime shows over everything, and hands that point at it. One
-// thread.
+// The menu as a panel in the room, shown by the runtime over everything else (quad layer), with the hands as pointers.
+// Threading: one thread.
 #pragma once
 
 #include <array>
@@ -16,36 +16,36 @@ namespace ibr::app {
 
 class MenuLayer {
  public:
-  /// Where the runtime has no sRGB images of 8 bits there is no menu, and the log says so.
+  /// Without 8-bit sRGB images of the runtime there is no menu; a warning goes to the log.
   MenuLayer(Headset& headset, const Device& device, const Session& session, const LogCallback& log);
   MenuLayer(const MenuLayer&) = delete;
   MenuLayer& operator=(const MenuLayer&) = delete;
 
   bool isOpen() const noexcept { return open_; }
-  /// Before the head (in the session's space), upright; where it was open, it comes there.
+  /// Opens the panel upright in front of the head (pose in the session's space), or moves an open panel there.
   void open(const Pose& head);
   void close() noexcept { open_ = false; }
-  /// The space has another origin, whose pose in the former one this is.
+  /// Adapts the panel's pose to a moved session space; `newInOld`: the new origin's pose in the previous space.
   void recentred(const Pose& newInOld);
 
-  /// Finds out which hands point at it: HandInput::onPanel.
+  /// Sets HandInput::onPanel for hands that point at the open panel.
   void point(std::array<HandInput, 2>& hands);
-  /// How far along its ray a hand meets it, metres.
+  /// Distance along the hand's ray to the panel, metres; nullopt: no hit.
   std::optional<double> rayLength(Hand hand) const noexcept { return meets_[hand].metres; }
 
-  /// One frame of it, after the walk's step, which says whose press is the panel's.
+  /// Runs one frame of the menu. Call after the walk's step, which decides whether a press belongs to the panel.
   MenuWishes show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds);
 
-  /// Records it into the runtime's next image, which `release` gives back after the commands were submitted. Only while
-  /// it is open.
+  /// Acquires the runtime's next image and records the panel into it. Call `release` after submitting the commands.
+  /// Only while the panel is open.
   void record(const FrameRing::Frame& frame);
   void release();
-  /// As it was recorded; valid until the next call.
+  /// Layer of the recorded image; valid until the next call.
   const XrCompositionLayerBaseHeader* layer(XrSpace space) noexcept;
 
  private:
   struct Meeting {
-    std::optional<glm::dvec2> at;  // of the panel: x to the right, y down, 0 to 1
+    std::optional<glm::dvec2> at;  // on the panel: x to the right, y down, 0 to 1
     std::optional<double> metres;
   };
   Meeting meeting(const Pose& aim) const;
@@ -53,11 +53,11 @@ class MenuLayer {
   Headset& headset_;
   MenuPanel panel_;
   XrImages images_;
-  std::optional<MenuDrawer> drawer_;  // none: there is no menu
+  std::optional<MenuDrawer> drawer_;  // nullopt: there is no menu
   bool open_ = false;
-  Pose pose_;  // its middle, looking along +z
+  Pose pose_;  // of the panel's centre, whose front faces +z
   std::array<Meeting, 2> meets_;
-  Hand pointer_ = kRight;  // that it listens to
+  Hand pointer_ = kRight;  // the hand that controls the panel
   XrCompositionLayerQuad quad_{};
 };
 

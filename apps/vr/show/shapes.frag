@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-layout(constant_id = 0) const bool kLinear = false;  // the target encodes what is written
+layout(constant_id = 0) const bool kLinear = false;  // true: an sRGB target, which encodes the output
 
 layout(location = 0) in vec4 inColour;
 layout(location = 0) out vec4 outColour;

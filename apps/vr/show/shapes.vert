@@ -5,7 +5,7 @@ layout(location = 1) in vec4 inColour;  // display-encoded, straight alpha
 
 layout(push_constant) uniform Constants {
   mat4 toClip;
-  float strength;  // of all alphas
+  float strength;  // factor on all alphas
 };
 
 layout(location = 0) out vec4 outColour;

@@ -18,7 +18,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr float kThrough = 0.3f;  // of what lies behind
+constexpr float kThrough = 0.3f;  // opacity of occluded shapes
 
 struct Constants {
   glm::mat4 toClip;
@@ -26,7 +26,7 @@ struct Constants {
 };
 constexpr std::uint32_t kConstantBytes = sizeof(glm::mat4) + sizeof(float);
 
-// From camera axes: pixels as conventions.h has them, depth from 0 at `near` to 1 at `far` along the viewing axis.
+// Projects camera axes to clip space: pixels as in conventions.h, depth from 0 at `near` to 1 at `far` along −z.
 glm::dmat4 projection(const Intrinsics& k, double near, double far) {
   const double offset = far / (far - near);
   glm::dmat4 m(0.0);
@@ -67,7 +67,7 @@ ShapesPass::ShapesPass(const Device& device, VkFormat colour, VkFormat depth, st
                             .depthFormat = depth,
                             .blending = Blending::over};
   untested_ = makeGraphicsPipeline(device, info);
-  info.depthTest = info.depthWrite = true;  // runtimes move what is seen by its depth
+  info.depthTest = info.depthWrite = true;  // runtimes reproject by depth, so shapes must write it
   tested_ = makeGraphicsPipeline(device, info);
 }
 
@@ -89,7 +89,7 @@ void ShapesPass::record(VkCommandBuffer commands, std::uint32_t slot, const Came
                         double nearPlane, double farPlane) const noexcept {
   const Slot& s = slots_[slot];
   if (s.inSpace + s.onView == 0) return;
-  // The picture was drawn just before.
+  // The image was drawn just before: waits for its writes.
   transitionTarget(commands, target, use::kColourAttachment, use::kColourAttachment);
   transitionTarget(commands, *target.depth, use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);

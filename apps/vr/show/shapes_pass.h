@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws shapes over an eye's picture, before and behind what was photographed ([T] §2.5.5). What lies behind shows
-// faintly through: the ground that a mark stands on is only about where photographs say it is.
+// Draws shapes over an eye's image, with a depth test against the scene ([T] §2.5.5). Occluded shapes stay faintly
+// visible, because the reconstructed ground below a mark is only approximately right.
 #pragma once
 
 #include <array>
@@ -15,22 +15,22 @@ namespace ibr::app {
 
 class ShapesPass {
  public:
-  /// For targets of these formats; `slots` frames are in flight at once.
+  /// For targets of these formats; `slots`: frames in flight.
   ShapesPass(const Device& device, VkFormat colour, VkFormat depth, std::uint32_t slots);
 
-  /// The shapes of a frame, which `record` draws. What was given with this slot before is no longer in use.
+  /// Sets the shapes that `record` draws in this slot. The slot's previous frame must have finished.
   void setShapes(std::uint32_t slot, const Shapes& shapes);
 
-  /// Outside a render pass. The target, which has a depth, holds a picture: it is in use::kColourAttachment and its
-  /// depth in use::kDepthAttachment, and so they are left; what stands in the room has its depth. `eye`: in tracking
-  /// space, metres; the depth's planes are nearPlane and farPlane metres away.
+  /// Call outside a render pass. The target must have a depth image and hold the drawn scene, in use::kColourAttachment
+  /// and use::kDepthAttachment; both keep their uses. Shapes in space write their depth. `eye`: in tracking space,
+  /// metres. nearPlane, farPlane: of the depth, metres.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Camera& eye, const Target& target, double nearPlane,
               double farPlane) const noexcept;
 
  private:
   struct Slot {
     Buffer vertices;
-    std::uint32_t inSpace = 0, onView = 0;  // how many
+    std::uint32_t inSpace = 0, onView = 0;  // numbers of vertices
   };
 
   const Device& device_;

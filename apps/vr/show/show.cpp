@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Show: its life, and what becomes of a frame before it is drawn.
+// Show: lifetime, and the steps of a frame before drawing.
 #include "vr/show/show.h"
 
 #include <chrono>
@@ -108,7 +108,7 @@ void Show::frame() {
   if (draws && place_ && !exitAsked_) account(moment, seconds, processorMs);
 }
 
-// What moves the space's origin comes before anything is looked for in it.
+// Applies changes of the space's origin before any pose is located in the space.
 void Show::changeSpace(XrTime time) {
   const auto moved = [&](const Pose& newInOld) {
     const glm::dquat back = glm::conjugate(newInOld.rotation);
@@ -122,7 +122,7 @@ void Show::changeSpace(XrTime time) {
     if (change)
       moved(*change);
     else
-      menu_.close();  // it may stand anywhere now
+      menu_.close();  // its pose in the new space is unknown
   }
   if (!eyeHeight_) return;
   moved({{0, visit_.eyeHeight - *eyeHeight_, 0}, {1, 0, 0, 0}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A visit with one headset, from finding it until the user leaves or it is lost. One thread, but for a place that is
-// being read and put on the device: meanwhile the head is tracked as ever, over a grid.
+// A session with one headset, from its discovery until the user leaves or the headset is lost. Threading: one thread;
+// another one loads a scene, meanwhile the head is tracked over a grid.
 #pragma once
 
 #include <future>
@@ -23,10 +23,10 @@ class Show {
   explicit Show(Visit& visit);
   Show(const Show&) = delete;
   Show& operator=(const Show&) = delete;
-  ~Show();  // waits for the device, and for a place that is being read
+  ~Show();  // waits for the device, and for a scene that is being loaded
 
-  /// Until the user leaves, the frames asked for have been shown, or Ctrl-C. Throws Error: deviceLost, where making
-  /// another may go on.
+  /// Runs until the user leaves, VrOptions::frames frames were shown, or Ctrl-C. Throws Error; after deviceLost another
+  /// Show may be created.
   void run();
 
  private:
@@ -35,7 +35,7 @@ class Show {
   const VrOptions& options() const noexcept { return visit_.options; }
   void say(LogLevel level, const std::string& text) const;
 
-  // The frame.
+  // Steps of a frame.
   void obey(const SessionEvents& events);
   void frame();
   void changeSpace(XrTime time);
@@ -43,7 +43,7 @@ class Show {
   void walk(double seconds);
   void waitInPlace(double seconds);
 
-  // What the eyes see.
+  // Drawing.
   void draw(double seconds);
   void recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
                    std::span<const Target> targets, bool toBeKept);
@@ -55,7 +55,7 @@ class Show {
   void makeMirror();
   void showInMirror();
 
-  // The place.
+  // Loading and leaving scenes.
   void beginLoading();
   void takeLoaded();
   void settle(std::unique_ptr<StereoPlace> place);
@@ -64,14 +64,14 @@ class Show {
   EyeFormat eyeFormat() const;
   std::vector<RenderSettings> levelsOf(const PlaceFiles& files) const;
 
-  // The menu.
+  // Menu.
   MenuModel menuModel() const;
   void obeyMenu(double seconds);
   void obeyWaitingMenu(double seconds);
   void standAnew();
   void turnComposition();
 
-  // How it goes.
+  // Statistics and screenshots.
   void account(const XrMoment& moment, double seconds, double processorMs);
   void conclude(std::uint32_t slot, double deviceMs);
   void tellPace(const FrameTimes& times, double periodMs);
@@ -88,47 +88,47 @@ class Show {
   ShapesPass shapesPass_;
   EyeCapture capture_;
   MenuLayer menu_;
-  std::optional<Swapchain> window_;  // the mirror
+  std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
-  std::unique_ptr<StereoPlace> place_;                 // null while it is being read
-  std::future<std::unique_ptr<StereoPlace>> loading_;  // after all that it uses
-  std::optional<std::size_t> nextPlace_;               // of options().places: gone to once all is black
+  std::unique_ptr<StereoPlace> place_;                 // null while a scene is loading
+  std::future<std::unique_ptr<StereoPlace>> loading_;  // declared after everything that the loading thread uses
+  std::optional<std::size_t> nextPlace_;               // index into options().places: loaded once the view is black
   GovernorState governor_;
 
-  // Of the frame that is being made.
+  // State of the current frame.
   EyeViews eyes_;
   std::array<HandInput, 2> input_;
   WalkOutput walked_;
   RenderSettings drawnWith_;
-  std::optional<FloorWish> floor_;  // of drawnWith_
+  std::optional<FloorWish> floor_;  // floor of drawnWith_
   std::array<XrCompositionLayerProjectionView, 2> projectionViews_{};
   std::array<XrCompositionLayerDepthInfoKHR, 2> depthInfos_{};
   XrCompositionLayerProjection projection_{};
 
-  Pose head_;  // in the middle of the eyes, in the space; where it is not known, it is where it was
-  std::array<glm::dvec3, 2> eyeOffsets_{glm::dvec3(-0.0315, 0, 0), glm::dvec3(0.0315, 0, 0)};  // from it, in its axes
-  std::vector<SessionEvents::Recentred> recentrings_;                                          // to come
+  Pose head_;  // between the eyes, in the session's space; while not tracked, the last known pose
+  std::array<glm::dvec3, 2> eyeOffsets_{glm::dvec3(-0.0315, 0, 0), glm::dvec3(0.0315, 0, 0)};  // from head_, its axes
+  std::vector<SessionEvents::Recentred> recentrings_;                                          // not yet applied
 
-  // Wished for by the menu, for the next frame.
+  // Requests of the menu, for the next frame.
   std::optional<std::size_t> goTo_;
   double scale_ = 1;
   std::optional<double> eyeHeight_;
 
-  SpotMap map_;                 // of the place
-  std::string pace_, trouble_;  // lines for the menu: how frames go, what went wrong
-  double paceSeconds_ = 0;      // since the former was written
-  double waitedSeconds_ = 0;    // for the place
+  SpotMap map_;                 // of the scene
+  std::string pace_, trouble_;  // lines for the menu: frame times, last error
+  double paceSeconds_ = 0;      // since pace_ was written
+  double waitedSeconds_ = 0;    // for the scene being loaded
   std::array<bool, 2> menuHeld_{};
 
-  // A frame's time on the device is known when its slot is used again.
+  // The device time of a frame is known when its slot is used again.
   struct Pending {
     FrameTimes times;
     double periodMs;
   };
   std::array<std::optional<Pending>, FrameRing::kSlots> pending_;
   std::uint32_t slot_ = 0;
-  XrTime lastTime_ = 0;   // 0: there was no frame just before
-  double notWorkMs_ = 0;  // of this frame: waits for images and the device, files that are written
+  XrTime lastTime_ = 0;   // 0: the previous frame was not just before
+  double notWorkMs_ = 0;  // of this frame: waiting for images and the device, writing files
   bool maskChanged_ = false, exitAsked_ = false, pictureAsked_ = false, menuShown_ = false;
 };
 

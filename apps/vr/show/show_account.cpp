@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Show: how frames go, and pictures of them.
+// Show: frame statistics and screenshots.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +12,7 @@
 namespace ibr::app {
 
 void Show::account(const XrMoment& moment, double seconds, double processorMs) {
-  constexpr double kPause = 1;  // s: whatever happened, it was no frame
+  constexpr double kPause = 1;  // s: a longer interval is a pause, not a slow frame
   if (seconds == 0 || seconds > kPause) excuse(governor_);
   pending_[slot_] = {{.frame = ++visit_.shown,
                       .intervalMs = seconds > kPause ? 0 : 1e3 * seconds,
@@ -21,7 +21,7 @@ void Show::account(const XrMoment& moment, double seconds, double processorMs) {
                       .cells = place_->plan().cells.size(),
                       .missed = moment.periodMs > 0 && seconds > 1.5e-3 * moment.periodMs && seconds <= kPause},
                      moment.periodMs};
-  // The last ones are never begun again.
+  // The slots of the last frames are not used again, so their statistics are written here, without device times.
   if (visit_.shown != options().frames) return;
   for (std::uint32_t i = 1; i <= FrameRing::kSlots; ++i) conclude((slot_ + i) % FrameRing::kSlots, 0);
 }
@@ -42,7 +42,7 @@ void Show::conclude(std::uint32_t slot, double deviceMs) {
   say(LogLevel::info, decision.reason);
 }
 
-// So seldom that it can be read.
+// Updates the menu's line every 0.5 s, so that people can read it.
 void Show::tellPace(const FrameTimes& times, double periodMs) {
   constexpr double kSeconds = 0.5;
   paceSeconds_ += 1e-3 * times.intervalMs;
@@ -70,7 +70,7 @@ void Show::writePictures(const std::vector<Camera>& eyes) {
     visit_.pictures.insert(visit_.pictures.end(), written.begin(), written.end());
     say(LogLevel::info, fmt::format("{} and {} are written", written[0].string(), written[1].string()));
   } catch (const std::exception& e) {
-    if (last) throw;  // it was all that was asked for
+    if (last) throw;  // the requested screenshot failed, so the program fails
     trouble_ = e.what();
     say(LogLevel::error, trouble_);
   }

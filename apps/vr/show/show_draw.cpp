@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Show: what the eyes see, the runtime is handed, and a window mirrors.
+// Show: draws both eyes' images, the runtime's layers and the mirror.
 #include "base/stopwatch.h"
 #include "gpu/draw/rendering.h"
 #include "gpu/transfer/barrier.h"
@@ -9,8 +9,8 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kFreeRay = 10;                                             // m, of a ray that meets nothing
-constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; behind the grid
+constexpr double kFreeRay = 10;                                             // m, length of a ray that hits nothing
+constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; background of the grid
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void Show::draw(double seconds) {
 void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
                        std::span<const Target> targets, bool toBeKept) {
   drawnWith_ = governor_.levels[visit_.governed ? governor_.level : 0];
-  drawnWith_.leaveOutHidden = !toBeKept;
+  drawnWith_.skipHiddenArea = !toBeKept;
   giveFloor(drawnWith_);
   const GpuScope scope(frame.commands, frame.timer, "frame");
   place_->record(frame, seconds, eyes, drawnWith_, targets);
@@ -65,8 +65,9 @@ void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std:
 
 void Show::recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const {
   for (const Target& target : targets) {
-    transitionTarget(commands, target, target.before, use::kColourAttachment);
-    transitionTarget(commands, *target.depth, target.depth->before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+    transitionTarget(commands, target, target.initialUse, use::kColourAttachment);
+    transitionTarget(commands, *target.depth, target.depth->initialUse, use::kDepthAttachment,
+                     VK_IMAGE_ASPECT_DEPTH_BIT);
     const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, kDusk);
     const VkRenderingAttachmentInfo depth =
         depthAttachment(target.depth->view, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);
@@ -75,7 +76,7 @@ void Show::recordEmptiness(VkCommandBuffer commands, std::span<const Target> tar
   }
 }
 
-// At the real floor's height, in half metres.
+// Places the guiding grid at the height of the real floor, with lines every 0.5 m.
 void Show::giveFloor(RenderSettings& settings) {
   floor_.reset();
   const PlaceFiles& files = place_->files();
@@ -159,7 +160,7 @@ void Show::makeMirror() try {
   say(LogLevel::warning, fmt::format("there is no mirror: {}", e.what()));
 }
 
-// Whatever becomes of the window, the headset goes on; a device that is lost is seen there.
+// Errors of the mirror do not stop the headset. A lost device will be reported by the headset's own calls.
 void Show::showInMirror() try {
   const std::optional<Swapchain::Frame> frame = window_->begin();
   if (!frame) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Show: what the menu tells, and what is wished there.
+// Show: fills the menu's model and executes its requests.
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <utility>
@@ -57,7 +57,7 @@ void Show::obeyMenu(double seconds) {
   if (wishes.close) menu_.close();
 }
 
-// Pipelines are made anew: the eyes wait a moment.
+// Builds pipelines again, so the image stops for a moment.
 void Show::turnComposition() {
   visit_.composition = next(visit_.composition);
   ring_.wait();
@@ -66,7 +66,7 @@ void Show::turnComposition() {
   excuse(governor_);
 }
 
-// While a place is read there is a way out, and nothing else.
+// While a scene is loading, the menu only offers to exit.
 void Show::obeyWaitingMenu(double seconds) {
   std::array<HandOutput, 2> hands;
   for (const Hand hand : {kLeft, kRight}) {
@@ -85,7 +85,7 @@ void Show::obeyWaitingMenu(double seconds) {
   if (wishes.close) menu_.close();
 }
 
-// At the nearest spot, facing as its photographs do.
+// Moves the user to the nearest spot, facing as the spot's photographs do.
 void Show::standAnew() {
   const WalkPlace& place = place_->files().walk;
   const Pose head = inWorld(walked_.tracking, head_);

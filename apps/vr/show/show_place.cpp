@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Show: a place is read, put on the device, shown and left.
+// Show: loads, shows and leaves a scene.
 #include <chrono>
 #include <utility>
 
@@ -17,7 +17,7 @@ EyeFormat Show::eyeFormat() const {
 
 void Show::beginLoading() {
   waitedSeconds_ = 0;
-  // What the thread uses of the visit nobody changes meanwhile.
+  // The main thread does not change the parts of the visit that the loading thread uses.
   loading_ = std::async(std::launch::async, [this, eyes = eyeFormat()] {
     std::shared_ptr<const PlaceFiles>& files = visit_.files[visit_.current];
     if (!files)
@@ -31,7 +31,7 @@ void Show::beginLoading() {
   });
 }
 
-// All settings that a place is drawn with, what was asked for first.
+// Returns the governor's ladder of settings for the scene, starting with the requested settings.
 std::vector<RenderSettings> Show::levelsOf(const PlaceFiles& files) const {
   RenderSettings asked = options().settings;
   asked.composition = files.canBeGathered ? visit_.composition : Composition::cells;
@@ -51,7 +51,7 @@ void Show::takeLoaded() {
   }
 }
 
-// A place that cannot be shown is told of, and the former one shown again, as it was left.
+// Reports a scene that cannot be shown, and loads the previous scene again, with the user's previous position.
 void Show::goBack(const std::string& why) {
   trouble_ = why;
   say(LogLevel::error, why);
@@ -77,11 +77,11 @@ void Show::settle(std::unique_ptr<StereoPlace> place) {
   if (!visit_.walk)
     visit_.walk = startWalk(files.walk, visit_.walking, 0);
   else
-    recentred(*visit_.walk, std::nullopt);  // a headset that was lost may have its space elsewhere now
+    recentred(*visit_.walk, std::nullopt);  // a new headset session may have its space elsewhere
   if (menu_.isOpen() || !trouble_.empty()) menu_.open(head_);
 }
 
-// All is black.
+// The view is black when this is called.
 void Show::leavePlace() {
   ring_.wait();
   place_.reset();

@@ -27,10 +27,10 @@ void addNew(std::vector<T>& all, const std::vector<T>& more) {
     if (std::ranges::find(all, one) == all.end()) all.push_back(one);
 }
 
-// What serves each of these.
+// Returns the union of the options that these settings need.
 RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeFormat& eyes) {
   RendererOptions all = ibr::optionsFor(levels.front(), eyes.extent, eyes.format);
-  double largestScale = levels.front().renderScale;
+  double maxRenderScale = levels.front().renderScale;
   for (const RenderSettings& level : levels.subspan(1)) {
     const RendererOptions one = ibr::optionsFor(level, eyes.extent, eyes.format);
     addNew(all.orders, one.orders);
@@ -44,11 +44,11 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
     all.floor |= one.floor;
     all.dissolve |= one.dissolve;
     all.colour = std::max(all.colour, one.colour);
-    largestScale = std::max(largestScale, level.renderScale);
+    maxRenderScale = std::max(maxRenderScale, level.renderScale);
   }
   const bool scaled = std::ranges::any_of(levels, [](const RenderSettings& s) { return s.renderScale != 1; });
-  all.largestScale = scaled ? largestScale : 0;
-  all.views = 2;
+  all.maxRenderScale = scaled ? maxRenderScale : 0;
+  all.maxViews = 2;
   all.depth = true;
   return all;
 }
@@ -89,7 +89,7 @@ void StereoPlace::setLevels(std::span<const RenderSettings> levels) {
 
 void StereoPlace::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area) {
   eyes_.hiddenArea = rendererOptions_.hiddenArea = area;
-  renderer_.reset();  // first, so that there is never memory for two
+  renderer_.reset();  // release first, so that two renderers never hold memory at once
   renderer_.emplace(device_, gpuScene_, rendererOptions_);
 }
 

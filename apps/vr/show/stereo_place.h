@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene for two eyes, read and on the device ([T] §2.5.4): one order of cells from the middle of the eyes, weights
-// for each eye, one colour mapping for both.
+// A scene on the device, drawn for two eyes ([T] §2.5.4). Both share one draw order, computed midway between the eyes,
+// and one colour mapping; each eye has its own blend weights.
 #pragma once
 
 #include <array>
@@ -18,21 +18,21 @@
 
 namespace ibr::app {
 
-/// What is read of a scene's files, and what follows from it; it stays when a device is lost.
+/// Contents of a scene's files, and derived data; kept when the device is lost.
 struct PlaceFiles {
   std::filesystem::path path;
   Scene scene;
   SceneBounds bounds;
   WalkPlace walk;
-  glm::dvec3 middle{0};  // of the photographs
+  glm::dvec3 middle{0};  // mean position of the photographs
   bool canBeGathered = false;
-  bool level = true;  // false: photographs were held in too many ways to tell where up is; then y is
+  bool level = true;  // false: the up direction is unknown, because photographs were held in too many ways; y is used
 };
 
-/// For any thread. `unitsPerMetre`: of the world. Throws Error that names the file.
+/// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. Throws Error that names the file.
 PlaceFiles readPlace(const std::filesystem::path& path, double unitsPerMetre);
 
-/// How an eye's pictures are drawn.
+/// Format of the eyes' images.
 struct EyeFormat {
   VkExtent2D extent{0, 0};
   VkFormat format = VK_FORMAT_UNDEFINED;
@@ -41,8 +41,8 @@ struct EyeFormat {
 
 class StereoPlace {
  public:
-  /// Puts it on the device: on any thread that has the device to itself, from then on one thread uses both. `levels`:
-  /// all settings that it will be drawn with. Submits and waits. Throws Error.
+  /// Uploads the scene. May run on any thread that has the device to itself; afterwards one thread uses both. `levels`:
+  /// all settings that the scene will be drawn with. Submits and waits. Throws Error.
   StereoPlace(Device device, std::shared_ptr<const PlaceFiles> files, std::span<const RenderSettings> levels,
               bool floor, const EyeFormat& eyes, const GpuSceneOptions& options);
   StereoPlace(const StereoPlace&) = delete;
@@ -50,16 +50,16 @@ class StereoPlace {
 
   const PlaceFiles& files() const noexcept { return *files_; }
   bool canBeGathered() const noexcept { return files_->canBeGathered; }
-  /// As for the constructor, from now on; pipelines are made anew. The device has finished all frames.
+  /// Replaces the constructor's `levels` and builds pipelines again. The device must have finished all frames.
   void setLevels(std::span<const RenderSettings> levels);
-  /// The eyes' hidden areas have changed: pipelines are made anew. The device has finished all frames.
+  /// Replaces the hidden areas and builds pipelines again. The device must have finished all frames.
   void setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area);
 
-  /// Records both eyes' pictures; their order is settled by the frames before. `seconds`: since the frame before.
+  /// Records both eyes' images; the draw order depends on previous frames. `seconds`: since the previous frame.
   void record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
               const RenderSettings& settings, std::span<const Target> targets);
 
-  /// The eyes are elsewhere, and nobody saw how: what is drawn next owes nothing to what was drawn before.
+  /// Starts the draw order afresh after a jump of the view, without cross-fades from previous frames.
   void forgetFrames() { plan_ = {}; }
 
   const FramePlan& plan() const noexcept { return plan_; }  // of the last frame

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is asked of the program, and what stays when the headset or its device is lost and made anew.
+// The program's options, and the state that survives the loss of the headset or its device.
 #pragma once
 
 #include <atomic>
@@ -23,18 +23,18 @@ struct VrOptions {
   RenderSettings settings;
   GpuSceneOptions gpuScene;
   WalkSettings walk;
-  std::optional<SpaceKind> space;       // nullopt: STAGE where there is one
-  double eyeHeight = 1.6;               // of LOCAL, m
-  std::optional<double> unitsPerMetre;  // of the world; nullopt: as the scene's user left it, else 1
-  bool floor = true;                    // the guiding floor, at the real one's height
+  std::optional<SpaceKind> space;       // nullopt: STAGE if available
+  double eyeHeight = 1.6;               // for LOCAL, m
+  std::optional<double> unitsPerMetre;  // nullopt: the scene's cached scale, else 1
+  bool floor = true;                    // guiding grid at the height of the real floor
   bool governed = true;                 // the frame governor may draw less
-  bool mirror = true;                   // a window that shows the left eye, where there is a display
+  bool mirror = true;                   // window with the left eye's image, if there is a display
   bool validation = false;
   std::filesystem::path pipelineCache;  // file; empty: none
-  std::uint64_t frames = 0;             // to show before it ends; 0: until the user leaves
+  std::uint64_t frames = 0;             // to show before the program ends; 0: until the user leaves
   std::filesystem::path screenshot;     // of both eyes, written at the end; empty: none
-  std::filesystem::path screenshots;    // folder for those that are asked for
-  std::uint64_t screenshotEvery = 0;    // frames from one that nobody asks for to the next, for tests; 0: none
+  std::filesystem::path screenshots;    // folder for screenshots that the user requests
+  std::uint64_t screenshotEvery = 0;    // writes every n-th frame, for tests; 0: none
 };
 
 struct Visit {
@@ -42,34 +42,34 @@ struct Visit {
   const Context& context;
   FrameLog& log;
   KeptScales& scales;
-  std::vector<std::shared_ptr<const PlaceFiles>> files;  // of options.places; null until they are read
-  std::size_t current = 0;                               // of options.places
-  Window* window = nullptr;                              // the mirror; null: there is none
+  std::vector<std::shared_ptr<const PlaceFiles>> files;  // of options.places; null until loaded
+  std::size_t current = 0;                               // index into options.places
+  Window* window = nullptr;                              // the mirror; null: none
   WalkSettings walking;
-  double eyeHeight = 1.6;                        // of LOCAL, m
-  bool governed = true;                          // as in VrOptions; the menu changes it
+  double eyeHeight = 1.6;                        // for LOCAL, m
+  bool governed = true;                          // as VrOptions::governed; the menu changes it
   Composition composition = Composition::cells;  // likewise, of VrOptions::settings
-  bool leaving = false;                          // the user does, or all frames asked for were shown
-  std::optional<std::size_t> former;             // place to come back to where the current one cannot be shown
+  bool leaving = false;                          // the user leaves, or all requested frames were shown
+  std::optional<std::size_t> former;             // previous scene, to return to if the current one cannot be shown
   std::optional<WalkState> formerWalk;
-  std::optional<WalkState> walk;  // in the current place
-  std::uint64_t shown = 0;        // frames of places
+  std::optional<WalkState> walk;  // in the current scene
+  std::uint64_t shown = 0;        // frames of scenes
   std::uint64_t losses = 0;       // of the headset or its device
   std::atomic<std::uint64_t> validationMessages{0};
-  std::string headset, eyes;  // as a person would cite them
+  std::string headset, eyes;  // names for people
 
-  /// World units, of a place when it is entered.
+  /// Initial world units per metre of a scene.
   double firstScale(std::size_t place) const {
     return options.unitsPerMetre.value_or(scales.of(options.places[place]).value_or(1));
   }
-  /// For the next time, where the user has changed it.
+  /// Stores the current scale for the next run if the user has changed it. Returns true if changed.
   bool keepScale() {
     const bool changed = walk && walk->tracking.unitsPerMetre != walk->firstUnitsPerMetre;
     if (changed) scales.keep(options.places[current], walk->tracking.unitsPerMetre);
     return changed;
   }
 
-  std::vector<std::filesystem::path> pictures;  // that were written
+  std::vector<std::filesystem::path> pictures;  // written files
 };
 
 }  // namespace ibr::app

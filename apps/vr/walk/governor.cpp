@@ -11,21 +11,21 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kRecent = 8, kLeastRecent = 3;          // frames that are looked at
-constexpr int kInFlight = 3;                                  // frames begun before a step is seen
-constexpr int kExcused = 5;                                   // and the one that is late because of them
-constexpr double kFull = 0.85, kRoom = 0.6, kFarOver = 1.25;  // of the period
-constexpr double kMissedShare = 0.5;  // of the period: a frame missed that took less was not missed for its work
-constexpr double kRoomSeconds = 1.5;  // before a step up
-constexpr double kSoonSeconds = 10;   // in which a step that is taken back counts as a mistake
-constexpr int kMostTaken = 6;         // doublings of kRoomSeconds
-constexpr double kSmallerLoad = 0.8;  // of what a level cost when the step from it was taken back
+constexpr std::size_t kRecent = 8, kLeastRecent = 3;          // number of recent frames that decide
+constexpr int kInFlight = 3;                                  // frames begun before a step takes effect
+constexpr int kExcused = 5;                                   // and the late frame after an excuse
+constexpr double kFull = 0.85, kRoom = 0.6, kFarOver = 1.25;  // of the period: step down, step up, two steps down
+constexpr double kMissedShare = 0.5;  // of the period: a missed frame that took less was not missed because of its work
+constexpr double kRoomSeconds = 1.5;  // of room before a step up, at first
+constexpr double kSoonSeconds = 10;   // a step up that is reversed within this time counts as a mistake
+constexpr int kMostTaken = 6;         // max. doublings of kRoomSeconds
+constexpr double kSmallerLoad = 0.8;  // of the cost at which a step up was reversed: below, the wait is reset
 
 bool isPositive(double value) {
   return std::isfinite(value) && value > 0;
 }
 
-// The highest of the last frames but for one, which may be anything.
+// Returns the second highest of the recent costs: a single outlier must not decide.
 double highest(const GovernorState& state) {
   if (state.recent.size() < 2) return 0;
   std::vector<double> costs = state.recent;
@@ -37,7 +37,7 @@ double waitAt(const GovernorState& state, std::size_t level) {
   return kRoomSeconds * double(1 << state.taken[level]);
 }
 
-// The step up to this level is taken back: soon is no success, and the next try comes later.
+// Records that the step up to this level is reversed. If reversed soon, the next attempt waits twice as long.
 void noteTakenBack(GovernorState& state) {
   int& taken = state.taken[state.level];
   const bool soon = state.heldSeconds < kSoonSeconds * double(1 << taken);
@@ -45,9 +45,9 @@ void noteTakenBack(GovernorState& state) {
   state.takenCostMs[state.level] = state.climbCostMs;
 }
 
-// What a decision is about.
+// Measurement behind a decision.
 struct Reason {
-  double workMs;  // 0: not known
+  double workMs;  // 0: unknown
   bool missed;
 };
 
@@ -124,7 +124,7 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
     return same;
   }
   const bool known = isPositive(cost.workMs);
-  // The frame after one that took too long is late because of that one.
+  // The frame after one that took too long is late because of that frame.
   const bool late = cost.missed && !(state.recent.size() > 0 && state.recent.back() > period);
   const bool missed = known ? cost.workMs > period || (late && cost.workMs > kMissedShare * period) : late;
   if (!known && !missed) return same;

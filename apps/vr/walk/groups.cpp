@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shortest tree through all points tells the kinds of distances: within places, and between them.
+// Groups points by their minimum spanning tree, whose edges are of two kinds: within and between capture sites.
 #include "vr/walk/groups.h"
 
 #include <algorithm>
@@ -11,17 +11,17 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kShare = 0.05;       // of the middle distance between places: nearer is the same place
-constexpr double kGap = 100;          // times as far: another kind of distance …
-constexpr std::size_t kLeastFar = 4;  // … where there are so many of it
-constexpr double kRounding = 1e4;     // times as far: what is nearer is rounding, however few are farther
+constexpr double kShare = 0.05;       // of the median distance between sites: closer points share a site
+constexpr double kGap = 100;          // ratio of successive edge lengths that separates the two kinds …
+constexpr std::size_t kLeastFar = 4;  // … if at least this many edges are longer
+constexpr double kRounding = 1e4;     // ratio that always separates: the shorter edges are rounding errors
 
 struct Edge {
   double length = std::numeric_limits<double>::infinity();
   std::uint32_t from = 0, to = 0;
 };
 
-// Prim's algorithm, n² steps; edges ascending, those that are finite.
+// Prim's algorithm, O(n²). Returns the finite edges, ascending.
 std::vector<Edge> shortestTree(const std::vector<glm::dvec3>& points) {
   std::vector<Edge> edges, nearest(points.size());
   std::vector<char> joined(points.size(), 0);
@@ -44,11 +44,11 @@ std::vector<Edge> shortestTree(const std::vector<glm::dvec3>& points) {
   return edges;
 }
 
-// What is not longer joins points of one place.
+// Returns the greatest distance of neighbouring points within one site.
 double samePlace(const std::vector<Edge>& edges) {
   std::size_t within = 0;  // edges
   for (std::size_t i = 1; i < edges.size(); ++i) {
-    const double ratio = edges[i].length / edges[i - 1].length;  // infinite after points at one place
+    const double ratio = edges[i].length / edges[i - 1].length;  // infinite after equal points
     if (ratio >= kRounding || (ratio >= kGap && edges.size() - i >= kLeastFar)) within = i;
   }
   if (within == edges.size()) return 0;

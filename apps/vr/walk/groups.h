@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points are at one place.
+// Groups points by capture site.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace ibr::app {
 
-/// Indices of points that share a place (spots.h, spotsOf), each group ascending, groups by their first. Points that
-/// are not finite are each alone.
+/// Returns indices of points that share a capture site (spotsOf in spots.h): each group ascending, groups ordered by
+/// their first index. A point that is not finite is alone in its group.
 std::vector<std::vector<std::uint32_t>> groupsOf(const std::vector<glm::dvec3>& points);
 
 }  // namespace ibr::app

@@ -12,7 +12,7 @@ namespace {
 using Select = WalkState::HandState::Select;
 
 constexpr double kLongestStep = 0.1;                // s
-constexpr double kTurnsBeyond = 0.7, kRest = 0.35;  // of the stick's way
+constexpr double kTurnsBeyond = 0.7, kRest = 0.35;  // of the stick's range: turns above, armed again below
 
 double sound(double value) {
   return std::isfinite(value) ? std::clamp(value, -1.0, 1.0) : 0;

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// What hands ask for: presses, releases and turns, out of what they hold from frame to frame.
+// Turns the state of the hands, frame by frame, into events: presses, releases and turns.
 #pragma once
 
 #include "vr/walk/locomotion.h"
 
 namespace ibr::app {
 
-/// What a step goes by: input with all that is not finite taken out.
+/// Input of a step without values that are not finite.
 struct GivenInput {
-  double seconds = 0;  // 0 to a tenth
+  double seconds = 0;  // 0 to 0.1
   std::optional<Pose> head;
-  std::array<HandInput, 2> hands;  // one that is not active holds nothing
+  std::array<HandInput, 2> hands;  // inactive hands hold nothing
 };
 GivenInput given(const WalkInput& input);
 
-/// With a unit rotation; nullopt where it is not finite.
+/// Normalises the rotation; nullopt if the pose is not finite.
 std::optional<Pose> soundPose(const Pose& pose);
 
-/// What select does to a hand. Gives the spot that it let go at, where that counts.
+/// Updates a hand's selection. Returns the spot that was pointed at when select was released, if that counts.
 std::optional<std::size_t> selected(WalkState::HandState& memory, const HandInput& hand, bool headThere);
 
 /// True in the frame in which the menu button goes down.
 bool menuPressed(WalkState::HandState& memory, const HandInput& hand);
 
-/// 1 to the right, −1 to the left, 0: none now.
+/// Returns 1: one turn to the right, −1: to the left, 0: none.
 int stickTurn(WalkState& state, const std::array<HandInput, 2>& hands);
 
 }  // namespace ibr::app

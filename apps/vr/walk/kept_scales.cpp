@@ -18,7 +18,7 @@ constexpr std::uint64_t kLargestFile = 1 << 20;
 std::string keyOf(const fs::path& scene) {
   std::error_code failed;
   const fs::path whole = fs::weakly_canonical(scene, failed);
-  return ((failed ? scene : whole) / "").parent_path().string();  // without a slash at its end
+  return ((failed ? scene : whole) / "").parent_path().string();  // without trailing slash
 }
 
 bool isScale(double value) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many world units a metre has in each scene, as its user left it: {"version":1,"scales":{"/path/of/scene":0.37}}.
+// Cached scales: world units per metre by scene, as the user set them. {"version":1,"scales":{"/path/of/scene":0.37}}.
 #pragma once
 
 #include <filesystem>
@@ -13,12 +13,12 @@ namespace ibr::app {
 
 class KeptScales {
  public:
-  /// An empty path: nothing is kept. What cannot be read counts as empty, and the log is told.
+  /// An empty path: nothing is stored. An unreadable file counts as empty, with a warning in the log.
   KeptScales(const std::filesystem::path& file, LogCallback log);
 
   std::optional<double> of(const std::filesystem::path& scene) const;
 
-  /// Writes the file, whole. Where that fails the log is told.
+  /// Writes the whole file. Errors go to the log as warnings.
   void keep(const std::filesystem::path& scene, double unitsPerMetre);
 
  private:

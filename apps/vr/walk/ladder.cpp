@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::array<std::uint32_t, 6> kCounts{32, 16, 12, 8, 6, 4};
 constexpr std::uint32_t kFewest = 2;
-constexpr double kCoarseVote = 0.25;  // of the picture's sides: hardly seen (libibr/docs/tradeoff.md)
+constexpr double kCoarseVote = 0.25;  // of the image's sides: hardly visible (libibr/docs/tradeoff.md)
 
 void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) {
   if (!(level == levels.back())) levels.push_back(level);
 }
 
-// At most `count` of what is drawn, where there would be more.
+// Limits the number of cells or photographs to `count`, if that is a reduction.
 RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t photographs) {
-  const bool ofCells = settings.composition == Composition::cells;  // the hybrid has few
+  const bool ofCells = settings.composition == Composition::cells;  // the hybrid draws few cells
   std::uint32_t& most = ofCells ? settings.maxCells : settings.gatherCandidates;
   if (count < std::min<std::size_t>(most, ofCells ? cells : photographs)) most = count;
   return settings;

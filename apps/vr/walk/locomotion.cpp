@@ -13,16 +13,16 @@ namespace {
 
 using Select = WalkState::HandState::Select;
 
-constexpr double kDeadZone = 0.15;         // of the stick's way
-constexpr double kVignetteSeconds = 0.12;  // in which it comes nearer to what is wanted by 63 %
+constexpr double kDeadZone = 0.15;         // of the stick's range
+constexpr double kVignetteSeconds = 0.12;  // time constant: reaches 63 % of the target
 constexpr double kLeastVignette = 1e-3;
 constexpr double kScaleRange = 1e3;
-constexpr double kNearMetres = 0.3;  // nothing nearer to a hand is pointed at
+constexpr double kNearMetres = 0.3;  // m, minimum distance from the hand of things to point at
 
-// Tracking space, of length up to 1: where the left stick leads.
+// Direction and speed of the left stick in tracking space, of length up to 1.
 glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
   const glm::dvec2 stick = input.hands[kLeft].stick;
-  // A hand that is alone turns with x.
+  // A single tracked hand uses x to turn.
   const double x = input.hands[kRight].active ? stick.x : 0, length = std::hypot(x, stick.y);
   if (!(length > kDeadZone)) return glm::dvec3(0);
   const glm::dvec3 ahead = facingOf(head.rotation), right = glm::cross(ahead, glm::dvec3(0, 1, 0));
@@ -30,7 +30,7 @@ glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
   return (ahead * stick.y + right * x) * (speed / length);
 }
 
-// Moves the tracking and gives the share of the full speed that was gone with.
+// Moves the tracking. Returns the share of the full speed that was moved at.
 double move(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input) {
   const glm::dvec3 motion = stickMotion(input, *input.head);
   if (motion == glm::dvec3(0) || !(input.seconds > 0)) return glm::length(motion);
@@ -67,7 +67,7 @@ void goTo(WalkState& state, const WalkPlace& place, std::size_t spot) {
   state.wanted = spot;
 }
 
-// The head stands at the wanted spot. Only while all is black.
+// Puts the head at the wanted spot. Only while the view is black.
 void jump(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const Pose& head,
           WalkOutput& output) {
   if (!state.wanted) return;
@@ -89,7 +89,7 @@ void fade(WalkState& state, bool black, double seconds) {
   if (state.phase == FadePhase::out && state.fade == 1) state.phase = FadePhase::in;
 }
 
-// Presses and releases of both hands.
+// Handles presses and releases of both hands.
 void listen(WalkState& state, const WalkPlace& place, const GivenInput& input, WalkOutput& output) {
   for (std::size_t i = 0; i < 2; ++i) {
     if (menuPressed(state.hands[i], input.hands[i])) output.menuToggled = !output.menuToggled;
@@ -97,7 +97,7 @@ void listen(WalkState& state, const WalkPlace& place, const GivenInput& input, W
   }
 }
 
-// What hands point at that are aiming, for this frame's picture and for a release in the next.
+// Finds the spots that aiming hands point at, for this frame's image and for a release in the next frame.
 void point(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input,
            WalkOutput& output) {
   PointingSettings pointing;
@@ -115,7 +115,7 @@ void point(WalkState& state, const WalkPlace& place, const WalkSettings& setting
   }
 }
 
-// The last head's place and facing in the world become this head's.
+// Gives the current head the world position and facing of the last tracked head.
 void realign(WalkState& state, const Pose& head) {
   if (!std::exchange(state.realign, false) || !state.lastHead) return;
   const Pose last = inWorld(state.tracking, *state.lastHead);

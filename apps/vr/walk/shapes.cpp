@@ -13,13 +13,13 @@ namespace {
 using Vertices = std::vector<ShapeVertex>;
 
 constexpr double kTau = 2 * glm::pi<double>();
-constexpr double kFurthestMark = 60, kFadesFrom = 0.6;           // m; share of it
+constexpr double kFurthestMark = 60, kFadesFrom = 0.6;           // m; fading begins at this share of it
 constexpr double kNearestMark = 0.5, kClearAt = 1.5;             // m from the eye
 constexpr double kRing = 0.2, kRingWidth = 0.03, kPost = 0.006;  // m
-constexpr double kLeastAngle = 0.012;                            // radians that a ring's radius is seen under at least
+constexpr double kLeastAngle = 0.012;                            // radians, min. apparent radius of a ring
 constexpr double kEdge = 1000;                                   // a tangent beyond any field of view
-constexpr double kWidest = 1.7, kNarrowest = 0.364;              // tangents of a vignette's opening
-constexpr double kRim = 1.5;                                     // of the opening: there it is black
+constexpr double kWidest = 1.7, kNarrowest = 0.364;              // tangents of the vignette's opening, strength 0 and 1
+constexpr double kRim = 1.5;                                     // of the opening: from there on, all is black
 constexpr double kGridRadius = 6, kGridStep = 0.5;               // m
 
 struct Colour {
@@ -33,14 +33,14 @@ std::uint32_t packed(const Colour& colour, double opacity = 1) {
   return byte(colour.red) | byte(colour.green) << 8 | byte(colour.blue) << 16 | byte(colour.alpha * opacity) << 24;
 }
 
-// A quad with a colour along each of two sides.
+// Adds a quad with one colour along its near side and one along its far side.
 void addBand(Vertices& vertices, const std::array<glm::dvec3, 2>& near, const std::array<glm::dvec3, 2>& far,
              std::uint32_t nearColour, std::uint32_t farColour) {
   const ShapeVertex a{near[0], nearColour}, b{near[1], nearColour}, c{far[1], farColour}, d{far[0], farColour};
   vertices.insert(vertices.end(), {a, b, c, a, c, d});
 }
 
-// Between two radii about `centre`, in the plane of two unit axes; from one angle to another, 0 along `x`.
+// A ring between two radii around `centre`, in the plane of two unit axes; angles start at `x`.
 struct Annulus {
   glm::dvec3 centre, x, y;
   double inner = 0, outer = 1;
@@ -62,7 +62,7 @@ double smooth(double low, double high, double value) {
   return t * t * (3 - 2 * t);
 }
 
-// Unit, across a band that runs along `along` and is seen from `eye`.
+// Returns the unit vector across a band that runs along `along` and faces the eye.
 glm::dvec3 across(glm::dvec3 along, glm::dvec3 toEye) {
   const glm::dvec3 side = glm::cross(along, toEye);
   const double length = glm::length(side);
@@ -165,7 +165,7 @@ void addVignette(Shapes& shapes, double strength) {
 void addFloorGrid(Shapes& shapes, const Pose& head) {
   const double thin = 0.006;
   const glm::dvec3 x(1, 0, 0), z(0, 0, 1), feet(head.position.x, 0, head.position.z);
-  // A line across `side`, brightest where it passes the feet.
+  // Adds a grid line across `side`, brightest next to the feet.
   const auto line = [&](glm::dvec3 along, glm::dvec3 side, double offset) {
     if (!(std::abs(offset) < kGridRadius)) return;
     const glm::dvec3 middle = feet + offset * side;

@@ -13,8 +13,8 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kAllAround = 0.3;   // a mean direction shorter than this is none
-constexpr double kMapMargin = 0.08;  // of a map's side, at each edge
+constexpr double kAllAround = 0.3;   // min. length of a mean direction; below, the spot looks all around
+constexpr double kMapMargin = 0.08;  // at each edge, share of the map's side
 
 Spot spotOf(const std::vector<Pose>& cameras, std::vector<std::uint32_t> nodes, glm::dvec3 up) {
   const Pose& first = cameras[nodes.front()];
@@ -29,7 +29,7 @@ Spot spotOf(const std::vector<Pose>& cameras, std::vector<std::uint32_t> nodes, 
           std::move(nodes)};
 }
 
-// π for what is not finite or at the ray's origin.
+// Returns π for points that are not finite or not farther than leastDistance.
 double angleTo(const Ray& ray, glm::dvec3 direction, glm::dvec3 point, double leastDistance) {
   const glm::dvec3 to = point - ray.origin;
   const double distance = glm::length(to);

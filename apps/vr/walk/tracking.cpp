@@ -8,7 +8,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kVertical = 0.1;  // sine of how far from straight up or down a view's direction counts
+constexpr double kVertical = 0.1;  // min. sine of the angle to the vertical; below: counts as straight up or down
 
 glm::dvec3 below(glm::dvec3 head, double height = 0) {
   return {head.x, height, head.z};
@@ -18,14 +18,14 @@ glm::dquat aboutY(double radians) {
   return glm::angleAxis(radians, glm::dvec3(0, 1, 0));
 }
 
-// `tracking` turned or scaled, with the point of the tracking space where `before` has it.
+// Shifts `tracking`, which was turned or scaled, so that `point` of the tracking space stays where `before` has it.
 Tracking pinned(Tracking tracking, const Tracking& before, glm::dvec3 point) {
   tracking.origin = before.origin + before.rotation * (before.unitsPerMetre * point) -
                     tracking.rotation * (tracking.unitsPerMetre * point);
   return tracking;
 }
 
-// The shortest turn of y to `up`.
+// Returns the shortest rotation of y to `up`.
 glm::dquat upright(glm::dvec3 up) {
   const glm::dvec3 y(0, 1, 0);
   if (up.y < -1 + 1e-12) return {0, 1, 0, 0};

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the room that a person stands in lies in the world.
+// Transform from tracking space (the user's room) to the world.
 //
-// Tracking space is the room: metres, right-handed, y up, the floor at y = 0, as OpenXR's STAGE (LOCAL is made to look
-// like it by a chosen eye height). The world is the scene's: any scale, any up, possibly far from its origin.
-// Everything here is pure; rotations are unit, numbers finite.
+// Tracking space: metres, right-handed, y up, floor at y = 0, as in OpenXR's STAGE space (a chosen eye height makes
+// LOCAL equivalent). World: the scene's, with any scale and any up direction, possibly far from its origin. All
+// functions are pure; rotations are unit, numbers finite.
 #pragma once
 
 #include "ibr/camera.h"
 
 namespace ibr::app {
 
-/// From tracking space to the world: world = origin + rotation · (unitsPerMetre · point).
+/// Maps tracking space to the world: world = origin + rotation · (unitsPerMetre · point).
 struct Tracking {
-  glm::dvec3 origin{0.0};                   // world: where the tracking space's origin, on the floor, lies
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit, tracking axes to the world's
+  glm::dvec3 origin{0.0};                   // world position of the tracking space's origin, on the floor
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit, tracking axes to world axes
   double unitsPerMetre = 1;                 // > 0
 };
 
@@ -22,37 +22,37 @@ Pose inWorld(const Tracking& tracking, const Pose& pose);
 glm::dvec3 inTracking(const Tracking& tracking, glm::dvec3 point);
 Pose inTracking(const Tracking& tracking, const Pose& pose);
 
-/// The world's up under a person's feet, unit.
+/// Returns the room's up direction in the world, unit.
 glm::dvec3 upInWorld(const Tracking& tracking);
 
-/// The horizontal part of a viewing direction, unit; straight up or down: where the head's top or chin points. `up` is
-/// unit, of the space that the rotation leads to.
+/// Returns the horizontal part of a viewing direction, unit. For a view straight up or down: the direction of the chin
+/// or of the top of the head. `up`: unit, in the space that the rotation leads to.
 glm::dvec3 facingOf(const glm::dquat& rotation, glm::dvec3 up = {0, 1, 0});
 
-/// Radians about tracking space's y that a head is turned from −z, to the left positive, in (−π, π].
+/// Returns the head's rotation about y from −z, radians, positive to the left, in (−π, π].
 double headingOf(const glm::dquat& rotation);
 
-/// At the world's origin, level with `up` (any length above 0).
+/// Returns a tracking at the world's origin, level with `up` (any length above 0).
 Tracking levelTracking(glm::dvec3 up, double unitsPerMetre = 1);
 
-/// Moved so that what is below the head comes to stand on `ground` (world); nothing else changes.
+/// Moves the tracking so that the point of the floor below the head lies on `ground` (world); nothing else changes.
 Tracking stoodOn(const Tracking& tracking, const Pose& head, glm::dvec3 ground);
 
-/// Turned about the vertical through the head, to the left by `radians`: the head keeps its place.
+/// Turns to the left by `radians` about the vertical through the head, whose position stays.
 Tracking turned(const Tracking& tracking, const Pose& head, double radians);
 
-/// Turned likewise so that the head comes to face `direction` (world), as far as that is horizontal.
+/// Turns likewise until the head faces the horizontal part of `direction` (world).
 Tracking turnedTo(const Tracking& tracking, const Pose& head, glm::dvec3 direction);
 
-/// Another scale. What stays in the world is the point `keptMetres` above the real floor on the vertical through the
-/// head: the eyes keep their place horizontally and the floor its place under the feet. A scale is changed because the
-/// poses of photographs have no metres: with their height above ground as `keptMetres` they stay that high above the
-/// real floor, eyes of a standing person hardly move, and what changes is how far two eyes, and steps, are apart.
-/// standAt at the new scale gives the same. 0: the ground of the world stays, and a person becomes larger or smaller.
+/// Changes the scale. The fixed point lies `keptMetres` above the real floor on the vertical through the head; eyes and
+/// floor keep their horizontal positions. Poses of photographs have no metric scale, so the user may adjust it. With
+/// the photographs' height above ground as `keptMetres`, that height stays and the eyes of a standing user hardly move.
+/// The eye distance and the length of steps change. standAt at the new scale gives the same. 0: the ground stays; the
+/// user becomes larger or smaller.
 Tracking scaled(const Tracking& tracking, const Pose& head, double keptMetres, double unitsPerMetre);
 
-/// The same after the tracking space has moved under the person: `newInOld` is the pose of its new origin in the old
-/// one's axes. The head keeps its place and facing in the world; the floor is level and where it was.
+/// Adapts to a moved tracking space; `newInOld`: pose of its new origin in the previous axes. The head keeps its place
+/// and facing in the world; the floor stays level and at its height.
 Tracking recentred(const Tracking& tracking, const Pose& newInOld);
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What to photograph next, and what is amiss with what there is: told to the photographer from a finished scene.
+// Advice to the photographer about a finished scene: faults of the capture, and next-best views.
 #pragma once
 
 #include <cstddef>
@@ -12,62 +12,64 @@
 namespace ibr {
 
 enum class AdviceKind : std::uint8_t {
-  tooFew,     // photographs, or none of them joined
-  turned,     // everything was photographed from one place
-  apart,      // parts that nothing joins
-  hole,       // neighbours that nothing joins within a part
-  wide,       // neighbours too far apart for what is near
-  direction,  // a place that lacks a look which its neighbours have
-  exposure,   // much brighter or darker than its neighbours
-  blurred,    // much less sharp than its neighbours
-  unmatched,  // agrees with no other on most of its picture
-  pose,       // where it was taken from is doubtful
-  unused,     // no cell shows it
-  twice,      // a photograph that repeats another
-  row,        // all photographs stand in one row
+  tooFew,     // fewer than two photographs, or no cells
+  turned,     // all photographs are from one capture site
+  apart,      // a group of photographs that no cell joins to the others
+  hole,       // neighbouring capture sites of one group that no cell joins
+  wide,       // neighbouring capture sites too far apart for near objects
+  direction,  // a capture site lacks a viewing direction that its neighbours have
+  exposure,   // a photograph is much brighter or darker than its neighbours
+  blurred,    // a photograph is much less sharp than its neighbours
+  unmatched,  // a photograph agrees with others on little of its area
+  pose,       // inaccurate pose of a photograph, or of all
+  unused,     // a photograph that no cell shows (Scene::unused)
+  twice,      // a photograph with the capture site and viewing direction of another
+  row,        // all capture sites lie in one row
 };
-/// "tooFew", "apart", …: of reports.
+/// Returns the enumerator's name ("tooFew", "apart", …), for reports.
 const char* adviceKindName(AdviceKind kind) noexcept;
 
 enum class Severity : std::uint8_t {
-  hint,     // more would be possible
-  warning,  // pictures suffer
-  serious,  // hardly anything can be shown, or not from everywhere
+  hint,     // the scene could show more
+  warning,  // image quality suffers
+  serious,  // almost nothing can be shown, or not from everywhere
 };
 const char* severityName(Severity severity) noexcept;  // "hint", "warning", "serious"
 
 struct Advice {
   AdviceKind kind;
   Severity severity;
-  std::string sentence;              // what is amiss
-  std::string remedy;                // what to do about it, a sentence
-  std::vector<std::uint32_t> nodes;  // photographs concerned, ascending by name
-  double figure;                     // by the kind: share shown, stops, ratio of sharpness, px, …; NaN: none
+  std::string sentence;              // the problem
+  std::string remedy;                // the action to take; may be empty with AdviceKind::unused
+  std::vector<std::uint32_t> nodes;  // photographs concerned, indices into Scene::nodes, ascending by name
+  double figure;                     // by kind: number of photographs (tooFew, apart), share shown (hole, wide,
+                                     // direction), stops (exposure), ratio of sharpness (blurred), share that agrees
+                                     // (unmatched), residual over the longest side (pose); NaN: none
 };
 
 /// A photograph to take.
 struct NextView {
   Camera camera;
-  std::vector<std::uint32_t> beside;  // photographs that say where, and how it looks
-  double gain;        // what it adds to the walk's estimate at one stand (scene/advice/walk_estimate.h), > 0
+  std::vector<std::uint32_t> beside;  // nodes that `where` refers to
+  double gain;        // weighted sum, over viewpoints of a walk, of what the view adds to the share shown; > 0
   std::string where;  // "halfway between A and B, looking as they do"
 };
 
 struct CaptureAdvice {
-  std::vector<Advice> advice;   // gravest first
-  std::vector<NextView> views;  // best first
-  double shown = 1;             // 0 to 1: estimated share of a walk between the photographs that they show well
-  double shownThen = 1;         // with the further views
+  std::vector<Advice> advice;   // most severe first
+  std::vector<NextView> views;  // best first, given the views before
+  double shown = 1;             // 0 to 1: mean share of an image that photographs show well, estimated over a walk
+  double shownThen = 1;         // the same, once `views` are photographed
 };
 
 struct AdviceOptions {
-  std::size_t views = 10;
-  bool pictures = true;  // whether textures of the scene's folder are looked at, for sharpness
+  std::size_t views = 10;  // maximum number of CaptureAdvice::views
+  bool pictures = true;    // read the textures in the scene's folder, for AdviceKind::blurred
 };
 
-/// Does not depend on the order of nodes and cells (but for its indices), nor on where the world lies, how it is
-/// turned, and its scale. Textures that cannot be read are passed over. Throws Error{invalidInput} for a scene that
-/// validate() finds a fault in.
+/// Returns advice on a scene. Apart from indices, the result does not depend on the order of nodes and cells, nor on
+/// the world's position, rotation and scale. Textures that cannot be read are skipped. Throws Error{invalidInput} for a
+/// scene in which validate() finds a fault.
 CaptureAdvice adviseCapture(const Scene& scene, const AdviceOptions& options = {});
 
 }  // namespace ibr

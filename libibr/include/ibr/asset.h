@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kind of thing a path holds, for programs that open several.
+// Detects the kind of asset at a path, for programs that open several kinds.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@ namespace ibr {
 
 enum class AssetKind { scene, htmModel, htmSequence };
 
-/// By the name of a folder's file, or of a file's content; nullopt where there is neither or it cannot be
-/// read. Nothing else is looked at. Never throws.
+/// Returns a folder's kind by the name of the file in it, and a file's kind by its JSON content. nullopt: no such kind,
+/// or not readable. Opens no other files.
 std::optional<AssetKind> assetKind(const std::filesystem::path& path) noexcept;
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera models and poses. Frames and pixel convention: conventions.h.
+// Camera models and poses. Axes and pixel convention: ibr/conventions.h.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ struct Intrinsics {
   bool operator==(const Intrinsics&) const = default;
 };
 
-/// Maps camera axes to world: world = position + rotation · camera.
+/// Maps camera coordinates to world coordinates: world = position + rotation · camera.
 struct Pose {
-  glm::dvec3 position{0.0};                 // the camera's centre in the world
+  glm::dvec3 position{0.0};                 // camera centre, world
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
 };
 
@@ -31,28 +31,28 @@ struct Camera {
   Pose pose;
 };
 
-/// A pinhole with square pixels and a centred principal point. Throws Error{invalidInput} unless width, height >= 1 and
-/// 0 < fovYRadians < π.
+/// Returns a pinhole with square pixels and a centred principal point; fovYRadians is the vertical field of view.
+/// Throws Error{invalidInput} unless width, height >= 1 and 0 < fovYRadians < π.
 Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
 
-/// A pinhole from the tangents of its four edges, as headsets have them (OpenXR's XrFovf holds the angles): x right and
-/// y up on the plane z = −1, so that left and down are negative where the axis lies inside of the picture. Throws
-/// Error{invalidInput} unless width, height >= 1, left < right, down < up, and no edge is 89.95° or more off the axis.
+/// Returns a pinhole from the tangents of its four edges, as headsets have them (OpenXR's XrFovf holds the angles): x
+/// right, y up on the plane z = −1. Left and down are negative where the viewing axis lies inside the image. Throws
+/// Error{invalidInput} unless width, height >= 1, left < right, down < up, and all edges are < 89.95° off the axis.
 Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down);
 
-/// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture.
-/// Throws Error{invalidInput} where pixel or intrinsics are not finite.
+/// Returns the viewing direction of a pixel: unit, camera axes. The pixel may lie outside the image. Throws
+/// Error{invalidInput} where the pixel is not finite, or the intrinsics give no finite direction.
 glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
-/// Pixel at which a direction of any length (camera axes) is seen, also outside the picture; nullopt where there is
-/// none: behind a pinhole, or a zero or non-finite direction.
+/// Returns the pixel at which a direction of any length (camera axes) is seen; the pixel may lie outside the image.
+/// nullopt for directions that a pinhole does not face (z >= 0), zero or non-finite directions, and non-finite pixels.
 std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dvec3 direction);
 
-/// The camera's viewing axis in the world (unit where the rotation is).
+/// Returns the camera's viewing axis in world axes; unit if the rotation is.
 glm::dvec3 viewAxis(const Pose& pose);
 
-/// The same camera for the picture scaled to width × height (pixel centres convention kept). Throws Error{invalidInput}
-/// unless all sizes are >= 1.
+/// Returns the intrinsics for the image scaled to width × height, in the same pixel convention. Throws
+/// Error{invalidInput} unless all sizes are >= 1.
 Intrinsics resized(const Intrinsics& intrinsics, int width, int height);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera wrote down about a photograph (EXIF 2.32 §4.6).
+// Capture settings that a camera recorded with a photograph (EXIF 2.32 §4.6).
 #pragma once
 
 #include <cmath>
@@ -8,21 +8,21 @@
 
 namespace ibr {
 
-/// 0 or empty: the file does not say. Numbers are finite and positive otherwise, texts are printable ASCII.
+/// 0 or empty: not recorded. Other numbers are finite and positive. Texts from EXIF are printable ASCII.
 struct CaptureFacts {
   double exposureTime = 0;   // s
   double fNumber = 0;        // N, focal length over aperture
   double iso = 0;            // sensitivity, linear
   double focalLength = 0;    // mm
-  double focalLength35 = 0;  // mm, of the same field of view on 36 mm × 24 mm
+  double focalLength35 = 0;  // mm, 35 mm equivalent: same field of view on 36 mm × 24 mm
   std::string maker, model;  // of the camera
   std::string lens;
 
   bool operator==(const CaptureFacts&) const = default;
 };
 
-/// How bright a photograph shows a scene, in relation to others of the same camera: exposure time × ISO / N². nullopt
-/// where one of them is not known.
+/// Returns a photograph's exposure relative to other photographs of the same camera: exposure time × ISO / N². nullopt
+/// where a factor is unknown.
 inline std::optional<double> relativeExposure(const CaptureFacts& facts) {
   const double exposure = facts.exposureTime * facts.iso / (facts.fNumber * facts.fNumber);
   if (!(exposure > 0) || !std::isfinite(exposure)) return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which enhanced correlation coefficient (ECC) is meant.
+// Definitions of the enhanced correlation coefficient (ECC).
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 namespace ibr {
 
 enum class EccDefinition : std::uint8_t {
-  channels,      // a mean a channel and target, with a variance floor
-  concatenated,  // [T] eqs 1–3: one mean over all channels and targets
+  channels,      // a separate mean for each channel and target, with a variance floor
+  concatenated,  // one mean over all channels and targets, [T] eqs 1–3
 };
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The optimiser's evaluation as a recorder ([T] §3.6): judges and moves the points of one mesh in the caller's command
-// buffer, for callers with a loop of their own. align() in ibr/optimiser.h is the loop of the paper around it.
+// The optimiser's evaluation as a recorder ([T] §3.6): evaluates and moves the points of one mesh in the caller's
+// command buffer. For callers with their own loop; the paper's loop is align() in ibr/optimiser.h.
 //
 //   EccPass pass(device, alignment, options);
 //   for each cycle, picture, class:  pass.recordMove(commands, {picture, k, radiusPx, seed});
@@ -20,25 +20,26 @@
 namespace ibr {
 
 struct EccMove {
-  std::uint32_t picture = 0;     // in which points move, < the alignment's pictures
-  std::uint32_t pointClass = 0;  // < classCount(): points that share no triangle
-  double radiusPx = 5;           // R; (0, 64]
-  std::uint32_t seed = 0;        // same positions, seed and options: same moves, on every device
+  std::uint32_t picture = 0;     // in which points move, index into Alignment::pictures
+  std::uint32_t pointClass = 0;  // of points that share no triangle, < classCount()
+  double radiusPx = 5;           // R, maximum displacement; (0, 64]
+  std::uint32_t seed = 0;        // same positions, seed and options: same moves on every device
 };
 
-/// A point in one picture, against all others.
+/// ECC of a point's triangles, with one picture as the source and all others as targets.
 struct EccStar {
-  double channels = 0, concatenated = 0;  // 0 where undefined
+  double channels = 0, concatenated = 0;  // by EccDefinition; 0 where undefined
   std::uint64_t pixels = 0;               // pairs of samples; 0: the point has no triangle
 };
 
-/// Move-only; the device must outlive it. Used by one thread at a time, with one submission at a time in flight.
+/// Records moves and evaluations of one mesh. Move-only; the device must outlive it. One thread at a time uses it, with
+/// at most one submission in flight.
 class EccPass {
  public:
-  /// Uploads mesh, pictures and positions: submits to the device's queue and waits. Of the options, instances,
-  /// definition, varianceFloor, rigidity, prune and scaledInstances count. The alignment may go afterwards. Throws
-  /// Error: invalidInput as align(); unsupported where the device does not count in 64 bits (Device::counts64Bits) or
-  /// the pictures exceed its largest storage buffer; outOfMemory, deviceLost.
+  /// Uploads mesh, pictures and positions: submits to the device's queue and waits. Uses the options instances,
+  /// definition, varianceFloor, rigidity, prune and scaledInstances. The alignment need not outlive the call. Throws
+  /// Error: invalidInput as align(); unsupported without Device::supportsInt64, or where the pictures exceed the
+  /// device's largest storage buffer; outOfMemory, deviceLost.
   EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options = {});
   EccPass(EccPass&&) noexcept;
   EccPass& operator=(EccPass&&) noexcept;
@@ -46,15 +47,15 @@ class EccPass {
 
   std::uint32_t classCount() const noexcept;
 
-  /// Each point of the class moves to the best of its candidates. One dispatch; ends with a barrier to the next record
-  /// of this pass. Outside a render pass.
+  /// Moves each point of the class to the best of its candidates. Records one dispatch and a barrier to later commands
+  /// of this pass, outside a render pass.
   void recordMove(VkCommandBuffer commands, const EccMove& move) const noexcept;
 
-  /// Judges all points where they stand, in all pictures. A dispatch a picture, and a barrier.
+  /// Evaluates all points at their current positions, in all pictures. Records one dispatch per picture and a barrier.
   void recordJudge(VkCommandBuffer commands) const noexcept;
 
-  /// Copies positions and judgements to where positions() and stars() read them, once the submission is done. Without a
-  /// recordJudge before it, what stars() says is of an earlier one or undefined.
+  /// Copies positions and evaluations to host memory, which positions() and stars() read once the submission has
+  /// finished. Without a recordJudge before it, stars() returns the results of an earlier one or undefined values.
   void recordReadback(VkCommandBuffer commands) const noexcept;
 
   std::vector<std::vector<glm::ivec2>> positions() const;  // picture × point, 1/128 px

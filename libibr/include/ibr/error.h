@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one exception type of libibr. Thrown by constructors, loaders and solvers; `record` functions never throw.
+// The exception type of libibr. Constructors, loaders and solvers throw it; `record` functions never throw.
 #pragma once
 
 #include <stdexcept>
@@ -9,12 +9,12 @@ namespace ibr {
 
 enum class ErrorCode {
   invalidInput,  // a file or an argument is wrong; the message names file and field
-  io,            // a file cannot be read or written; the message names it
-  unsupported,   // right, but not something this build or device can do
+  io,            // a file cannot be read or written; the message names the file
+  unsupported,   // valid input that this build or device cannot handle
   outOfMemory,   // host or device memory
-  deviceLost,    // Device and everything made from it must be made again; Scene is untouched
+  deviceLost,    // the Device and all objects made from it must be recreated; the Scene remains valid
   vulkan,        // any other Vulkan failure; the message names call and result
-  cancelled,     // a progress callback asked to stop
+  cancelled,     // a progress callback returned false
 };
 
 class Error : public std::runtime_error {

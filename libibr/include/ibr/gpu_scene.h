@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene on the device: photographs as layers of array images, meshes in arena buffers ([T] §2.6.3, ARCHITECTURE §4).
+// A scene on the device: photographs as layers of texture arrays, meshes in shared buffers ([T] §2.6.3).
 //
-// Formats are a policy of the device. Pictures in blocks (BC1, BC7) take an eighth or a quarter of the memory. GPUs
-// sample them as fast as RGBA8 or faster; a software device (lavapipe) takes 1.3 to 2 times as long for a frame from
-// BC1 and over 8 times from BC7. So they are kept as they are on GPUs, and decoded when they are loaded on a software
-// device: BC1 where all of it fits, BC7 also where it is streamed then. A device that cannot sample them
-// (Device::samplesBlocks) gets RGBA8, and the log says so.
+// The texture format depends on the device. Block-compressed textures take an eighth (BC1) or a quarter (BC7) of the
+// memory of RGBA8. GPUs sample them at least as fast as RGBA8, so they stay compressed there. A software device
+// (lavapipe) needs 1.3 to 2 times as long for a frame from BC1, over 8 times from BC7. It gets RGBA8 if all decoded
+// textures fit into memory; under a budget, BC7 is decoded even if the result must be streamed. A device that cannot
+// sample compressed textures (Device::supportsBlockCompression) gets RGBA8, with a warning in the log.
 //
-// So is the filter: on a software device, which spends most of a frame filtering, one mip level is sampled instead of
-// two.
+// The filter depends on the device, too. A software device, which spends most of a frame filtering, samples one mip
+// level instead of two.
 //
-// Without a budget, or if all photographs fit into it, everything is resident from the start and nothing streams. With
-// one, `stream` is called for each frame before it is recorded:
+// Without a budget, or if all photographs fit into it, all photographs are resident from the start. Otherwise they are
+// streamed. Where streams() is true, call stream() for each frame before it is recorded:
 //
 //   FramePlan plan = planFrame(…);
 //   gpuScene.stream(commandBuffer, plan, frame, completedFrame);
 //   renderer.record(commandBuffer, plan, target);
 //
-// A small stand-in of each photograph (at most 64 px) is always there and is drawn while the photograph is on its way.
+// While photographs are streamed, a stand-in of each (at most 64 px) stays resident. It is drawn until the photograph
+// has been loaded.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -35,46 +36,46 @@ namespace ibr {
 
 struct FramePlan;
 
-/// A photograph's texture: level `firstLevel` and the smaller ones, down to 1×1, where level 0 has the size of the
-/// node's intrinsics. The format of a node is the same at every call. Called from the thread that makes the GpuScene or
-/// streams.
+/// Loads a photograph's texture: level `firstLevel` and all smaller ones, down to 1×1. Level 0 has the size of the
+/// node's intrinsics. Every call must return the same format for a node. Called from the thread that makes the GpuScene
+/// or calls stream().
 using TextureSource = std::function<Texture(const Scene& scene, std::size_t node, int firstLevel)>;
 
-/// What becomes of textures in blocks (BC1, BC7).
+/// Treatment of block-compressed textures (BC1, BC7).
 enum class BlockTextures : std::uint8_t {
-  automatic,  // kept, but decoded on software devices where that helps
-  keep,       // where the device can sample them
-  decode,     // to RGBA8
+  automatic,  // kept; decoded on software devices where that is faster
+  keep,       // kept where the device can sample them
+  decode,     // decoded to RGBA8
 };
 
-/// How photographs are sampled.
+/// Filter with which photographs are sampled.
 enum class TextureFilter : std::uint8_t {
-  automatic,  // trilinear, but bilinear on software devices
+  automatic,  // trilinear; bilinear on software devices
   bilinear,   // in the nearest mip level
   trilinear,
-  bicubic,  // trilinear, and by Catmull-Rom splines (Keys 1981, a = −1/2) where the finest level is magnified: sharper,
-            // for 16 more reads of a photograph a pixel
+  bicubic,  // trilinear; Catmull-Rom splines (Keys 1981, a = −1/2) where the finest level is magnified: sharper, for 16
+            // more reads of a photograph per pixel
 };
 
 struct GpuSceneOptions {
-  TextureSource source;           // empty: the nodes' textureFile, of which no more is read than is needed
-  std::uint64_t budgetBytes = 0;  // never exceeded by the sum of Memory; 0: no limit
-  /// Host memory beside the budget that uploads go through, 1 MiB at least: while a scene is made, and while it
-  /// streams, where it bounds what a frame uploads.
+  TextureSource source;           // empty: reads the nodes' textureFile, and only the levels that are needed
+  std::uint64_t budgetBytes = 0;  // upper limit of the sum of Memory; 0: no limit
+  /// Host memory for uploads, in addition to the budget; at least 1 MiB is used. While streaming, it limits the bytes
+  /// that a frame uploads.
   std::uint64_t stagingBytes = std::uint64_t(32) << 20;
-  /// Depth textures (Node::depthFile) in full, as `source` is called; empty: the nodes' depthFile.
+  /// Loads depth textures (Node::depthFile), called with firstLevel 0; empty: reads the nodes' depthFile.
   TextureSource depthSource;
-  bool depth = true;  // depth textures are loaded, for Composition::gathered and hybrid; they are never streamed
+  bool depth = true;  // loads depth textures, for Composition::gathered and hybrid; they are never streamed
   BlockTextures blocks = BlockTextures::automatic;
   TextureFilter filter = TextureFilter::automatic;
-  LogCallback log;  // every step down in quality, and why
+  LogCallback log;  // every reduction of quality, with its reason
 };
 
-/// Making one submits uploads on the device's queue and waits for them. Photographs that no mesh shows are left out.
-/// Throws Error (io, invalidInput, …); {outOfMemory} where the budget is too small, and says which is the smallest.
+/// Construction submits uploads on the device's queue and waits for them. Photographs that no mesh shows are left out.
+/// Throws Error (io, invalidInput, …); Error{outOfMemory} names the smallest possible budget where it is too small.
 class GpuScene {
  public:
-  /// With a budget the scene must outlive it.
+  /// The device must outlive the GpuScene; with a budget, so must the scene.
   GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options = {});
   GpuScene(GpuScene&&) noexcept;
   GpuScene& operator=(GpuScene&&) noexcept;
@@ -82,24 +83,24 @@ class GpuScene {
 
   struct Streamed {
     std::uint32_t needed = 0;       // photographs that the plan shows
-    std::uint32_t waiting = 0;      // of them: still on their way
-    std::uint32_t withoutRoom = 0;  // of them: the budget has no room for them beside those that matter more
-    std::uint32_t failed = 0;       // of them: cannot be read
+    std::uint32_t waiting = 0;      // of these: not loaded yet
+    std::uint32_t withoutRoom = 0;  // of these: the budget has no room beside more important photographs
+    std::uint32_t failed = 0;       // of these: cannot be read
     std::uint64_t uploadedBytes = 0;
   };
-  /// Makes photographs resident in the order in which the plan needs them, then those around the main cell by their
-  /// distance in the graph; reads files; records uploads into the command buffer, outside a render pass. Never waits
-  /// for the device. Every plan is streamed before it is recorded, in the same command buffer or one submitted earlier.
+  /// Loads the photographs that the plan needs, most important first, then those around the main cell by their distance
+  /// in the graph. Reads files; records uploads into the command buffer, outside a render pass. Never waits for the
+  /// device. Every plan must be streamed before it is recorded, in the same command buffer or one submitted earlier.
   ///
-  /// Frames are numbered from 1 upwards; `completedFrame` is the last one that the device has finished with all frames
-  /// before it (0: none). A frame whose commands were never submitted is made good by using its number again.
+  /// Frames are numbered from 1 upwards. `completedFrame`: the device has finished this frame and all before it (0:
+  /// none). If a frame's commands are never submitted, use its number again for the next call.
   ///
-  /// Does not throw Error. A photograph that cannot be read keeps its stand-in, and a device that has less memory than
-  /// the budget lowers it; the log says so.
+  /// Does not throw Error. A photograph that cannot be read keeps its stand-in. If the device has less memory than the
+  /// budget, the budget is lowered. Both are logged.
   Streamed stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
                   std::uint64_t completedFrame);
 
-  /// Whether `stream` has anything to do.
+  /// True if frames need stream(): photographs are streamed, or the gather binds textures frame by frame.
   bool streams() const noexcept;
 
   struct Memory {
@@ -109,9 +110,9 @@ class GpuScene {
   Memory memory() const noexcept;
 
   struct State;
-  const State& state() const noexcept { return *state_; }
 
  private:
+  friend const State& stateOf(const GpuScene& scene) noexcept;
   std::unique_ptr<State> state_;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A harmonised model ([H]) as plain data: a mesh, the cameras that photographed it, who sees what, and where each
-// camera's picture must be read so that all of them agree.
+// A harmonised model ([H]) as plain data: a mesh, its cameras, and the cameras that see each vertex. Offsets say where
+// each camera's picture is read so that all pictures agree.
 //
-// [H] writes v̂_v^{i←j} for the point of picture i that shows what picture j shows at vertex v. Here it is kept as the
-// texture-coordinate complement v̂_v^{i←j} − o_v^i, o_v^i the vertex projected into camera i: 0 where mesh and cameras
-// are exact.
+// [H] writes v̂_v^{i←j} for the point of picture i that shows the same as picture j at vertex v. Stored is the
+// texture-coordinate complement v̂_v^{i←j} − o_v^i, where o_v^i is the vertex projected into camera i. It is 0 where
+// mesh and cameras are exact.
 #pragma once
 
 #include <cstddef>
@@ -23,9 +23,9 @@
 
 namespace ibr {
 
-/// A set of cameras of a model, bit i the i-th.
+/// A set of cameras of a model: bit i is camera i.
 using CameraSet = std::uint64_t;
-inline constexpr std::size_t kLargestHtmCameraCount = 64;
+inline constexpr std::size_t kMaxHtmCameraCount = 64;
 
 struct TriangleMesh {
   std::vector<glm::dvec3> positions;  // world
@@ -38,26 +38,27 @@ struct HtmCamera {
   std::string name;                 // unique in a model; the picture's file name
   Camera camera;                    // a pinhole; intrinsics are those of the undistorted picture at its stored size
   std::filesystem::path imageFile;  // JPEG or PNG, relative to the model's folder
-  /// Grey PNG of the picture's size, relative to the model's folder: how much each pixel may be trusted to show the
-  /// mesh, 0 (background) to 255, least at edges at which the mesh hides itself. Empty: all of it.
+  /// Grey PNG of the picture's size, relative to the model's folder: confidence that a pixel shows the mesh, from 0
+  /// (background) to 255. It drops at edges where the mesh occludes itself. Empty: 255 everywhere.
   std::filesystem::path visibilityFile;
-  /// The camera before it was adjusted to the others, of the same size, for methods to compare with; none: as it is.
+  /// The camera before its adjustment to the others, of the same size, for comparison methods; none: not adjusted.
   std::optional<Camera> given = std::nullopt;
 };
 
-/// A mesh, and for each vertex the cameras that take part in its colour: a face at it is seen by them, and they agree.
+/// A mesh, and for each vertex the cameras that contribute to its colour: they see a face at it and agree on the
+/// colour.
 struct HtmSurface {
   TriangleMesh mesh;
   std::vector<CameraSet> members;  // n_v
 };
 
 struct HtmModel {
-  std::filesystem::path folder;        // what relative paths of the cameras start from; empty for a model made in code
-  std::vector<HtmCamera> cameras;      // n_c, 1 to kLargestHtmCameraCount
+  std::filesystem::path folder;        // base of the cameras' relative paths; empty for a model made in code
+  std::vector<HtmCamera> cameras;      // n_c, 1 to kMaxHtmCameraCount
   HtmSurface surface;                  // the optimised mesh ([H] §3.1), n_v vertices
   std::vector<glm::vec2> complements;  // px of picture i, at [complementIndex(i, j, v)]; 0 where i = j; empty: all 0
-  std::optional<HtmSurface> source;    // the mesh that was optimised, for methods to compare with
-  std::string settings;                // the effective settings it was made with, as JSON text; "" if none
+  std::optional<HtmSurface> source;    // the mesh before optimisation, for comparison methods
+  std::string settings;                // the settings that the model was made with, as JSON text; "" if none
 
   std::size_t vertexCount() const { return surface.mesh.positions.size(); }
   std::size_t complementIndex(std::size_t i, std::size_t j, std::size_t v) const {
@@ -65,31 +66,31 @@ struct HtmModel {
   }
 };
 
-/// What was photographed by one camera.
+/// A camera's photograph and its visibility.
 struct HtmPicture {
   Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
-  Image8 visibility;  // 1 channel of the same size as HtmCamera::visibilityFile says; empty: 255 everywhere
-  // Of preparedHtmPicture (ibr/htm.h): then the others are empty. Copies of a picture share them.
+  Image8 visibility;  // 1 channel, same size, as HtmCamera::visibilityFile; empty: 255 everywhere
+  // Mip levels by preparedHtmPicture (ibr/htm.h), shared by copies; with them the other fields are empty.
   std::shared_ptr<const std::vector<Image8>> levels = {};
 };
 using HtmPictureSource = std::function<HtmPicture(const HtmModel& model, std::size_t camera)>;
 
-/// Every fault of a model's data, in order, at most `limit`; empty when all preconditions of HtmRenderer hold: numbers
-/// of cameras, vertices and complements fit, indices in range, cameras pinholes with different names, values finite,
-/// members among the cameras. Files are not looked at.
+/// Faults of a model's data, in order, at most `limit`. Empty if all preconditions of HtmRenderer hold: numbers of
+/// cameras, vertices and complements match, indices are in range, cameras are pinholes with different names, values are
+/// finite, members are cameras of the model. Does not check files.
 std::vector<Fault> validate(const HtmModel& model, std::size_t limit = 100);
 
-/// Reads MODEL/model.gltf, or the .gltf itself (extension IBR_harmonised_texture), and the buffers beside it; pictures
-/// are not read. Throws Error{io}, or Error{invalidInput} with file and JSON pointer.
+/// Reads MODEL/model.gltf, or the .gltf itself (extension IBR_harmonised_texture), and its buffers, but no pictures.
+/// Throws Error{io}, or Error{invalidInput} with file and JSON pointer.
 HtmModel loadHtmModel(const std::filesystem::path& path);
 
-/// Writes FOLDER/model.gltf and FOLDER/meshes/*.bin; pictures must be put there by the caller. Positions are rounded to
-/// a grid of 2⁻²³ of the mesh's extent, everything else comes back bit by bit. Buffers of an earlier model there are
-/// removed. Throws Error{invalidInput} where validate() finds a fault, a mesh has no triangle or a text is not UTF-8;
-/// Error{io}.
+/// Writes FOLDER/model.gltf and FOLDER/meshes/*.bin; the caller stores the pictures. Positions are rounded to a grid of
+/// 2⁻²³ of the mesh's extent (rounded up to a power of two); other numbers are stored exactly. Removes buffers of an
+/// earlier model in the folder. Throws Error{invalidInput} where validate() finds a fault, a mesh has no triangle or a
+/// text is not UTF-8; Error{io}.
 void saveHtmModel(const HtmModel& model, const std::filesystem::path& folder);
 
-/// Every fault of a model's files, at most `limit`; `field` is a JSON pointer.
+/// Faults of a model's files, at most `limit`; `field` is a JSON pointer.
 std::vector<Fault> validateHtmModelFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
 }  // namespace ibr

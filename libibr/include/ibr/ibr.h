@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything of the runtime library. Authoring is in ibr/author.h.
+// Includes the runtime library, without ibr/template_search.h and template_search_pass.h. Authoring: ibr/author/.
 #pragma once
 
 #include "ibr/advice.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plain picture in memory.
+// An image in memory.
 #pragma once
 
 #include <cassert>
@@ -34,7 +34,7 @@ struct Image {
   }
 };
 
-using Image8 = Image<std::uint8_t>;  // display-encoded (sRGB); 1 grey, 3 RGB, 4 RGBA
+using Image8 = Image<std::uint8_t>;  // display-encoded (sRGB); channels: 1 grey, 3 RGB, 4 RGBA
 using ImageF = Image<float>;
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages and progress go to callbacks of the caller; libibr prints nothing and keeps no global state.
+// Callbacks for messages and progress. libibr prints nothing and keeps no global state.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,18 @@ namespace ibr {
 
 enum class LogLevel { debug, info, warning, error };
 
-/// May be called from any thread that works for the call it was given to, one call at a time. Empty: messages are
-/// dropped.
+/// Called from any thread that works for the function or object that got the callback, by one thread at a time. Empty:
+/// messages are dropped.
 using LogCallback = std::function<void(LogLevel, std::string_view message)>;
 
 struct Progress {
-  std::string_view stage;  // what is being done, for people: "matching cells"
+  std::string_view stage;  // text for people: "matching cells"
   std::size_t done = 0;
-  std::size_t total = 0;  // 0 where it is not known
+  std::size_t total = 0;  // 0: unknown
 };
 
-/// Called from the thread that made the call. Return false to cancel: the call throws Error{cancelled} and leaves
-/// nothing half-written. Empty: never cancelled.
+/// Called on the thread that called the libibr function. Returning false cancels: the function throws Error{cancelled}
+/// and leaves no half-written file. Empty: never cancelled.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
 }  // namespace ibr

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Picture metrics. All take pictures of equal size with 3 or more channels (further channels are ignored) and throw
-// Error{invalidInput} otherwise. Thread-safe.
+// Image metrics. Two images must have equal size and 3 or more channels; the first three are used. A mask must have the
+// images' size and 1 channel; nonzero pixels count, without a mask all do. Otherwise functions throw
+// Error{invalidInput}. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -11,66 +12,65 @@
 
 namespace ibr {
 
-/// Peak signal-to-noise ratio in dB over R, G, B of 8-bit display-encoded values; +infinity for equal pictures.
-/// With a mask (1 channel, nonzero = counts) only those pixels count; NaN where none does.
+/// Peak signal-to-noise ratio in dB over R, G, B of 8-bit display-encoded values, of the pixels that count. +infinity
+/// for equal images; NaN if no pixel counts.
 double psnr(const Image8& a, const Image8& b);
 double psnr(const Image8& a, const Image8& b, const Image8& mask);
 
 /// Structural similarity (Wang et al. 2004): luma (Rec. 601), Gaussian window 11×11 with σ 1.5, K1 .01, K2 .03, mean
-/// over all windows that lie inside the picture. With a mask: over the windows that lie wholly inside it; NaN where
-/// none does.
+/// over all windows that lie inside the image and whose pixels all count. NaN if there is no such window.
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
-/// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the one before,
-/// with the weights of the paper; 1 for equal pictures, 0 where a scale's pictures are opposites. NaN where a side is
-/// shorter than 176 px (11 at the coarsest scale).
+/// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the previous one,
+/// with the paper's weights. 1 for equal images, 0 if a scale's mean similarity is negative. NaN if a side is shorter
+/// than 176 px (11 at the coarsest scale).
 double msSsim(const Image8& a, const Image8& b);
 
-/// LDR-FLIP (Andersson et al. 2020): how strong a difference is seen when the pictures alternate in one place, 0 (none)
-/// to 1, a pixel; the eye sees `pixelsPerDegree` of them in a degree (1 to 1000; 67: a display of 0.7 m and 3840 px at
-/// 0.7 m). Symmetric. The map has one channel. Throws Error{invalidInput} also for empty pictures.
+/// LDR-FLIP (Andersson et al. 2020): perceived difference of two images that alternate on a display, by pixel, 0 (none)
+/// to 1. pixelsPerDegree: of visual angle, 1 to 1000; 67: a display of 0.7 m and 3840 px width, seen from 0.7 m.
+/// Symmetric. The map has one channel. Throws Error{invalidInput} also for empty images and other pixelsPerDegree.
 inline constexpr double kFlipPixelsPerDegree = 67;
 ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
 
-/// The map's mean.
+/// Mean of flipMap.
 double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
 
-/// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count in a mask (1 channel, nonzero);
-/// NaN where none does.
+/// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count. NaN if no pixel counts.
 double deltaE(const Image8& a, const Image8& b, const Image8& mask);
-/// Of two pixels. Precondition: 3 channels or more each.
+/// Colour difference of two pixels. Precondition: 3 channels or more each.
 double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b);
 
-/// What a picture keeps of the truth's detail, over differences of luma between neighbouring pixels that both count in
-/// the mask (1 channel, nonzero). NaN where no such pixels differ in the truth.
+/// Detail of an image compared with that of the truth, by luma differences d of neighbouring pixels that both count.
+/// NaN if no such pixels differ in the truth.
 struct Detail {
-  double energy;  // Σ d² of the picture / Σ d² of the truth: below 1 it is blurred, above 1 it has edges of ghosts
-  double correlation;  // of both pictures' d (without means), -1 to 1: 1 where edges stand where they stood
+  double energy;       // Σ d² of the image / Σ d² of the truth; below 1: blur, above 1: ghost edges
+  double correlation;  // Σ dd' / √(Σ d² Σ d'²), d' of the truth, -1 to 1; 1: all edges are in place
 };
 Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
-/// The energy that is left of a picture's detail where it is read between its pixels by bilinear filtering, mean over 4
-/// × 4 places: what a photograph as fine as the picture can show of it from elsewhere. NaN where no neighbours differ.
+/// Share of an image's detail energy that remains when bilinear filtering samples the image between its pixels, mean
+/// over 4 × 4 subpixel offsets. Photographs of the image's resolution, filtered likewise, can keep no more of it in a
+/// view from elsewhere. NaN if no neighbouring pixels differ. Precondition: 3 channels or more.
 double sampledDetail(const Image8& picture);
 
-/// Share of the picture's 32 × 32 px tiles (those at the right and lower edge may be smaller) that are torn: their mean
-/// gradient energy, the squared differences of luma to the right and lower neighbours, exceeds three times the truth's
-/// by more than 4 levels². NaN for empty pictures.
+/// Share of torn tiles among the image's 32 × 32 px tiles (smaller at the right and lower edge). A tile is torn if its
+/// mean gradient energy exceeds three times the truth's by more than 4 (8-bit levels)². Gradient energy: squared luma
+/// differences to the right and lower neighbours. NaN for empty images.
 inline constexpr int kTileSide = 32;  // px
 double tornTiles(const Image8& picture, const Image8& truth);
 
-/// The tile whose mean squared error over R, G, B is the largest.
+/// The tile with the largest mean squared error over R, G, B.
 struct WorstTile {
-  int x = 0, y = 0;        // px of its upper left corner
-  double meanSquared = 0;  // levels²
+  int x = 0, y = 0;        // of its top-left corner, px
+  double meanSquared = 0;  // the error, (8-bit levels)²; -1 for empty images
 };
 WorstTile worstTile(const Image8& picture, const Image8& truth);
 
-/// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
+/// Absolute differences of two images over R, G, B, as image comparison tools report them.
 struct Difference {
-  int largest = 0;          // levels
-  double meanAbsolute = 0;  // levels, over pixels and channels
+  int largest = 0;          // 8-bit levels
+  double meanAbsolute = 0;  // 8-bit levels, mean over pixels and channels
   double shareAbove = 0;    // of pixels whose largest channel difference exceeds `threshold`
 };
 Difference difference(const Image8& a, const Image8& b, int threshold);

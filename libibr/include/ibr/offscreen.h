@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture without a window: an image of our own as a Renderer's target, and the way back to the host.
+// Rendering without a window: an image as a Renderer's target, and its readback to the host.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,23 +13,23 @@
 
 namespace ibr {
 
-/// The device must outlive it. Used by one thread at a time.
+/// An offscreen image. The device must outlive it. One thread at a time uses it.
 class Offscreen {
  public:
-  /// Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB, else Error{unsupported}. An extent of 0 is
-  /// Error{invalidInput}; one that the device cannot have Error (unsupported, outOfMemory).
+  /// Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB; others throw Error{unsupported}. Throws
+  /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
   Offscreen(const Device& device, VkExtent2D extent, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
   ~Offscreen();
 
-  /// Its contents may be replaced by drawing or by transfer; whoever writes leaves it in `after`, from which `render`
-  /// reads. Valid while *this lives.
+  /// The image as a target. It may be written as a colour attachment or by transfers. Commands that write it must leave
+  /// it in Target::finalUse, as render() expects. Valid while *this lives.
   Target target() const noexcept;
 
-  /// Calls `record` with a command buffer, which must write the target, submits on the device's queue, waits, and
-  /// returns height × width × RGBA: the values as stored (display-encoded in all formats), red first in all formats.
-  /// Throws what `record` throws and Error (deviceLost, outOfMemory); it may be called again after either.
+  /// Calls `record` with a command buffer; `record` must write the target. Then submits on the device's queue, waits,
+  /// and returns height × width × RGBA: values as stored (display-encoded in all formats), red first in all formats.
+  /// Throws what `record` throws and Error (deviceLost, outOfMemory); render() may be called again after either.
   Image8 render(const std::function<void(VkCommandBuffer)>& record);
 
  private:
@@ -37,23 +37,23 @@ class Offscreen {
   std::unique_ptr<State> state_;
 };
 
-/// What Renderer::recordBuffers knows of a picture: channels as BufferTargets says.
+/// Results of Renderer::recordBuffers on the host. Channels as in BufferTargets.
 struct FrameBuffers {
   ImageF surface;     // depth, tier, rank, extrapolation distance
   ImageF weights;     // of members 0 to 3
   ImageF confidence;  // spread, uncertainty
 };
 
-/// Images for it. The device must outlive it. Used by one thread at a time.
+/// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
 class OffscreenBuffers {
  public:
-  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that cannot be.
+  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;
   ~OffscreenBuffers();
 
-  /// Valid while *this lives; whoever writes leaves them in `after`.
+  /// Commands that write the images must leave them in BufferTarget::finalUse. Valid while *this lives.
   BufferTargets targets() const noexcept;
 
   /// As Offscreen::render.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene asks of a renderer (NUMERICS §4): a Renderer allocates and compiles what stands here, and nothing else.
+// Derives from a scene and options exactly those parts that a Renderer must allocate and compile.
 #pragma once
 
 #include <array>
@@ -12,38 +12,38 @@
 namespace ibr {
 
 struct Requirements {
-  // Of the scene.
-  std::array<std::uint32_t, 5> cellsOf{};  // cells of so many members: lines, triangles, tetrahedra
+  // From the scene alone.
+  std::array<std::uint32_t, 5> cellsOf{};  // cells by number of members: 2 lines, 3 triangles, 4 tetrahedra
   std::uint32_t cells = 0;
   std::uint32_t pinholes = 0, panoramas = 0;  // photographs
-  std::uint32_t mixedCells = 0;               // with photographs of both kinds
+  std::uint32_t mixedCells = 0;               // cells with pinholes and panoramas
   std::uint32_t masked = 0;                   // photographs with a mask
-  bool severalExposures = true;               // unknown is several
-  bool gains = false;                         // there are photographs whose gain is not 1
+  bool severalExposures = true;               // exposures differ or are unknown
+  bool gains = false;                         // some photographs have a gain other than 1
   std::uint32_t gatherable = 0;               // photographs with a backdrop, evidence in its mesh, and a depth texture
 
-  // With a renderer's options.
-  bool depthOrder = false, painters = false;  // cells are drawn with depth, without
-  bool dissolve = false;
-  bool noise = false;         // blue noise, for what is dithered or dissolves
-  bool switchMixing = false;  // a second canvas
-  bool fill = false, depth = false;
-  bool multiview = false;  // a canvas for both eyes, where the device draws them at once
-  bool buffers = false, floor = false;
-  bool hiddenArea = false;  // there are pixels that nobody sees
-  bool gather = false;      // a vote and its images
+  // From the scene and the renderer's options.
+  bool depthOrder = false, painters = false;  // cells are drawn with a depth test, without
+  bool dissolve = false;                      // opacities below 1
+  bool noise = false;                         // blue noise, for dithering and dissolving
+  bool switchMixing = false;                  // a second canvas
+  bool fill = false, depth = false;           // holes are filled; targets with a DepthTarget
+  bool multiview = false;                     // a canvas for both views, if the device draws them in one pass
+  bool buffers = false, floor = false;        // Renderer::recordBuffers; RenderSettings::floor
+  bool hiddenArea = false;                    // RendererOptions::hiddenArea is used
+  bool gather = false;                        // a vote and its images
   std::vector<Overlay> overlays;
-  bool colourTables = false, colourSequence = false;  // tables at all; the paper's way to them
-  std::uint32_t steps = 0;                            // draws of a picture, at most
+  bool colourTables = false, colourSequence = false;  // colour mapping; the paper's sequence of it
+  std::uint32_t maxDrawItems = 0;                     // of an image
 };
 
 /// Pure. Precondition: validate(scene) is empty.
 Requirements requirementsOf(const Scene& scene, const RendererOptions& options);
 
-/// The same for a scene whose own part is known.
+/// Replaces the part that depends on the options; keeps the part from the scene alone. Pure.
 Requirements withOptions(Requirements scene, const RendererOptions& options);
 
-/// A part of the renderer, whether it is there, and why: for people.
+/// A part of the renderer, whether it runs, and why; for people.
 struct StageReason {
   std::string name;
   bool runs;

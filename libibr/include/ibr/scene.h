@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image graph ([T] §2.4) as plain data, and its file: a glTF 2.0 asset with the extension IBR_image_graph.
 //
-// A node is a photograph with its pose; a cell joins 2 to 4 nodes (line, triangle, tetrahedron) by one morphing mesh.
-// Loading and saving may be called from several threads on different scenes.
+// A node is a photograph with its pose. A cell joins 2 to 4 nodes (line, triangle, tetrahedron) by one morphing mesh.
+// Threading: several threads may load and save at the same time, each a different scene.
 #pragma once
 
 #include <array>
@@ -22,68 +22,68 @@ namespace ibr {
 
 struct Node {
   std::string name;                   // unique in a scene; the photograph's file name
-  Camera camera;                      // intrinsics are those of the undistorted photograph at its stored size
+  Camera camera;                      // intrinsics of the undistorted photograph at its stored size
   std::filesystem::path imageFile;    // JPEG or PNG, relative to the scene's folder
   std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
-  CaptureFacts capture = {};          // as the camera wrote it down
-  /// Red, green, blue: the photograph times this, in linear light, is as bright and as white as the others are
-  /// (author/exposure/exposure.h). 1 where it is not known; 1 / kLargestGain to kLargestGain.
+  CaptureFacts capture = {};          // as recorded by the camera
+  /// Red, green, blue: factors of the photograph's linear light that match its exposure and white balance to those of
+  /// the other photographs. 1 where unknown; 1 / kMaxGain to kMaxGain.
   glm::dvec3 gain{1.0};
-  /// Grey PNG of the photograph's size, 0 where it is not to be shown: people who passed by. Relative to the scene's
-  /// folder; empty: all of it is. It is also the texture's alpha, which is what renders: not of TextureFormat::bc1.
+  /// Mask: grey PNG of the photograph's size, 0 where the photograph must not be shown (moving objects). Relative to
+  /// the scene's folder; empty: no mask. Renderers read the mask from the texture's alpha, so the texture is never bc1.
   std::filesystem::path maskFile = {};
-  /// Depth texture (KTX2, TextureFormat::rg16f), relative to the scene's folder; empty: none. It covers the photograph,
-  /// at about a quarter of its sides. Red: ρ / depthScale, the largest of the texel's block; green: the consensus a
-  /// (MorphMesh::consensus). ρ is the inverse depth along the axis of a pinhole, and the inverse distance of a
-  /// panorama.
+  /// Depth texture (KTX2, TextureFormat::rg16f), relative to the scene's folder; empty: none. Covers the photograph at
+  /// about a quarter of its sides. Red: ρ / depthScale, ρ the largest of the texel's block. Green: the consensus a
+  /// (MorphMesh::consensus). A pinhole's ρ is the inverse depth along its axis, a panorama's the inverse distance.
   std::filesystem::path depthFile = {};
-  double depthScale = 0;  // 1 / world unit, > 0 where there is a depthFile: ρ of a red of 1
+  double depthScale = 0;  // ρ of a red of 1, 1 / world unit; > 0 with a depthFile, 0 without
 };
-inline constexpr double kLargestGain = 4096;
+inline constexpr double kMaxGain = 4096;
 
-/// What is known of a triangle, or of a pixel.
+/// Evidence for a triangle or a pixel.
 enum Tier : std::uint8_t {
-  kTierAgrees = 0,     // agrees in all members: blended as [T] says; of a gathered pixel: its depth is confirmed
-  kTierRejected = 1,   // rejected by a filter: kept in the mesh, not drawn
-  kTierCompleted = 2,  // of a gathered pixel: no second photograph confirms its depth, which was completed
-  kTierFilled = 3,     // nothing was drawn: filled from around
+  kTierAgrees = 0,     // triangle in which all members agree, blended as in [T]; gathered pixel of confirmed depth
+  kTierRejected = 1,   // triangle that a filter rejected: kept in the mesh, not drawn
+  kTierCompleted = 2,  // gathered pixel of completed depth, which no second photograph confirms
+  kTierFilled = 3,     // pixel on which nothing was drawn, filled from the pixels around it
 };
 
-/// A morphing mesh over d members and n points.
+/// A morphing mesh with d members, n vertices and m triangles.
 ///
-/// The scene point of vertex p, seen from member i, lies in direction r_i = unproject(match[i][p]), rotated to world.
-/// With s_i the distance to it along r_i, ratio[i][p] is a_i = s_i·ρ and inverseDistance[p] is ρ >= 0. ρ = 0 puts the
-/// point at infinity, where every a_i is 1. Only the products matter: (a_i, ρ) may be scaled per point by any positive
-/// number; by convention ρ is the inverse of the mean of s_i, so that the mean of a_i is 1.
+/// Member i sees the scene point of vertex p in direction r_i = unproject(match[i][p]), rotated to world axes, at the
+/// distance s_i. inverseDistance[p] is ρ >= 0, and ratio[i][p] is a_i = s_i·ρ. ρ = 0 puts the point at infinity, where
+/// every a_i is 1. The values (a_i, ρ) of a vertex are homogeneous: multiplying all of them by one positive number
+/// changes nothing. By convention ρ is the inverse of the mean of s_i, so that the mean of a_i is 1.
 /// [T] eq. 4 is the case a_i = 1, ρ = 0.
 struct MorphMesh {
   std::vector<std::vector<glm::vec2>> match;  // d × n, px in the member's photograph
   std::vector<std::vector<float>> ratio;      // d × n, a_i > 0
   std::vector<float> inverseDistance;         // n, ρ >= 0, 1 / world unit
   std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0
-  std::vector<std::uint8_t> confirmations;    // n, or none: c, photographs whose depth is the same there; 0 also where
-                                              // depth was completed
-  std::vector<float> consensus;               // n, or none, with confirmations: a = (c + .25) / (c + v + .5), v
-                                              // photographs that see past it; .1 where depth was completed
+  std::vector<std::uint8_t> confirmations;    // n, or empty: c, number of photographs that confirm the vertex's depth;
+                                              // 0 also where depth was completed
+  std::vector<float> consensus;               // n, or empty, as confirmations: a = (c + .25) / (c + v + .5), v counts
+                                              // photographs that see past the vertex; .1 where depth was completed
   std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
-  std::vector<std::uint8_t> tier;             // m, a Tier each
-  std::vector<float> ecc;  // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]
-  /// n, or none: which planes of the matched scene a point lies on, counted from 1, ascending, then 0. Label only: a
-  /// triangle whose points share a plane is explained by one homography between each two members.
+  std::vector<std::uint8_t> tier;             // m, kTierAgrees or kTierRejected
+  std::vector<float> ecc;  // m, lowest enhanced correlation coefficient of two members, -1 to 1; label only
+  /// n, or empty: numbers of the scene planes that a vertex lies on, from 1, ascending, filled up with 0. Label only: a
+  /// triangle whose vertices share a plane is mapped between any two members by one homography.
   std::vector<glm::u16vec4> planes;
 
-  std::size_t memberCount() const { return match.size(); }
-  std::size_t pointCount() const { return inverseDistance.size(); }
-  std::size_t tier0Count() const;  // triangles of tier 0
+  std::size_t memberCount() const { return match.size(); }           // d
+  std::size_t pointCount() const { return inverseDistance.size(); }  // n
+  std::size_t tier0Count() const;                                    // number of triangles of tier 0
 };
 
-/// How good a cell is, measured when it was built. NaN: not measured. A backdrop's coverage is the share of its
+/// Quality of a cell, measured when the cell was built. NaN: not measured. A backdrop's coverage is the share of its
 /// photograph whose depth was matched.
 struct CellQuality {
-  double coverage;    // 0 to 1: share of the members' mean picture under tier-0 triangles
+  double coverage;    // 0 to 1: share of the members' mean image (panoramas: of the sphere) under tier-0 triangles
   double ecc;         // -1 to 1: area-weighted mean of MorphMesh::ecc over tier 0
-  double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point
-  double score;  // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/graph/choose_cells.h)
+  double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point, px
+  double score;       // 0 to 1: shape of the simplex × lowest share of common points of two members × min(1, 0.15 /
+                      // largest disparity spread of two members, in image widths) × coverage × max(ecc, 0)
   CellQuality();
 };
 
@@ -93,57 +93,61 @@ struct Cell {
   CellQuality quality;
 };
 
-/// Where the world's origin lies on the Earth, if known. Kept for export; never part of a pose.
+/// Position of the world's origin on the Earth, kept for export and never part of a pose.
 struct GeographicOrigin {
   double latitudeDegrees = 0, longitudeDegrees = 0, heightMetres = 0;
 };
 
-/// UnusedPhotograph::reason where nothing else is known to be wrong than that the poses do not know it: taken again,
-/// nearer to the others, they may.
+/// UnusedPhotograph::reason of a readable photograph without a pose. Retaken nearer to the others, the photograph may
+/// get one.
 inline constexpr const char* kNotRegistered = "not registered: the model has no pose for it";
 /// A photograph that no cell shows.
 struct UnusedPhotograph {
-  std::string name;    // a node's, or that of a file which the poses do not know
-  std::string reason;  // for people
+  std::string name;    // of a node, or of a photograph's file without a pose
+  std::string reason;  // text for people
 };
 
 struct Scene {
-  std::filesystem::path folder;  // what relative paths of the nodes start from; empty for a scene made in code
+  std::filesystem::path folder;  // base of the nodes' relative paths; empty for a scene made in code
   std::vector<Node> nodes;
   std::vector<Cell> cells;
-  std::vector<Cell> backdrops;  // meshes of photographs' depth, which vote (Composition::gathered): at most one a node
+  std::vector<Cell> backdrops;  // depth meshes of single photographs, which vote (Composition::gathered, hybrid): at
+                                // most one a node
   std::vector<UnusedPhotograph> unused;
   std::string acquisition;  // "ordered", "unordered", "synthetic", "panoramic" or ""
-  std::string settings;     // the effective settings it was built with, as JSON text; "" if none
+  std::string settings;     // effective settings of the build, as JSON text; "" if none
   std::optional<GeographicOrigin> origin;
 };
 
 struct Fault {
-  std::string field;    // "cells[3].mesh.ratio[1][17]", or a JSON pointer when it comes from a file
-  std::string message;  // what is wrong, with the value
+  std::string field;    // "cells[3].mesh.ratio[1][17]", or a JSON pointer for a fault of a file
+  std::string message;  // the problem, with the value
 };
 
-/// Every fault of a scene's data, in order, at most `limit`; empty when all preconditions of the renderer hold:
-/// indices in range, members different, sizes equal, values finite and in range, rotations of unit length (1e-3).
-/// Files are not looked at.
+/// Returns the faults of a scene's data, in order, at most `limit`. Empty: all preconditions of the renderer hold
+/// (unique names, different members, indices in range, consistent sizes, values finite and in range, rotations of unit
+/// length ± 1e-3). Opens no files.
 std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
 
-/// Whether a member's photograph has a mask.
+/// Returns true if any member's photograph has a mask.
 bool isMasked(const Scene& scene, const Cell& cell);
 
-/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0 or the mean is not
-/// finite.
+/// Returns the scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i, c_i the member's centre. nullopt
+/// where ρ = 0 or the mean is not finite.
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
 
-/// Reads `path`: a scene's folder, or its scene.gltf. Throws Error (io, invalidInput; file and JSON pointer named).
-/// Files outside the scene's folder are refused.
+/// Reads a scene from its folder or its scene.gltf; opens no photographs and textures. Throws Error (io, invalidInput)
+/// that names file and JSON pointer. A reference to a file outside the scene's folder is invalidInput.
 Scene loadScene(const std::filesystem::path& path);
 
-/// Every fault of a scene's files, as loadScene would find them, plus textures that are missing or do not match.
+/// Returns the faults of a scene's files, at most `limit`: those that loadScene throws, and photographs, masks and
+/// textures that are missing or do not match. A file that cannot be read is a fault, not an exception.
 std::vector<Fault> validateSceneFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
-/// Writes folder/scene.gltf and folder/cells/*.bin (photographs and textures are not touched). Each file is written
-/// beside its final name and renamed. Precondition: validate(scene) is empty, else Error{invalidInput}.
+/// Writes folder/scene.gltf and folder/cells/*.bin, each to a temporary file that is then renamed, and removes buffers
+/// of previous saves from folder/cells. Does not write photographs and textures. Throws Error{io}, and
+/// Error{invalidInput} unless validate(scene) is empty, texts are UTF-8, settings are JSON, and paths stay inside the
+/// folder.
 void saveScene(const Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace ibr

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Template matching by trying all displacements of a window ([H] Alg. 3): on the processor here, on a device by
-// TemplateSearchPass.
+// Template matching by exhaustive search in a window ([H] Alg. 3): on the CPU here, on a device by TemplateSearchPass.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +12,20 @@
 
 namespace ibr {
 
-/// How unlike a template and a picture are, over the template's samples.
+/// Dissimilarity of a template and a picture, over the template's samples.
 enum class TemplateMeasure : std::uint8_t {
-  absoluteDifferences,  // [H] eq. 1: mean over samples and colours, levels, 0 to 255
-  correlation,          // 1 − zero-mean normalised cross-correlation over all three colours, each about its own mean;
-                        // 0 to 2, and 1 where either side is flat
+  absoluteDifferences,  // [H] eq. 1: mean over samples and colours, 8-bit levels, 0 to 255
+  correlation,          // 1 − zero-mean normalised cross-correlation over all three colours, each with its own mean;
+                        // 0 to 2; 1 where template or picture has no contrast
 };
 
-/// A pixel of the picture, by column and row, and the colour that the template has where that pixel lies when nothing
-/// is displaced.
+/// A pixel of a template: its column and row in the picture at displacement 0, and its colour.
 struct TemplateSample {
   std::int16_t x = 0, y = 0;
   std::uint8_t red = 0, green = 0, blue = 0, unused = 0;
 };
 
-/// Samples [first, first + count) are looked for in a picture, displaced by start + (−radius … radius)².
+/// Searches a picture for samples [first, first + count), at displacements start + (−radius … radius)².
 struct TemplateTask {
   std::uint32_t picture = 0;
   std::uint32_t first = 0, count = 0;
@@ -35,25 +33,26 @@ struct TemplateTask {
 };
 
 struct TemplateMatch {
-  glm::ivec2 displacement{0};  // px; of the least cost, the one nearest to the start where several have it, and of
-                               // these the first by rows
-  float cost = 0;              // as the measure says; infinite where a task has no samples
+  glm::ivec2 displacement{0};  // px; of minimum cost. Ties: the one nearest to the start, then the first in row order
+  float cost = 0;              // by TemplateMeasure; infinite where the task has no samples
 };
 
-/// Finds the matches of all tasks, in their order. Beyond its border a picture goes on as it ends there.
+/// Finds the matches of all tasks, in their order. Pixels beyond a picture's border have the nearest border pixel's
+/// colour.
 using TemplateSearch = std::function<std::vector<TemplateMatch>(
     std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius, TemplateMeasure measure)>;
 
-/// A search over RGB pictures, which are read until it goes.
+/// Makes a search over RGB pictures, which must outlive the search.
 using MakeTemplateSearch = std::function<TemplateSearch(std::span<const Image8* const> pictures)>;
 
-/// On the processor: each call works on the calling thread and may be made from several at once. Throws
-/// Error{invalidInput} for pictures without 3 channels, and in calls for tasks beyond pictures or samples, a radius
-/// outside 0 … kLargestTemplateRadius, more than kLargestTemplate samples and starts beyond kFarthestTemplateStart.
+/// Search on the CPU. A search runs on the calling thread; several threads may call it at once. Throws
+/// Error{invalidInput} for pictures without 3 channels. Calls of the search throw it for indices of pictures or samples
+/// out of range, and for a radius outside 0 … kMaxTemplateRadius. They also throw it for more than
+/// kMaxTemplateSampleCount samples in a task and for starts beyond kMaxTemplateStartPx.
 TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures);
 
-inline constexpr int kLargestTemplateRadius = 32;
-inline constexpr std::uint32_t kLargestTemplate = 4096;
-inline constexpr int kFarthestTemplateStart = 1 << 20;  // px
+inline constexpr int kMaxTemplateRadius = 32;
+inline constexpr std::uint32_t kMaxTemplateSampleCount = 4096;
+inline constexpr int kMaxTemplateStartPx = 1 << 20;  // px
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Template matching on a device as a recorder ([H] Alg. 3), in the caller's command buffer; and as the TemplateSearch
-// that is handed to harmonise().
+// Template matching on a device ([H] Alg. 3): as a recorder into the caller's command buffer, and as the TemplateSearch
+// for harmonise().
 //
 //   TemplateSearchPass pass(device, pictures, {.tasks = 1000, .samples = 500000});
 //   pass.set(tasks, samples, radius, measure);
@@ -20,36 +20,37 @@
 
 namespace ibr {
 
-/// Most that a search takes at once, both at least 1.
+/// Maximum numbers per TemplateSearchPass::set, both at least 1.
 struct TemplateCapacity {
   std::size_t tasks = 1, samples = 1;
 };
 
-/// What absolute differences find is bit for bit what processorTemplateSearch finds; correlations differ by roundings,
-/// about 10⁻⁶, and where costs are so close the match may be another one.
+/// With absolute differences, matches are bit-identical to those of processorTemplateSearch. Correlations differ by
+/// rounding, about 10⁻⁶; where costs are that close, another match may win.
 ///
-/// Move-only; the device must outlive it. Used by one thread at a time, with one submission at a time in flight.
+/// Records searches. Move-only; the device must outlive it. One thread at a time uses it, with at most one submission
+/// in flight.
 class TemplateSearchPass {
  public:
-  /// Uploads the pictures, which may go afterwards: submits to the device's queue and waits. Throws Error: invalidInput
-  /// as processorTemplateSearch, and for a capacity of 0; unsupported where the pictures, 4 bytes a pixel, or the
-  /// capacity exceed the device's largest storage buffer or dispatch; outOfMemory, deviceLost.
+  /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits. Throws Error:
+  /// invalidInput as processorTemplateSearch, and for a capacity of 0; unsupported where the pictures (4 bytes a pixel)
+  /// or the capacity exceed the device's largest storage buffer or dispatch; outOfMemory, deviceLost.
   TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity);
   TemplateSearchPass(TemplateSearchPass&&) noexcept;
   TemplateSearchPass& operator=(TemplateSearchPass&&) noexcept;
   ~TemplateSearchPass();
 
-  /// What the next submission of record() looks for; copied to memory that its commands read, so none may be in
-  /// flight. Throws Error{invalidInput} as the calls of processorTemplateSearch, and beyond the capacity; what was set
-  /// before then stays.
+  /// Sets the tasks of the next submission of record(). Copies them to memory that the recorded commands read, so none
+  /// of these may be in flight. Throws Error{invalidInput} as calls of processorTemplateSearch, and beyond the
+  /// capacity; then the previous tasks stay set.
   void set(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
            TemplateMeasure measure);
 
-  /// Copies, one dispatch, copies back to the host, with all barriers between them and to earlier records of this pass.
-  /// Outside a render pass; for what was set last, nothing where that is no task.
+  /// Records the search for the tasks set last, outside a render pass: upload copies, one dispatch, a readback copy.
+  /// Barriers separate these, and order them after earlier commands of this pass. Records nothing if no tasks are set.
   void record(VkCommandBuffer commands) const noexcept;
 
-  /// Of the tasks that were set last, in their order, once the submission is done.
+  /// Matches of the tasks set last, in their order; valid once the submission has finished.
   std::vector<TemplateMatch> matches() const;
 
  private:
@@ -57,10 +58,10 @@ class TemplateSearchPass {
   std::unique_ptr<State> state_;
 };
 
-/// A search that uses the device, piece by piece where tasks are many; it submits to the device's queue and waits.
-/// Searches that one call of this function leads to may be used from several threads at once: they take turns. Nothing
-/// else may use the device meanwhile. Searches are made and go on one thread. They throw what TemplateSearchPass
-/// throws. The device must outlive them.
+/// Search on the device. Submits to the device's queue and waits; many tasks are split into several submissions.
+/// Several threads may call the searches made by one returned function; they take turns. Nothing else may use the
+/// device meanwhile. One thread must make and destroy the searches. They throw what TemplateSearchPass throws. The
+/// device must outlive them.
 MakeTemplateSearch deviceTemplateSearch(const Device& device);
 
 }  // namespace ibr

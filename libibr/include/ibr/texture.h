@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs as textures: RGBA8, or blocks of 4 × 4 pixels that the device decodes while it samples.
+// Photographs as textures: RGBA8, or compressed blocks of 4 × 4 pixels that the device decodes while sampling.
 //
-//   format   bytes a pixel   what it costs
-//   rgba8    4               nothing is lost
-//   bc7      1               mode 6 alone: colours of a block on one line, 16 steps; about 46 dB on photographs
-//   bc1      ½               [T] §2.6.3, as the paper stores them: 4 steps, 5 or 6 bits; 35 to 38 dB
+//   format   bytes a pixel   contents
+//   rgba8    4               lossless
+//   bc7      1               mode 6 only: colours of a block on one line in 16 steps; PSNR about 46 dB
+//   bc1      ½               as in [T] §2.6.3: colours of a block in 4 steps, 5 or 6 bits a channel; PSNR 35 to 38 dB
 //
-//   rg16f    4               no photograph but its depth (Node::depthFile): two half floats
+//   rg16f    4               depth of a photograph (Node::depthFile), two half floats
 //
-// Values of photographs are display-encoded in all formats, and are sampled as they are.
+// Photographs are display-encoded in all formats, and are sampled without conversion.
 #pragma once
 
 #include <cstddef>
@@ -21,35 +21,35 @@ namespace ibr {
 
 enum class TextureFormat : std::uint8_t { rgba8, bc1, bc7, rg16f };
 
-/// "rgba8", "bc1", "bc7", "rg16f".
+/// Returns "rgba8", "bc1", "bc7" or "rg16f".
 const char* textureFormatName(TextureFormat format) noexcept;
 
-/// Bytes of a picture. Blocks count whole, also where the picture ends inside one.
+/// Returns the bytes of an image or mip level. Blocks that the image fills in part count in full.
 std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept;
 
-/// A picture and its mip levels, or the smaller ones of them.
+/// An image and its mip levels. The largest levels may be left out.
 struct Texture {
   TextureFormat format = TextureFormat::rgba8;
-  int width = 0, height = 0;  // of the first level here; each further one has max(1, ⌊side / 2⌋)
-  // Rows from the top, no padding: of pixels (red, green, blue, alpha), or of blocks, the first at the top left.
+  int width = 0, height = 0;  // px of levels[0]; each further level has max(1, ⌊side / 2⌋)
+  // Rows from the top, no padding: pixels (RGBA, or red and green halves), or blocks, the first at the top left.
   std::vector<std::vector<std::byte>> levels;
 
   Texture() = default;
-  /// From RGBA8 levels, as a function that makes pictures returns them. Throws Error{invalidInput} unless each has four
-  /// channels and the size that follows from the first.
-  Texture(const std::vector<Image8>& rgba);  // NOLINT: meant to convert
+  /// Makes an rgba8 texture from RGBA levels, largest first. Throws Error{invalidInput} unless each level has four
+  /// channels and the size that follows from the first level's.
+  Texture(const std::vector<Image8>& rgba);  // NOLINT: implicit on purpose
   bool operator==(const Texture&) const = default;
 };
 
-/// The texture without its first levels. Precondition: 0 <= firstLevel < the number of levels.
+/// Returns the texture without its first `firstLevel` levels. Precondition: 0 <= firstLevel < the number of levels.
 Texture smallerLevels(const Texture& texture, int firstLevel);
 
-/// Encodes RGBA levels. Deterministic. Throws as Texture's constructor.
+/// Encodes RGBA levels, largest first. Deterministic. Throws Error{invalidInput} for rg16f, and as Texture(rgba).
 Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format);
 
-/// Back to RGBA8. BC1 as the formula says, rounded to the nearest (devices differ from it by 2 levels at most); BC7
-/// exactly, but mode 6 alone: throws Error{unsupported} for blocks of other modes, Error{invalidInput} for levels whose
-/// bytes do not fit their size.
+/// Decodes all levels to RGBA8. BC1 is rounded to the nearest; devices differ by at most 2 of 255. BC7 is exact. Throws
+/// Error{unsupported} for rg16f and for BC7 blocks of other modes than 6, and Error{invalidInput} for levels whose
+/// number of bytes does not match their size.
 std::vector<Image8> decodeTexture(const Texture& texture);
 
 }  // namespace ibr

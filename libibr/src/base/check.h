@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks of user input: a failed one throws Error with the values in the message. Programmer errors are asserts.
+// Checks of user input: a failed check throws Error with the values in the message. Programmer errors are asserts.
 #pragma once
 
 #include <fmt/format.h>

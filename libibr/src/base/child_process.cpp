@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostTurns = 32;                   // of 4096 bytes, twice what a pipe holds, before it is asked to go on
+constexpr int kMostTurns = 32;                   // reads of 4096 bytes, twice a pipe's capacity, between goesOn calls
 constexpr std::size_t kLongestLine = 64 * 1024;  // bytes
 
 class Descriptor {
@@ -64,7 +64,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   return pointers;
 }
 
-// A running program, leader of its own group. It is ended with the object.
+// A running program, leader of its own process group. The destructor ends the program.
 class Child {
  public:
   Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int output) {
@@ -91,14 +91,14 @@ class Child {
     if (id_ > 0) end();
   }
 
-  /// Whether it has ended; then status() says how.
+  /// Returns true after the program has ended; status() is valid then.
   bool ended() {
     if (id_ <= 0) return true;
     int raw = 0;
     const pid_t got = ::waitpid(id_, &raw, WNOHANG);
     if (got == 0 || (got < 0 && errno == EINTR)) return false;
     id_ = -1;
-    constexpr int kUnknown = 127;  // somebody else waited for it, or children are not waited for here
+    constexpr int kUnknown = 127;  // waited for elsewhere, or this process ignores SIGCHLD
     status_ = got < 0 ? kUnknown : WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
     return true;
   }
@@ -134,14 +134,14 @@ ChildResult runChild(const std::vector<std::string>& arguments,
     for (int turn = 0; turn < kMostTurns; ++turn) {
       const ssize_t got = ::read(in.get(), buffer, sizeof(buffer));
       if (got == 0) open = false;
-      if (got <= 0) return;  // nothing more for now
+      if (got <= 0) return;  // no more output at present
       rest.append(buffer, std::size_t(got));
       for (std::size_t end; (end = rest.find_first_of("\r\n")) != rest.npos; rest.erase(0, end + 1))
         if (end > 0) line(std::string_view(rest).substr(0, end));
       if (rest.size() >= kLongestLine) line(std::exchange(rest, {}));
     }
   };
-  // What it has started may hold the pipe longer than it lives: its own end counts.
+  // A grandchild may hold the pipe open for longer: the program's own end counts.
   for (bool ended = false; !ended;) {
     if (!goesOn()) {
       child.end();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Another program, run to its end: what it prints is read line by line.
+// Runs another program to its end and reads its output line by line.
 #pragma once
 
 #include <functional>
@@ -11,15 +11,15 @@
 namespace ibr {
 
 struct ChildResult {
-  int status = 0;        // its exit status, or 128 and the signal that ended it
-  bool stopped = false;  // by us
+  int status = 0;        // exit status, or 128 plus the signal that ended the program
+  bool stopped = false;  // ended because goesOn returned false
 };
 
-/// Runs `arguments[0]`, looked for along PATH unless it names a folder, with our environment and `environment` (names
-/// and values) over it; its stdin is empty. `line` gets what it prints to stdout and stderr, without line ends;
-/// lines of more than 64 KiB in pieces.
-/// `goesOn` is asked ten times a second and oftener; when it says no, the program and all that it has started are ended
-/// (SIGTERM, after three seconds SIGKILL) and waited for. Throws Error{io} where it cannot be started.
+/// Runs `arguments[0]`, searched along PATH unless the name has a folder. The environment is ours, overridden by
+/// `environment` (names and values); stdin is empty. `line` receives the lines of stdout and stderr without line ends;
+/// lines over 64 KiB arrive in pieces. `goesOn` is called at least ten times a second. When goesOn returns false, the
+/// program and its children are ended (SIGTERM, after three seconds SIGKILL) and waited for. Throws Error{io} if the
+/// program cannot be started.
 ChildResult runChild(const std::vector<std::string>& arguments,
                      const std::vector<std::pair<std::string, std::string>>& environment,
                      const std::function<void(std::string_view)>& line, const std::function<bool()>& goesOn);

@@ -38,7 +38,7 @@ struct OpenFile {
 };
 
 OpenFile openRegular(const fs::path& path) {
-  // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
+  // O_NONBLOCK: opening a pipe must not wait for a writer.
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   check(fd >= 0, ErrorCode::io, "{}: cannot be opened: {}", path.string(), std::strerror(errno));
   Descriptor descriptor(fd);
@@ -86,7 +86,7 @@ std::vector<std::byte> readFileStart(const fs::path& path, std::size_t bytes) {
 }
 
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
-  // A device or pipe cannot be replaced by renaming; it is written in place.
+  // A device or pipe cannot be replaced by renaming; the bytes are written in place.
   std::error_code ignored;
   const auto kind = fs::status(path, ignored).type();
   const bool inPlace = kind == fs::file_type::character || kind == fs::file_type::fifo;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in and out.
+// Reads and writes whole files.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +12,30 @@
 
 namespace ibr {
 
-/// Reads a regular file whole. Throws Error{io} naming it (missing, a directory, a device, unreadable) or
-/// Error{invalidInput} where it is longer than `limit` bytes.
+/// Reads a whole regular file. Throws Error{io} with the path (missing, a directory, a device, unreadable) or
+/// Error{invalidInput} if the file is longer than `limit` bytes.
 std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(4) << 30);
 std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(1) << 30);
 
-/// The first `bytes` bytes of a regular file, or all of a shorter one. Throws Error{io}.
+/// Reads the first `bytes` bytes of a regular file, or all of a shorter file. Throws Error{io}.
 std::vector<std::byte> readFileStart(const std::filesystem::path& path, std::size_t bytes);
 
-/// Writes beside `path` and renames, so that `path` is never seen half-written. Throws Error{io}; then nothing is left.
+/// Writes to a file beside `path`, then renames: `path` is never half-written. Throws Error{io} and leaves nothing.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFile(const std::filesystem::path& path, std::string_view text);
 
-/// Makes a folder and those above it, where they are missing. Throws Error{io} that names it.
+/// Makes a folder and its missing parents. Throws Error{io} with the path.
 void makeFolders(const std::filesystem::path& folder);
 
-/// Whether makeFolders(folder) and files in it may succeed, before long work: throws Error{io} that names the nearest
-/// path which is there and no folder, or may not be written. Makes nothing.
+/// Checks, before long work, for makeFolders(folder) and writable files in the folder. Throws Error{io} with the
+/// nearest existing path that is not a folder or not writable. Makes nothing.
 void checkFolderWritable(const std::filesystem::path& folder);
 
-/// Of all regular files below a folder, but for links; 0 where it cannot be read.
+/// Sum of the sizes of all regular files below a folder, links excluded; 0 if the folder cannot be read.
 double bytesBelow(const std::filesystem::path& folder);
 
-/// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..",
-/// links). The file need not exist.
+/// Returns `relative` below `folder`, both canonical. Throws Error{invalidInput} if the path leads outside (absolute,
+/// "..", links). The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a, 64 bits (Fowler, Noll, Vo): tells inputs apart; no protection against malice.
+// FNV-1a, 64 bits (Fowler, Noll, Vo): distinguishes inputs; no protection against malice.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class Hash {
   void add(std::span<const std::byte> bytes) {
     for (const std::byte b : bytes) value_ = (value_ ^ std::uint64_t(b)) * 0x100000001b3u;
   }
-  /// A number, by its bytes.
+  /// Adds the bytes of a number.
   template <class T>
   requires std::is_arithmetic_v<T>
   void add(T value) { add(std::as_bytes(std::span(&value, 1))); }

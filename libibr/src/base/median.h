@@ -5,7 +5,7 @@
 
 namespace ibr {
 
-/// The value in the middle of those that are not NaN, the greater of two; NaN where there is none.
+/// Upper median of the values that are not NaN; NaN if there are none.
 double median(std::vector<double> values);
 
 }  // namespace ibr

@@ -52,7 +52,7 @@ bool runJobs(std::size_t count, int threads, const std::function<void(std::size_
     std::vector<std::jthread> pool;
     for (std::size_t i = 0; i < workers; ++i) pool.emplace_back(work);
     std::unique_lock lock(mutex);
-    for (bool last = false; !last;) {  // what jobs did that ended before this thread looked is reported, too
+    for (bool last = false; !last;) {  // jobs that ended before this thread looked are reported, too
       if (running > 0) changed.wait_for(lock, std::chrono::milliseconds(200));
       last = running == 0;
       const std::size_t now = done;
@@ -74,7 +74,7 @@ int threadsFor(int wanted, double bytesEach, double memory) {
 }
 
 double memoryBudget(double wanted) {
-  constexpr double kShare = 0.5;  // the rest is left to other programs, and to the system for files
+  constexpr double kShare = 0.5;  // the rest is left to other programs and to the system's file cache
   return wanted > 0 ? wanted : kShare * memoryLimit();
 }
 

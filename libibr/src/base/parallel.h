@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent jobs over threads, with progress and cancelling from the thread that waits.
+// Runs independent jobs on threads; the waiting thread reports progress and can cancel.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,17 @@
 
 namespace ibr {
 
-/// Calls job(0) … job(count − 1), each once, from `threads` threads of its own. `report(done)` is called from this
-/// thread after jobs have finished and now and then between; when it returns false, no further job starts, those that
-/// run are waited for, and the result is false. The first exception of a job (by its number) is thrown again, likewise.
+/// Calls job(0) … job(count − 1) once each, on `threads` new threads. Calls `report(done)` on the calling thread after
+/// jobs finish and periodically. When report returns false, no further job starts, running jobs are waited for, and the
+/// result is false. A job's exception has the same effect; the first one (by job number) is thrown again.
 bool runJobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job,
              const std::function<bool(std::size_t done)>& report);
 
-/// Threads for jobs that take up to `bytesEach` of memory: as many as `wanted` (0: as there are cores), but no more
-/// than `memory` bytes hold (0: half of what this process may have, memoryLimit), and at least one.
+/// Number of threads for jobs of up to `bytesEach` bytes each: `wanted` (0: number of cores), limited by `memory` bytes
+/// in total (0: half of memoryLimit), at least one.
 int threadsFor(int wanted, double bytesEach, double memory = 0);
 
-/// Bytes that work may take: as many as are wanted, or for 0 half of what this process may have.
+/// Memory budget in bytes: `wanted`, or for 0 half of memoryLimit().
 double memoryBudget(double wanted);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers from text, the same in every locale.
+// Parses numbers from text, the same in every locale.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace ibr {
 
-/// The whole of `text` as a number: no spaces, no trailing characters; nullopt otherwise. A leading '+' is allowed.
-/// parseDouble refuses NaN and infinity, and what does not fit into a double.
+/// Parses all of `text` as a number: no spaces, no trailing characters; a leading '+' is allowed. Returns nullopt
+/// otherwise. parseDouble refuses NaN, infinity and values beyond the range of a double.
 std::optional<double> parseDouble(std::string_view text);
 std::optional<std::int64_t> parseInt(std::string_view text);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pseudo-random numbers that are the same with every standard library: its distributions are not.
+// Pseudo-random numbers that do not depend on the standard library; the std:: distributions do.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace ibr {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// At least `low`, less than `high` but for rounding; multiples of 2⁻⁵³ of their distance.
+  /// Uniform in [low, high), but for rounding; multiples of 2⁻⁵³ (high − low).
   double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
 
  private:

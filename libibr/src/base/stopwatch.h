@@ -5,7 +5,7 @@
 
 namespace ibr {
 
-/// Counts from its making; a steady clock.
+/// Measures seconds since construction on a steady clock.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }

@@ -16,7 +16,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-std::string textOf(const fs::path& file) {  // of /proc and /sys, whose files have no size
+std::string textOf(const fs::path& file) {  // /proc and /sys: their files report no size
   std::ifstream in(file);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -40,7 +40,7 @@ std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view me
     if (!controllers.empty() && !memory) continue;
     const fs::path top = memory ? root / "memory" : root;
     const char* const file = memory ? "memory.limit_in_bytes" : "memory.max";
-    // A group is limited by those above it, too. Inside of a container the root stands for the group itself.
+    // Parent groups limit a group, too. Inside a container the root stands for the group itself.
     fs::path group = fs::path(line.substr(second + 1)).relative_path();
     for (bool last = false; !last; group = group.parent_path()) {
       last = group.empty();
@@ -62,7 +62,7 @@ double memoryLimit() {
 }
 
 double residentMemory() {
-  const std::string pages = textOf("/proc/self/statm");  // of the program's size, then resident
+  const std::string pages = textOf("/proc/self/statm");  // numbers of memory pages: program size, then resident size
   const std::size_t at = pages.find(' ');
   if (at == pages.npos) return 0;
   return firstNumber(std::string_view(pages).substr(at + 1)).value_or(0) * double(::sysconf(_SC_PAGE_SIZE));

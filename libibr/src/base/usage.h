@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory there is, and what this process takes: bytes, s. Linux.
+// Memory limits and usage of this process, in bytes; processor time, in seconds. Linux.
 #pragma once
 
 #include <filesystem>
@@ -8,22 +8,22 @@
 
 namespace ibr {
 
-/// What this process may have at most: the machine's memory, or less where a control group or the limit of its address
-/// space (ulimit -v) allows less.
+/// Memory that this process may use: the machine's memory, or less if a control group or the address space limit
+/// (ulimit -v) is lower.
 double memoryLimit();
 
-/// What it has now, and what it had at most.
+/// Resident memory of this process: current and peak.
 double residentMemory();
 double peakMemory();
 
-/// Processor time of all its threads so far, s.
+/// Processor time of all threads of this process so far, s.
 double processorSeconds();
 
-/// The same of the calling thread alone.
+/// Processor time of the calling thread, s.
 double threadSeconds();
 
-/// The least limit of the control groups that a process is in; nullopt where none is set. `membership`: what
-/// /proc/self/cgroup says; `root`: where control groups are (/sys/fs/cgroup), of version 2 or 1.
+/// Lowest limit of the control groups that a process is in; nullopt if none is set. `membership`: contents of
+/// /proc/self/cgroup. `root`: mount point of the control groups (/sys/fs/cgroup), version 2 or 1.
 std::optional<double> groupMemoryLimit(const std::filesystem::path& root, std::string_view membership);
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inner loops compiled twice: for every processor of the kind, and for those that have AVX2. Both give the same bits,
-// since nothing is contracted or reordered.
+// Compiles inner loops twice: for every x86-64 processor, and for processors with AVX2. Both give the same bits, since
+// the compiler neither contracts nor reorders operations.
 //
 //   [[gnu::always_inline]] inline void sums(const float* a, float* out, int n) { … }
 //   runWide<sums>(a, out, n);
@@ -24,7 +24,7 @@ inline bool processorHasAvx2() {
 
 #endif
 
-/// Whether runWide takes the version for AVX2. Only tests set it, on one thread.
+/// True if runWide uses the AVX2 version. Only tests set the value, on one thread.
 inline bool& usesAvx2() {
   static bool uses = processorHasAvx2();
   return uses;
@@ -35,7 +35,7 @@ IBR_AVX2 auto runForAvx2(Arguments... arguments) {
   return kLoop(arguments...);
 }
 
-/// kLoop(arguments…), `arguments` by value. kLoop is always inlined; what it calls is as well.
+/// Runs kLoop(arguments…), `arguments` by value. kLoop and the functions that kLoop calls are always inlined.
 template <auto kLoop, class... Arguments>
 auto runWide(Arguments... arguments) {
   return usesAvx2() ? runForAvx2<kLoop>(arguments...) : kLoop(arguments...);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame computes for each vertex: its members in the plan's order, and harmonised coordinates ([H] eq. 6), or
-// for HtmMethod::vertexColours its colour.
+// Computes per frame, for each vertex: its members in the plan's order, and harmonised coordinates ([H] eq. 6) or, for
+// HtmMethod::vertexColours, its colour.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace ibr {
 
-/// How `groups` are dispatched with at most `most` in a row: groups in a row, and rows. The last row may have some that
-/// are not needed, fewer than there are rows.
+/// Splits `groups` workgroups into rows of at most `most`: returns groups per row and rows. The last row may have some
+/// unneeded groups, fewer than the number of rows.
 inline glm::uvec2 htmFolded(std::uint32_t groups, std::uint32_t most) {
   const std::uint32_t rows = groups / most + (groups % most != 0);
   return {rows == 0 ? 0 : groups / rows + (groups % rows != 0), rows};
@@ -21,12 +21,12 @@ inline glm::uvec2 htmFolded(std::uint32_t groups, std::uint32_t most) {
 
 class HtmCoordinatesPass {
  public:
-  /// `mostGroups` in a row, at least 1, for tests; never more than the device's maxComputeWorkGroupCount.
+  /// `mostGroups` per row, at least 1, for tests; limited by the device's maxComputeWorkGroupCount.
   HtmCoordinatesPass(const Device& device, const HtmFrameSet& set,
                      std::uint32_t mostGroups = std::numeric_limits<std::uint32_t>::max());
 
-  /// Outside a render pass, after HtmFrameSet::update. Waits for earlier frames' reads of what it writes, and makes it
-  /// visible to fragment shaders.
+  /// Call outside a render pass, after HtmFrameSet::update. Waits for earlier frames' reads of the pass's outputs, and
+  /// makes the outputs visible to fragment shaders.
   void record(VkCommandBuffer commands, const HtmFrameSet& set, const HtmFramePlan& plan) const noexcept;
 
  private:
@@ -34,7 +34,7 @@ class HtmCoordinatesPass {
   std::uint32_t mostGroups_;
 };
 
-/// Whether photographs are read elsewhere than where a vertex is projected.
+/// True if photographs are sampled at an offset from the projection of the vertices.
 inline bool htmDisplaces(const GpuHtmModel::State& model, const HtmFramePlan& plan) {
   return model.hasComplements && plan.settings.method == HtmMethod::harmonised;
 }

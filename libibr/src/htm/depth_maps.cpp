@@ -64,7 +64,7 @@ void HtmDepthMaps::draw(const Device& device, const GpuHtmModel::State& model) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Intrinsics& k = model.cameras[i].intrinsics;
       const VkRenderingAttachmentInfo inverseDepth =
-          colourAttachment(views[i].get(), VK_ATTACHMENT_LOAD_OP_CLEAR);  // 0: infinitely far
+          colourAttachment(views[i].get(), VK_ATTACHMENT_LOAD_OP_CLEAR);  // clears to 0: infinitely far
       const VkRenderingAttachmentInfo depth =
           depthAttachment(nearest.view(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE);
       beginRendering(commands, model.depths.info().extent, {&inverseDepth, 1}, &depth);

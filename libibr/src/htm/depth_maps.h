@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mesh's depth as each camera of a harmonised model sees it, for who sees what.
+// Depth maps of the mesh from each camera of a harmonised model, for visibility tests.
 #pragma once
 
 #include "gpu/device/handle.h"
@@ -13,7 +13,7 @@ class HtmDepthMaps {
  public:
   explicit HtmDepthMaps(const Device& device);
 
-  /// Draws into every layer of the model's `depths`, whatever they held, submits and waits.
+  /// Draws every layer of the model's `depths`, discarding the contents; submits and waits.
   void draw(const Device& device, const GpuHtmModel::State& model);
 
  private:

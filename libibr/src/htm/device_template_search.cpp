@@ -9,9 +9,9 @@
 namespace ibr {
 namespace {
 
-// A dispatch stays short on a device that also draws somebody's screen.
+// Limits the length of a dispatch, for devices that also drive a display.
 constexpr TemplateCapacity kPiece{16384, std::size_t(1) << 20};
-static_assert(kPiece.samples >= kLargestTemplate);
+static_assert(kPiece.samples >= kMaxTemplateSampleCount);
 
 class DeviceSearch {
  public:
@@ -35,7 +35,7 @@ class DeviceSearch {
   }
 
  private:
-  // The first tasks, with their samples, as many as fit; returns how many.
+  // Copies the first tasks with their samples, as many as fit; returns their number.
   std::size_t take(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples) {
     piece_.clear();
     samples_.clear();

@@ -22,7 +22,7 @@ namespace ibr {
 namespace {
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
-// Frames share the image: the next one waits for the last one's tests, its contents are lost.
+// Frames share the image: a frame waits for the depth tests of the previous one and discards the contents.
 constexpr ImageUse kDepthBefore{VK_IMAGE_LAYOUT_UNDEFINED, use::kDepthAttachment.stages, use::kDepthAttachment.access};
 
 PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkFormat format, bool displaced,
@@ -48,7 +48,7 @@ PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkForm
 HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const HtmRendererOptions& options)
     : depth_(device,
              {.format = kDepthFormat,
-              .extent = options.largest,
+              .extent = options.maxExtent,
               .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
               .aspect = VK_IMAGE_ASPECT_DEPTH_BIT},
              "depth of a harmonised model's picture"),
@@ -73,7 +73,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
   const auto found = std::ranges::find(formats_, target.format, &Format::format);
   assert(found != formats_.end() && !target.depth);
   transition(commands, depth_.get(), kDepthBefore, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
-  transitionTarget(commands, target, target.before, use::kColourAttachment);
+  transitionTarget(commands, target, target.initialUse, use::kColourAttachment);
 
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();
   const std::uint32_t corners = 3 * set.model().triangleCount;
@@ -106,7 +106,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
     vkCmdDraw(commands, corners, 1, 0, 0);
   }
   vkCmdEndRendering(commands);
-  transitionTarget(commands, target, use::kColourAttachment, target.after);
+  transitionTarget(commands, target, use::kColourAttachment, target.finalUse);
 }
 
 }  // namespace ibr

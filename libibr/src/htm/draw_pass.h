@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the mesh into the caller's image ([H] Algorithm 9). Depth alone comes first, so that colours are computed once
-// a pixel.
+// Draws the mesh into the caller's image ([H] Algorithm 9). A depth-only pass comes first, so that each pixel is shaded
+// once.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ class HtmDrawPass {
  public:
   HtmDrawPass(const Device& device, const HtmFrameSet& set, const HtmRendererOptions& options);
 
-  /// Outside a render pass, after HtmCoordinatesPass::record.
+  /// Call outside a render pass, after HtmCoordinatesPass::record.
   void record(VkCommandBuffer commands, const HtmFrameSet& set, const HtmFramePlan& plan,
               const Target& target) const noexcept;
 

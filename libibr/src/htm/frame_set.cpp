@@ -24,7 +24,7 @@ double focalLength(const Intrinsics& k) {
   return std::sqrt(k.fx * k.fy);
 }
 
-// The mesh's nearest possible depth in the view; from within it a thousandth of its radius.
+// The mesh's nearest possible depth in the view; at least a thousandth of its radius.
 double nearDistanceOf(const HtmFramePlan& plan, const HtmProjection& projection) {
   return std::max(0.5 * (projection.depthOf.w - plan.bounds.radius), 1e-3 * plan.bounds.radius);
 }
@@ -71,7 +71,7 @@ void HtmFrameSet::show(const Device& device, const GpuHtmModel::State& model) {
 }
 
 void HtmFrameSet::update(VkCommandBuffer commands, const HtmFramePlan& plan) const noexcept {
-  std::array<shader::HtmCameraParameters, kLargestHtmCameraCount> parameters;
+  std::array<shader::HtmCameraParameters, kMaxHtmCameraCount> parameters;
   for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
     const PlannedHtmCamera& planned = plan.cameras[k];
     const Camera& camera = model_->cameras[planned.camera];
@@ -88,7 +88,7 @@ void HtmFrameSet::update(VkCommandBuffer commands, const HtmFramePlan& plan) con
                      .nearDistance = float(model_->nearDistance[planned.camera]),
                      .camera = planned.camera};
   }
-  // The data travels inside the command buffer, so any number of frames may be recorded ahead, or never be submitted.
+  // The command buffer contains the data, so frames may be recorded ahead in any number, or never submitted.
   bufferBarrier(commands, kReads, use::kTransferWrite);
   vkCmdUpdateBuffer(commands, cameras_.get(), 0, plan.cameras.size() * sizeof parameters[0], parameters.data());
   bufferBarrier(commands, use::kTransferWrite, kReads);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all passes of a frame are bound to: the model's buffers and images, and those that a frame fills.
+// Descriptor set that all passes of a frame share: the model's buffers and images, and the frame's own buffers.
 #pragma once
 
 #include "gpu/device/handle.h"
@@ -13,17 +13,17 @@ class HtmFrameSet {
  public:
   HtmFrameSet(const Device& device, const GpuHtmModel::State& model);
 
-  /// Binds another model, or the same one after it was replaced. Buffers that are as large already stay; if one cannot
-  /// be made, only show() may follow. Commands recorded before must have finished.
+  /// Binds another model, or the same one after a change. Reuses buffers that are large enough; if a buffer cannot be
+  /// made, only show() may follow. Commands recorded earlier must have finished.
   void show(const Device& device, const GpuHtmModel::State& model);
 
-  /// Writes the plan's cameras; waits for earlier frames' reads and makes its writes visible. Outside a render pass.
+  /// Writes the plan's cameras. Waits for earlier frames' reads and makes the writes visible. Outside a render pass.
   /// Precondition: the plan has a camera.
   void update(VkCommandBuffer commands, const HtmFramePlan& plan) const noexcept;
 
-  /// Binds the set and pushes the frame for compute or graphics pipelines of `layout()`.
+  /// Binds the set and pushes the frame's constants, for compute or graphics pipelines of `layout()`.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, const shader::HtmFrame& frame) const noexcept;
-  /// The constants of a plan.
+  /// Returns the push constants of a plan.
   shader::HtmFrame frame(const HtmFramePlan& plan) const noexcept;
 
   VkPipelineLayout layout() const noexcept { return layout_.get(); }

@@ -22,17 +22,17 @@ void upload(const Device& device, Buffer& buffer, std::span<const std::byte> byt
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
 }
 
-// An image that is as large already stays.
+// Makes a texture array; reuses an image of the same size and number of layers.
 void makePages(const Device& device, GpuImage& image, const GpuImageInfo& info, const char* name) {
   const GpuImageInfo& now = image.info();
   if (image.get() && now.extent.width == info.extent.width && now.extent.height == info.extent.height &&
       now.layers == info.layers)
     return;
-  image = GpuImage();  // first, so that there is never memory for two
+  image = GpuImage();  // first, so that memory never holds two
   image = GpuImage(device, info, name);
 }
 
-// That holds every camera's picture.
+// Smallest layer size that holds every camera's photograph.
 VkExtent2D pageOf(const HtmModel& model) {
   VkExtent2D page{1, 1};
   for (const HtmCamera& camera : model.cameras) {
@@ -42,7 +42,7 @@ VkExtent2D pageOf(const HtmModel& model) {
   return page;
 }
 
-// RGBA of the page's size: beyond the picture its border goes on.
+// Expands a photograph to RGBA of the layer's size: the border pixels repeat beyond the photograph.
 Image8 padded(const HtmPicture& picture, VkExtent2D page) {
   const Image8& photograph = picture.photograph;
   Image8 out(int(page.width), int(page.height), 4);
@@ -67,7 +67,7 @@ void checkPicture(const HtmPicture& picture, const HtmCamera& camera) {
   if (!picture.visibility.empty()) fits("visibility", picture.visibility, picture.visibility.channels == 1);
 }
 
-// Half of the nearest corner's depth; a thousandth of the farthest's at least.
+// Half of the nearest corner's depth; at least a thousandth of the farthest's.
 double nearDistanceOf(const HtmModel& model, const Camera& camera, const glm::dvec3& middle) {
   const glm::dvec4 depthOf = htmProjection(camera, middle).depthOf;
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
@@ -109,7 +109,7 @@ void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, co
   check(bytes <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}", name,
         bytes, most);
   if (buffer.get() && buffer.size() >= bytes) return;
-  buffer = Buffer();  // first, so that there is never memory for two
+  buffer = Buffer();  // first, so that memory never holds two
   buffer =
       Buffer(device, std::max<std::uint64_t>(bytes, 4),
              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
@@ -154,7 +154,7 @@ void GpuHtmModel::State::uploadMesh(const HtmModel& model) {
   Uploader uploader(*device_);
   upload(*device_, positions, std::as_bytes(std::span(relative)), "positions", uploader);
   upload(*device_, triangles, std::as_bytes(std::span(model.surface.mesh.triangles)), "triangles", uploader);
-  static_assert(std::endian::native == std::endian::little);  // a CameraSet is a uvec2
+  static_assert(std::endian::native == std::endian::little);  // a CameraSet has the layout of a uvec2
   upload(*device_, members, std::as_bytes(std::span(model.surface.members)), "members", uploader);
   upload(*device_, complements, std::as_bytes(std::span(model.complements)), "complements", uploader);
   uploader.flush();
@@ -210,6 +210,10 @@ GpuHtmModel::Memory GpuHtmModel::memory() const noexcept {
           .complements = s.complements.allocatedBytes(),
           .photographs = s.photographs.allocatedBytes(),
           .depths = s.depths.allocatedBytes()};
+}
+
+const GpuHtmModel::State& stateOf(const GpuHtmModel& model) noexcept {
+  return *model.state_;
 }
 
 }  // namespace ibr

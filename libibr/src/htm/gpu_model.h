@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What GpuHtmModel holds, for the passes of this layer.
+// State of GpuHtmModel, for the passes of this layer.
 #pragma once
 
 #include <vector>
@@ -18,11 +18,11 @@ struct GpuHtmModel::State {
 
   HtmBounds bounds;
   std::vector<Camera> cameras;
-  std::vector<double> nearDistance;  // of each camera's depth map; nothing nearer counts
+  std::vector<double> nearDistance;  // near plane of each camera's depth map
   std::uint32_t vertexCount = 0, triangleCount = 0;
   bool hasComplements = false;
-  Buffer positions, triangles, members, complements;  // as shaders/shared/htm.h
-  GpuImage photographs, depths;                       // a layer a camera, its picture in the corner at (0, 0)
+  Buffer positions, triangles, members, complements;  // layout: shaders/shared/htm.h
+  GpuImage photographs, depths;                       // one layer per camera, its photograph in the corner at (0, 0)
   SamplerHandle photographSampler, depthSampler;
 
  private:
@@ -33,8 +33,8 @@ struct GpuHtmModel::State {
   HtmDepthMaps depthMaps_;
 };
 
-/// Makes a storage buffer of at least `bytes`; one that is as large already stays. Throws Error{unsupported} where
-/// shaders could not reach all of it, Error{outOfMemory}: then `buffer` is null.
+/// Makes a storage buffer of at least `bytes`; reuses a buffer that is large enough. Throws Error{unsupported} beyond
+/// the range of shaders, Error{outOfMemory}: then `buffer` is null.
 void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, const char* name);
 
 }  // namespace ibr

@@ -11,7 +11,11 @@ namespace ibr {
 
 struct HtmRenderer::State {
   State(Device& on, const GpuHtmModel& model, const HtmRendererOptions& options)
-      : device(&on), largest(options.largest), set(on, model.state()), coordinates(on, set), draw(on, set, options) {}
+      : device(&on),
+        largest(options.maxExtent),
+        set(on, stateOf(model)),
+        coordinates(on, set),
+        draw(on, set, options) {}
 
   const Device* device;
   VkExtent2D largest;
@@ -27,7 +31,7 @@ HtmRenderer& HtmRenderer::operator=(HtmRenderer&&) noexcept = default;
 HtmRenderer::~HtmRenderer() = default;
 
 void HtmRenderer::show(const GpuHtmModel& model) {
-  state_->set.show(*state_->device, model.state());
+  state_->set.show(*state_->device, stateOf(model));
 }
 
 void HtmRenderer::record(VkCommandBuffer commandBuffer, const HtmFramePlan& plan, const Target& target,

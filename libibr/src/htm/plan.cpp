@@ -46,12 +46,12 @@ void checkState(const std::vector<double>& logWeights) {
 
 glm::dvec3 directionOf(const Pose& pose, const HtmBounds& bounds, HtmDirection direction) {
   const glm::dvec3 towards = 0.5 * bounds.middle - 0.5 * pose.position;  // halves: their difference is always finite
-  // From within a thousandth of the radius "towards the middle" means nothing.
+  // The direction towards the middle is undefined within a thousandth of the radius.
   const bool aimed = direction == HtmDirection::middle && glm::length(towards) > 0.5e-3 * bounds.radius;
   return aimed ? towards : viewAxis(pose);
 }
 
-// The share of its way to where it should be that a weight goes in this frame.
+// Share of the way to its target that a weight moves in this frame.
 double shareOfWay(const HtmInput& input) {
   if (input.settings.smoothSeconds == 0) return 1;
   return 1 - std::exp(-std::max(input.dtSeconds, 0.0) / input.settings.smoothSeconds);
@@ -73,7 +73,7 @@ HtmBounds htmBounds(const HtmModel& model) {
   });
   HtmBounds bounds{0.5 * low + 0.5 * high, 0};
   eachCorner([&](const glm::dvec3& p) { bounds.radius = std::max(bounds.radius, glm::length(p - bounds.middle)); });
-  if (!(bounds.radius > 0)) bounds.radius = 1;  // all corners in one point
+  if (!(bounds.radius > 0)) bounds.radius = 1;  // all corners coincide
   return bounds;
 }
 
@@ -98,7 +98,7 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
     if (!(input.settings.exclude >> i & 1)) plan.cameras.push_back({i, logs[i], 0});
   std::ranges::stable_sort(plan.cameras, std::greater(), &PlannedHtmCamera::logWeight);
   const double best = plan.cameras.empty() ? 0 : plan.cameras.front().logWeight;
-  double rest = -std::numeric_limits<double>::infinity();  // from the least upwards, so that nothing underflows
+  double rest = -std::numeric_limits<double>::infinity();  // summed from the smallest, so that nothing underflows
   for (std::size_t k = plan.cameras.size(); k-- > 0;) {
     double& log = plan.cameras[k].logWeight;
     log -= best;

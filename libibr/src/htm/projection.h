@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pinholes as matrices for positions relative to a model's middle: differences are taken in double precision, so a
-// model far from the world's origin loses nothing.
+// Pinhole cameras as matrices for positions relative to a model's middle. Differences are computed in double precision,
+// so a model far from the world's origin loses no accuracy.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -10,7 +10,7 @@
 
 namespace ibr {
 
-/// With p = (position − middle, 1): depth along the viewing axis is dot(depthOf, p), the pixel (dot(column, p),
+/// With p = (position − middle, 1): the depth along the viewing axis is dot(depthOf, p), the pixel is (dot(column, p),
 /// dot(row, p)) / depth.
 struct HtmProjection {
   glm::dvec4 column, row, depthOf;
@@ -25,7 +25,7 @@ inline HtmProjection htmProjection(const Camera& camera, const glm::dvec3& middl
   return {k.fx * right + k.cx * ahead, -k.fy * up + k.cy * ahead, ahead};
 }
 
-/// Clip space with the picture from −1 to 1 and depth 1 − nearDistance / depth, which is linear in a picture.
+/// Clip space: the image covers −1 to 1, depth is 1 − nearDistance / depth, which is linear in screen space.
 inline glm::mat4 htmClip(const HtmProjection& projection, const Intrinsics& k, double nearDistance) {
   const glm::dvec4 rows[]{2.0 / k.width * projection.column - projection.depthOf,
                           2.0 / k.height * projection.row - projection.depthOf,

@@ -22,7 +22,7 @@ namespace {
 
 using namespace shader;
 
-// Tasks and samples are handed on as they are.
+// Tasks and samples are copied to the device byte by byte.
 static_assert(sizeof(TemplateTask) == sizeof(SearchTask) &&
               offsetof(TemplateTask, first) == offsetof(SearchTask, first) &&
               offsetof(TemplateTask, count) == offsetof(SearchTask, count) &&
@@ -86,7 +86,7 @@ struct TemplateSearchPass::State {
   VkDescriptorSet descriptors = VK_NULL_HANDLE;
   PipelineLayoutHandle layout;
   PipelineHandle pipeline;
-  // What was set last.
+  // Arguments of the last set().
   std::vector<TemplateTask> set;
   std::size_t samples = 0;
   SearchStep step{};
@@ -196,7 +196,7 @@ std::vector<TemplateMatch> TemplateSearchPass::matches() const {
     std::memcpy(&found, &s.hostFound.mapped()[t * sizeof found], sizeof found);
     const float cost = s.step.measure == kMeasureCorrelation
                            ? std::bit_cast<float>(found.cost)
-                           : float(found.cost) * (1.0f / (3.0f * float(task.count)));  // as on the processor
+                           : float(found.cost) * (1.0f / (3.0f * float(task.count)));  // as on the CPU
     const int k = int(found.displacement);
     matches.push_back({task.start + glm::ivec2(k % side, k / side) - s.step.radius, cost});
   }

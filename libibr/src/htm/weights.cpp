@@ -8,7 +8,7 @@
 namespace ibr {
 namespace {
 
-// Scaled by a power of two first, so that no square leaves the range of numbers.
+// Scales by a power of two first, so that no square overflows or underflows.
 glm::dvec3 unit(glm::dvec3 d) {
   int exponent = 0;
   std::frexp(std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}), &exponent);
@@ -25,7 +25,7 @@ std::vector<double> htmLogWeights(std::span<const glm::dvec3> directions, glm::d
   for (const glm::dvec3& direction : directions) {
     const glm::dvec3 b = unit(direction);
     const double plus = glm::dot(a + b, a + b), minus = glm::dot(a - b, a - b);
-    const double sine = minus / (plus + minus), cosine = plus / (plus + minus);  // squares, of half the angle
+    const double sine = minus / (plus + minus), cosine = plus / (plus + minus);  // sin² and cos² of the half angle
     logs.push_back(gamma * (sine < 0.5 ? std::log1p(-sine) : std::log(std::max(cosine, kLeast))));
   }
   if (logs.empty()) return logs;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The endpoints begin at the ends of the colours' principal axis. Then, until nothing improves:
+// The endpoints start at the ends of the colours' principal axis. Then, until nothing improves:
 //
-//   pixels choose the nearest of the four colours
-//   for these choices the endpoints are solved by least squares, each channel by itself,
-//   and their neighbours on the 5:6:5 grid are tried, as the decoder will round them
+//   pixels choose the nearest of the four colours,
+//   the endpoints are solved by least squares for these choices, each channel by itself,
+//   and neighbours on the 5:6:5 grid are tried, with the rounding of the decoder
 #include "image/bc1.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ int expand(int value, int channel) noexcept {
   return channel == 1 ? value << 2 | value >> 4 : value << 3 | value >> 2;
 }
 
-// The colours that selectors 2 and 3 stand for, to the nearest.
+// Colours of selectors 2 and 3, rounded to the nearest.
 int between(int near, int far) noexcept {
   return (2 * near + far + 1) / 3;
 }
@@ -77,8 +77,8 @@ Trial choose(const BlockPixels& pixels, const Endpoints& ends) noexcept {
   return trial;
 }
 
-// For one colour everywhere the pair whose colour between is nearest, with little distance if there is a choice, since
-// devices disagree by a part of it. All pixels take selector 2.
+// Endpoints of a block of one colour: the pair whose colour between is nearest. Among equals the closest pair is taken,
+// since devices differ by a fraction of the distance. All pixels take selector 2.
 struct FlatTable {
   struct Pair {
     int first = 0, second = 0;
@@ -120,7 +120,7 @@ Levels quantise(const std::array<double, 3>& colour) noexcept {
   return levels;
 }
 
-// The best endpoints for given selectors, up to the neighbourhood that is searched.
+// Best endpoints for given selectors, within the searched neighbourhood.
 Endpoints solve(const BlockPixels& pixels, const Trial& trial) noexcept {
   constexpr std::array<double, 4> kWeight{1, 0, 2.0 / 3, 1.0 / 3};  // of the first endpoint
   std::array<int, 4> count{};
@@ -138,7 +138,7 @@ Endpoints solve(const BlockPixels& pixels, const Trial& trial) noexcept {
     bb += n * b * b;
   }
   const double determinant = aa * bb - ab * ab;
-  if (determinant < 1e-6) return trial.ends;  // one colour is used alone
+  if (determinant < 1e-6) return trial.ends;  // all pixels use one colour
 
   Endpoints ends{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -185,7 +185,7 @@ void write(Trial trial, std::span<std::byte, kBc1BlockBytes> block) noexcept {
     std::swap(first, second);
     for (int& s : trial.selectors) s ^= 1;  // 0 ↔ 1, 2 ↔ 3
   } else if (first == second) {
-    // Equal ones would mean the mode of three colours: one endpoint is moved, and nobody chooses it.
+    // Equal endpoints would select three-colour mode: one endpoint is moved, and no pixel uses the moved one.
     const int used = second > 0 ? 0 : 1;
     used == 0 ? --second : ++first;
     trial.selectors.fill(used);
@@ -207,7 +207,7 @@ void encodeBc1(const BlockPixels& pixels, std::span<std::byte, kBc1BlockBytes> b
       sum[c] += pixel[c];
     }
   const int range = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-  constexpr int kNarrow = 12;  // levels; about the distance between colours of 5 bits
+  constexpr int kNarrow = 12;  // 8-bit levels; about the distance between colours of 5 bits
   Trial best;
   if (range <= kNarrow)
     best = refined(pixels, flatEndpoints({(sum[0] + 8) / 16, (sum[1] + 8) / 16, (sum[2] + 8) / 16}));

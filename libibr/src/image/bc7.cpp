@@ -3,9 +3,9 @@
 // Bits of a block in mode 6, from the lowest: 0000001 (mode), R0 R1 G0 G1 B0 B1 A0 A1 of 7 each, P0 P1, the first
 // pixel's index without its highest bit, which is 0, and fifteen indices of 4.
 //
-// The endpoints begin at the ends of the colours' principal axis. Then, until nothing improves: all four pairs of
-// p-bits are tried, pixels choose the nearest point, and for the best choices the endpoints are solved by least
-// squares.
+// The endpoints start at the ends of the colours' principal axis. Then, until nothing improves: all four pairs of
+// p-bits are tried, and pixels choose the nearest point. The endpoints are solved by least squares for the best
+// choices.
 #include "image/bc7.h"
 
 #include <algorithm>
@@ -54,7 +54,7 @@ Trial choose(const BlockPixels& pixels, const Colour& first, const Colour& secon
     for (std::size_t c = 0; c < 4; ++c) along += (pixels[p][c] - first[c]) * axis[c];
     const double at = length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0;
     const int guess = int(at * 15 + 0.5);
-    // The weights are not quite even, and the points are rounded: one to either side may be nearer.
+    // Weights are not quite evenly spaced, and points are rounded: a neighbour of the guess may be nearer.
     int best = std::numeric_limits<int>::max();
     for (int index = std::max(0, guess - 1); index <= std::min(15, guess + 1); ++index)
       if (const int error = errorOf(pixels[p], trial, index); error < best) {
@@ -82,7 +82,7 @@ Trial bestPBits(const BlockPixels& pixels, const AxisEnds<4>& ends) noexcept {
   return best;
 }
 
-// Least squares for given indices; false where all pixels have the same.
+// Least squares for given indices; returns false if all pixels have the same index.
 bool solve(const BlockPixels& pixels, const Trial& trial, AxisEnds<4>& ends) noexcept {
   double aa = 0, ab = 0, bb = 0;
   std::array<double, 4> ax{}, bx{};
@@ -105,8 +105,8 @@ bool solve(const BlockPixels& pixels, const Trial& trial, AxisEnds<4>& ends) noe
   return true;
 }
 
-// For one colour everywhere: with different p-bits and an index in the middle of the line, even and odd values are both
-// met exactly.
+// Endpoints of a block of one colour. With different p-bits and an index in the middle of the line, both even and odd
+// values are exact.
 struct FlatTable {
   struct Pair {
     int first = 0, second = 0, error = 0;
@@ -151,7 +151,7 @@ Trial flat(const std::array<std::uint8_t, 4>& colour) noexcept {
   return best;
 }
 
-// Up to 128 bits, the lowest first.
+// Writes up to 128 bits, the lowest first.
 class Bits {
  public:
   void put(int value, int count) noexcept {
@@ -171,7 +171,7 @@ class Bits {
 };
 
 void write(Trial trial, std::span<std::byte, kBc7BlockBytes> block) noexcept {
-  if (trial.indices[0] >= 8) {  // its highest bit is not stored
+  if (trial.indices[0] >= 8) {  // the highest bit is not stored
     std::swap(trial.first, trial.second);
     for (int& index : trial.indices) index = 15 - index;
   }

@@ -10,7 +10,7 @@
 
 namespace ibr {
 
-/// Bilinear, the border's values beyond the centres of its pixels; `at` in px, centres at halves.
+/// Bilinear sample; the border's values continue outwards. `at` in px, pixel centres at halves.
 inline glm::dvec3 bilinear(const Image8& picture, glm::dvec2 at) {
   const double u = std::clamp(at.x - 0.5, 0.0, picture.width - 1.0),
                v = std::clamp(at.y - 0.5, 0.0, picture.height - 1.0);

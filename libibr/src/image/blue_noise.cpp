@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 //   energy(x) = Σ over ones y of exp(−|x − y|² / 2σ²), distances on the torus
-//   1. start from a tenth of random ones; move the tightest cluster into the largest void until they are the same place
+//   1. start from a random tenth of ones; move the tightest cluster into the largest void until both are one pixel
 //   2. rank these ones backwards by removing the tightest cluster; rank the rest forwards by filling the largest void
 //
-// Departure: past one half Ulichney swaps the meaning of ones and zeros. Filling voids to the end gives the same
-// spectrum at our sizes and needs no third phase.
+// Departure: past one half, Ulichney swaps the meaning of ones and zeros. Filling voids to the end gives the same
+// spectrum at the sizes used here, without a third phase.
 #include "image/blue_noise.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 class Energy {
  public:
   explicit Energy(int size) : size_(size), kernel_(count()), energy_(count(), 0.0), ones_(count(), false) {
-    constexpr double kSigma = 1.9;  // Ulichney §3: the value at which the clusters are judged best
+    constexpr double kSigma = 1.9;  // pixels; Ulichney §3: the value at which the clusters are judged best
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
         const int dx = std::min(x, size - x), dy = std::min(y, size - y);

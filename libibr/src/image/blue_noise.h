@@ -8,8 +8,8 @@
 
 namespace ibr {
 
-/// size × size ranks, each of 0 … size²−1 exactly once, rows from the top; tiles in both directions. Deterministic for
-/// a seed. Precondition: 8 <= size <= 128 (the time grows with size⁴: about 0.1 s at 64).
+/// Returns size × size ranks, rows from the top: each of 0 … size²−1 once; tiles in both directions. Deterministic for
+/// a seed. Precondition: 8 <= size <= 128 (time grows with size⁴: about 0.1 s at 64).
 std::vector<std::uint16_t> blueNoise(int size, std::uint64_t seed);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every picture metric asks of its pictures.
+// Preconditions that all image metrics share.
 #pragma once
 
 #include "base/check.h"
@@ -7,8 +7,8 @@
 
 namespace ibr {
 
-/// Throws Error{invalidInput} unless both are of one size and have colours, and the mask, if any, is of that size and
-/// has one channel.
+/// Throws Error{invalidInput} unless both images have the same size and at least 3 channels, and the mask, if any, has
+/// the same size and one channel.
 inline void checkComparable(const Image8& a, const Image8& b, const Image8* mask) {
   check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput,
         "pictures of {}x{} and {}x{} differ in size", a.width, a.height, b.width, b.height);

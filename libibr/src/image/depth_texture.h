@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth textures (Node::depthFile): ρ and consensus of a photograph at about a quarter of its sides, two half floats a
-// texel.
+// Depth textures (Node::depthFile): ρ and consensus of a photograph at about a quarter of its width and height, two
+// half floats per texel.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -10,7 +10,7 @@
 
 namespace ibr {
 
-/// Depth of a photograph. Two maps of one size, one channel each, that cover the photograph.
+/// Depth of a photograph: two maps of one size, one channel each, that cover the photograph.
 struct DepthMaps {
   ImageF inverseDepth;  // ρ, 1 / world unit, >= 0
   ImageF consensus;     // a, 0 to 1 (MorphMesh::consensus)
@@ -18,22 +18,22 @@ struct DepthMaps {
 
 struct DepthTexture {
   Texture texture;   // TextureFormat::rg16f, one level
-  double scale = 1;  // Node::depthScale: the largest ρ of the maps, 1 where all is at infinity
+  double scale = 1;  // Node::depthScale: the largest ρ of the maps; 1 if everything is at infinity
 };
 
-/// Side of the blocks of map pixels that become one texel, so that a texel is about 4 px of the photograph; at least 1.
+/// Side, in map pixels, of the block that becomes one texel: a texel is about 4 px of the photograph; at least 1.
 int depthBlockSide(int mapWidth, int photographWidth);
 
-/// Texels of a depth texture made from maps of that size.
+/// Size in texels of a depth texture made from maps of size mapSize.
 glm::ivec2 depthTextureSize(glm::ivec2 mapSize, int photographWidth);
 
-/// A texel has the largest ρ of its block, since occlusion is judged by it, and the consensus of the same pixel (the
-/// first in rows where several are equal). Rounded to the nearest half float, ties to even. Throws Error{invalidInput}
-/// for maps that are empty, of different sizes, not finite, or out of range.
+/// Each texel has the largest ρ of its block, since ρ decides occlusion, and the consensus of the same pixel (the first
+/// in row order among equals). Rounds to the nearest half float, ties to even. Throws Error{invalidInput} for maps that
+/// are empty, of different sizes, not finite, or out of range.
 DepthTexture depthTexture(const DepthMaps& maps, int photographWidth);
 
-/// The inverse, at the texture's size. Throws Error{invalidInput} for another format, more than one level, a scale that
-/// is not finite and positive, or values that are negative or not finite.
+/// The inverse of depthTexture, at the texture's size. Throws Error{invalidInput} for another format, more than one
+/// level, a scale that is not finite and positive, or values that are negative or not finite.
 DepthMaps readDepthTexture(const Texture& texture, double scale);
 
 }  // namespace ibr

@@ -13,7 +13,7 @@ namespace {
 
 __extension__ using Int128 = __int128;
 
-// n·Σ(x − x̄)(y − ȳ) and its two like, whole numbers; with the floor in every sample.
+// n·Σ(x − x̄)(y − ȳ) and both variances likewise: integers; the floor is added per sample.
 struct Moments {
   Int128 covariance, varianceX, varianceY;
 };
@@ -24,12 +24,12 @@ Moments momentsOf(const PreEcc& s, std::int64_t floor) {
           n * s.yy - Int128(s.y) * s.y + added};
 }
 
-// The tuples whose moments are to be summed: themselves, or all of them merged.
+// Tuples whose moments are summed: the given ones, or their merged tuple.
 struct Parts {
   PreEcc merged;
   std::span<const PreEcc> list;
   std::int64_t floor = 0;
-  bool enough = false;  // samples
+  bool enough = false;  // at least one tuple has two samples
 
   Parts(std::span<const PreEcc> sums, EccDefinition definition, std::int64_t varianceFloor)
       : list(sums), floor(varianceFloor) {
@@ -41,11 +41,11 @@ struct Parts {
     list = {&merged, 1};
     floor = 0;
   }
-  Parts(const Parts&) = delete;  // the list may be its own
+  Parts(const Parts&) = delete;  // the list may point to its own member
   Parts& operator=(const Parts&) = delete;
 };
 
-// Moments are means over samples and channels, in the values' unit squared.
+// Moments are means over samples and channels, in squared units of the values.
 Ecc fromMeans(double covariance, double varianceA, double varianceB, double constant) {
   const double product = varianceA * varianceB;
   if (!(varianceA > constant) || !(varianceB > constant) || !std::isfinite(product)) return {};
@@ -54,8 +54,8 @@ Ecc fromMeans(double covariance, double varianceA, double varianceB, double cons
   return {std::clamp(value, -1.0, 1.0), true};
 }
 
-// --- Whole numbers of 640 bits in two's complement: a moment has 133 bits at most, what is compared are four of them
-// ---
+// --- Integers of 640 bits in two's complement. A moment has at most 133 bits; comparisons
+// multiply four of them. ---
 
 class Wide {
  public:
@@ -97,7 +97,7 @@ class Wide {
   std::array<std::uint64_t, kLimbs> limb_;
 };
 
-// Of all parts, times one positive number.
+// Moments of all parts, times one common positive factor.
 struct WideMoments {
   Wide covariance, varianceX, varianceY;
 };
@@ -113,7 +113,7 @@ WideMoments wideMoments(const Parts& parts) {
   }
   WideMoments sum;
   for (const PreEcc& s : parts.list) {
-    Wide scale(1);  // of M/n to the common denominator, the product of the counts
+    Wide scale(1);  // from M/n to the common denominator, the product of the counts
     for (std::size_t i = 0; i < different; ++i)
       if (counts[i] != s.n) scale = scale * Wide(counts[i]);
     const Moments m = momentsOf(s, parts.floor);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enhanced correlation coefficient of two lists of samples, from sums that can be taken apart and merged ([T] §3.5,
-// eqs 1–8). With M(x, y) = n·Σxy − Σx·Σy of a channel and target k,
+// Enhanced correlation coefficient of two lists of samples, from sums that can be split and merged ([T] §3.5, eqs 1–8).
+// With M(x, y) = n·Σxy − Σx·Σy of a channel and target k,
 //
 //   ECC = Σ_k M_k(x, y)/n_k / √(Σ_k M_k(x, x)/n_k · Σ_k M_k(y, y)/n_k)
 //
-// Departures: [T] concatenates channels and targets and subtracts one common mean; then the offset between channels
-// dominates, and unrelated textures of one colour score above 0.9 (NUMERICS §1 (c)). [T] eq. 9 shifts each product
-// right so that 32 bits hold the sums, and eq. 8 is evaluated in floats; here sums and moments are exact (T1–T4).
+// Departures: [T] concatenates channels and targets and subtracts one common mean. Then the offset between channels
+// dominates, and unrelated textures of one colour score above 0.9. [T] eq. 9 shifts products right so that 32 bits hold
+// the sums, and [T] eq. 8 is evaluated in floats; here sums and moments are exact.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +19,12 @@
 namespace ibr {
 
 struct Ecc {
-  double value = 0;      // within [-1, 1]; 0 where undefined
-  bool defined = false;  // false: nothing to correlate, that is fewer than two samples or a constant list
+  double value = 0;      // in [-1, 1]; 0 if undefined
+  bool defined = false;  // false: fewer than two samples, or a constant list
 };
 
-/// [T]'s six accumulators, of one channel of one target. Values are whole numbers of any unit, at most 2¹⁶ in size
-/// (grey levels; grey levels in 2⁻⁸, also about mid-grey). 2²⁴ samples a tuple and twelve merged tuples are exact.
+/// Six accumulators of [T] for one channel of one target. Values are integers of any unit, at most 2¹⁶ in magnitude
+/// (8-bit levels; 2⁻⁸ of them, also about mid-grey). Exact for 2²⁴ samples per tuple and twelve merged tuples.
 struct PreEcc {
   std::int64_t n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
 
@@ -38,23 +38,23 @@ struct PreEcc {
   bool operator==(const PreEcc&) const = default;
 };
 
-/// ECC of a source (x) and its targets (y), a tuple for each channel and target, to a few units in the last place.
-/// `concatenated` merges them to one. `varianceFloor` (the values' unit squared, >= 0) belongs to `channels`: it is
-/// added to the covariance and to both variances of each sample; with it flat patches that are alike score high instead
-/// of being undefined, and noise on them weighs little (25 grey² in our filters). Tuples without samples count for
-/// nothing; where none has two, the ECC is undefined.
+/// ECC of a source (x) and its targets (y), one tuple per channel and target, to a few units in the last place.
+/// `concatenated` merges all tuples. `varianceFloor` (squared units of the values, >= 0) belongs to `channels`: it is
+/// added to the covariance and both variances of each sample. With a floor, similar flat patches score high instead of
+/// being undefined, and their noise weighs little (the filters use 25 grey²). Tuples without samples are ignored; if no
+/// tuple has two samples, the ECC is undefined.
 Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition = EccDefinition::channels,
         std::int64_t varianceFloor = 0);
 
-/// Whether a's ECC is truly greater than b's, decided in whole numbers; what is undefined is less than all that is
-/// defined. The first of the best candidates is found by going through them in order. Throws Error{invalidInput} where
-/// the tuples of a or b have more than three different sample counts (a target has one).
+/// Compares the ECC of a and b exactly, in integers: true if a's is greater; undefined is less than any defined value.
+/// A scan in order thus finds the first of the best candidates. Throws Error{invalidInput} if the tuples of a or b have
+/// more than three different sample counts (a target has one).
 bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b,
                 EccDefinition definition = EccDefinition::channels, std::int64_t varianceFloor = 0);
 
-/// ECC of RGB samples that are no whole numbers (interpolated, 0 to 255), by `channels`. Sums are taken about the first
-/// sample, so they lose nothing to cancellation. A variance below 1e-6 grey² counts as constant: it is rounding, not
-/// texture. Values that are not finite make it undefined.
+/// ECC of RGB samples that are not integers (interpolated, 0 to 255), as `channels`. Sums are relative to the first
+/// sample, which avoids cancellation. A variance below 1e-6 grey² counts as constant, since rounding causes that much.
+/// Values that are not finite make the ECC undefined.
 class EccSums {
  public:
   void add(glm::dvec3 a, glm::dvec3 b);

@@ -7,7 +7,7 @@
 //   features: edges and points of the unfiltered luminance; the larger difference of their strengths
 //   pixel:    colour^(1 − feature)
 //
-// All filters are separable; pictures go on beyond their borders with the values on them.
+// All filters are separable; images continue beyond their borders with the border's values.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,13 +24,13 @@
 namespace ibr {
 namespace {
 
-using Plane = std::vector<float>;   // a value a pixel, row by row
+using Plane = std::vector<float>;   // one value per pixel, row by row
 using Kernel = std::vector<float>;  // of odd length
 
 constexpr double kColourPower = 0.7, kKnee = 0.4, kAtKnee = 0.95, kFeaturePower = 0.5;  // q_c, p_c, p_t, q_f
 constexpr double kFeatureWidth = 0.082;                                                 // w, degrees
 
-// Columns are R, G, B (IEC 61966-2-1); the white that they sum to is neutral.
+// Columns are R, G, B (IEC 61966-2-1); their sum is the white point.
 const glm::dmat3 kXyzOfRgb{0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522,
                            0.1191920, 0.1804375, 0.0721750, 0.9503041};
 const glm::dvec3 kWhite = kXyzOfRgb * glm::dvec3(1.0);
@@ -46,7 +46,7 @@ glm::dvec3 rgbOf(const glm::dvec3& ycc) {
   return kRgbOfXyz * (glm::dvec3(y + ycc.y / 500, y, y - ycc.z / 200) * kWhite);
 }
 
-// CIE 15, with colours weakened in the dark (Hunt effect).
+// CIE 15, with less chroma in dark colours (Hunt effect).
 glm::dvec3 huntLabOf(const glm::dvec3& rgb) {
   const glm::dvec3 n = kXyzOfRgb * rgb / kWhite;
   const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
@@ -58,7 +58,7 @@ double hyab(const glm::dvec3& a, const glm::dvec3& b) {
   return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
 }
 
-// 0 … 1: of a HyAB distance, of which green and blue have the largest.
+// Maps a HyAB distance to 0 … 1; green and blue have the largest distance.
 double spread(double distance) {
   static const double kLargest = std::pow(hyab(huntLabOf({0, 1, 0}), huntLabOf({0, 0, 1})), kColourPower);  // c_max
   const double c = std::pow(distance, kColourPower), knee = kKnee * kLargest;
@@ -73,7 +73,7 @@ std::vector<double> sampled(int radius, F&& value) {
   return weights;
 }
 
-// Positive weights come to 1, negative ones to −1.
+// Scales positive weights to the sum 1 and negative ones to −1.
 Kernel balanced(const std::vector<double>& weights) {
   double above = 0, below = 0;
   for (const double w : weights) (w > 0 ? above : below) += std::abs(w);
@@ -125,13 +125,13 @@ class Eye {
     point_ = balanced(sampled(radius, [&](double x) { return (x * x / (deviation * deviation) - 1) * gauss(x); }));
   }
 
-  // What the eye sees of the three planes, in place.
+  // Filters the three planes in place by the eye's contrast sensitivity.
   void filter(std::array<Plane, 3>& ycc, int width, int height) const {
     for (const auto& [plane, sensitivity] : {std::pair{&ycc[0], kAchromatic}, std::pair{&ycc[1], kRedGreen}}) {
       const Kernel weights = balanced(sampledOf(sensitivity));
       *plane = convolved(*plane, width, height, weights, weights);
     }
-    // Their sum is not separable, each of them is.
+    // The sum of the two is not separable; each of them is.
     Plane sum(ycc[2].size(), 0.0f);
     double weightSum = 0;
     for (const Sensitivity& s : kBlueYellow) {

@@ -6,10 +6,10 @@
 
 namespace ibr {
 
-/// The nearest half float, ties to even; infinite from 65520 on. NaN stays NaN.
+/// Returns the nearest half float, ties to even; infinite from 65520 on. NaN stays NaN.
 std::uint16_t toHalf(float value) noexcept;
 
-/// Exact.
+/// Converts exactly.
 float fromHalf(std::uint16_t half) noexcept;
 
 }  // namespace ibr

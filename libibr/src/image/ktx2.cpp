@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The file (Khronos, "KTX File Format Specification", version 2.0), little-endian:
+// File layout (Khronos, "KTX File Format Specification", version 2.0), little-endian:
 //
 //     0  identifier, vkFormat, typeSize, width, height, depth, layers, faces, levels, supercompression
 //    48  offset and length of: data format descriptor, key/value data, supercompression data
@@ -27,16 +27,16 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "fields are copied as they lie in memory");
 
 constexpr std::array<std::uint8_t, 12> kIdentifier{0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'};
-constexpr std::uint32_t kLargestSide = 1 << 16;  // as validate() has it for photographs
+constexpr std::uint32_t kLargestSide = 1 << 16;  // texels; limit of validate() for photographs
 constexpr std::uint32_t kMostLevels = 17;
 
-// What the file says of a format: Vulkan's numbers, and those of the Khronos Data Format Specification 1.3.
+// Values of a format in the file: Vulkan's enumerators, and those of the Khronos Data Format Specification 1.3.
 struct FileFormat {
   TextureFormat format;
   std::uint32_t written, alsoRead;  // VkFormat: sRGB and UNORM of photographs, one of depth
   std::uint32_t colourModel;
   std::uint32_t blockSide, blockBytes;
-  std::uint32_t typeSize;  // bytes of a number, as the byte order concerns them
+  std::uint32_t typeSize;  // bytes of a number, for the byte order
 };
 constexpr FileFormat kFormats[]{
     {TextureFormat::rgba8, 43, 37, 1, 1, 4, 1},
@@ -69,7 +69,7 @@ struct Level {
 };
 static_assert(sizeof(Level) == 24);
 
-// The basic descriptor of a format: photographs have the sRGB transfer function, depth is linear.
+// Basic descriptor of a format: photographs have the sRGB transfer function, depth is linear.
 std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
   constexpr std::uint32_t kVersion = 2, kPrimariesBt709 = 1, kTransferLinear = 1, kTransferSrgb = 2, kAlpha = 15,
                           kLinear = 0x10, kSigned = 0x40, kFloat = 0x80;
@@ -86,11 +86,11 @@ std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
                                    side | side << 8,
                                    format.blockBytes,
                                    0};
-  // Word by word: inserting a list, GCC 12 at -O3 warns of a write beyond what was allocated, which there is not.
+  // Word by word: inserting a list makes GCC 12 at -O3 warn, wrongly, of a write beyond the allocation.
   const auto addSample = [&words](std::uint32_t placeAndChannel, std::uint32_t lower, std::uint32_t upper) {
     for (const std::uint32_t word : {placeAndChannel, 0u, lower, upper}) words.push_back(word);
   };
-  if (blocks) {  // colour as a whole
+  if (blocks) {  // all channels in one sample
     addSample((8 * format.blockBytes - 1) << 16, 0, 0xFFFFFFFF);
     return words;
   }
@@ -114,7 +114,7 @@ int side(int base, std::size_t level) {
 std::vector<std::byte> keyValues() {
   using namespace std::string_view_literals;
   std::vector<std::byte> bytes;
-  // Key, NUL, value, NUL; in order of the keys; each entry padded to 4 bytes.
+  // Key, NUL, value, NUL; sorted by key; each entry padded to 4 bytes.
   for (const std::string_view entry : {"KTXorientation\0rd\0"sv, "KTXwriter\0libibr\0"sv}) {
     const auto length = std::uint32_t(entry.size());
     const auto lengthBytes = std::as_bytes(std::span(&length, 1)), entryBytes = std::as_bytes(std::span(entry));
@@ -135,7 +135,7 @@ struct Checked {
   std::vector<Level> levels;
 };
 
-// The header and level index at the start of a file of `fileBytes` bytes.
+// Parses header and level index from the start of a file of `fileBytes` bytes.
 Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const fs::path& path) {
   const std::string file = path.string();
   const auto demand = [&](bool holds, const char* field, std::uint64_t value, const char* why) {

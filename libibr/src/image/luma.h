@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures in one channel.
+// Images in one channel.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace ibr {
 
-/// Rec. 601, of display-encoded levels.
+/// Rec. 601 luma of display-encoded 8-bit levels.
 inline double luma(std::span<const std::uint8_t> pixel) {
   return 0.299 * pixel[0] + 0.587 * pixel[1] + 0.114 * pixel[2];
 }
 
 struct Luma {
   int width = 0, height = 0;
-  std::vector<double> values;  // levels of 255, row by row
+  std::vector<double> values;  // 8-bit levels, row by row
   double at(int x, int y) const { return values[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
 };
 

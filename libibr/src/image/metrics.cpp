@@ -103,7 +103,7 @@ Detail detail(const Image8& picture, const Image8& truth, const Image8& mask) {
 double sampledDetail(const Image8& picture) {
   constexpr int kPlaces = 4;
   const Luma luma = lumaOf(picture);
-  const auto differences = [&](double fx, double fy) {  // of what is read fx, fy pixels beside each pixel
+  const auto differences = [&](double fx, double fy) {  // squared gradients of the image shifted by (fx, fy) px
     const auto read = [&](int x, int y) {
       const double above = (1 - fx) * luma.at(x, y) + fx * luma.at(x + 1, y);
       return (1 - fy) * above + fy * ((1 - fx) * luma.at(x, y + 1) + fx * luma.at(x + 1, y + 1));
@@ -124,7 +124,7 @@ double sampledDetail(const Image8& picture) {
 }
 
 double tornTiles(const Image8& picture, const Image8& truth) {
-  constexpr double kTimes = 3, kLevels = 4;  // of the truth's energy, and levels² more
+  constexpr double kTimes = 3, kLevels = 4;  // factor on the truth's energy, and levels² added
   checkComparable(picture, truth, nullptr);
   const Luma p = lumaOf(picture), q = lumaOf(truth);
   std::size_t torn = 0, tiles = 0;

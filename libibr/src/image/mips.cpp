@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Averages are taken in linear light although renderers here sample and blend display-encoded values: a level stands
-// for the photograph that a camera with fewer pixels would have taken, and a camera adds up light. Averaged as they
-// are encoded, fine bright detail (foliage against the sky, lattices) would darken with distance by up to 28 % of the
-// range. Colour stays linear with 16 bits from level to level, so rounding does not add up; alpha is averaged as it is.
+// Averages in linear light, although renderers here sample and blend display-encoded values. A level replaces the
+// photograph of a camera with fewer pixels, and a camera adds up light. Averages of encoded values would darken fine
+// bright detail (foliage against the sky, lattices) with distance by up to 28 % of the range. Colour stays linear in 16
+// bits from level to level, so rounding does not add up; alpha is averaged unchanged.
 #include "image/mips.h"
 
 #include <algorithm>
@@ -38,13 +38,13 @@ const Transfer& transfer() {
   return kTransfer;
 }
 
-// Weights of up to three neighbours, starting at 2·i, whose sum is the same for all i.
+// Weights of up to three neighbours from 2·i on; their sum is the same for all i.
 struct Taps {
   int first, count;
   std::array<std::uint32_t, 3> weight;
 };
 
-// The box that output i of n covers in 2n + 1 inputs is (2n + 1) / n wide: in units of 1 / n the parts n − i, n, i + 1.
+// Output i of n covers a box of (2n + 1) / n of the 2n + 1 inputs: parts n − i, n, i + 1 in units of 1 / n.
 Taps tapsOf(int size, int i) {
   const auto n = std::uint32_t(size / 2), at = std::uint32_t(i);
   if (size == 1) return {0, 1, {1, 0, 0}};
@@ -57,7 +57,7 @@ Linear halved(const Image<T>& source, ToLinear toLinear) {
   Linear result(std::max(1, source.width / 2), std::max(1, source.height / 2), 4);
   std::vector<Taps> columns;
   for (int x = 0; x < result.width; ++x) columns.push_back(tapsOf(source.width, x));
-  // Weights of an axis add up to at most 65537 and values to 65535, so sums stay below 2^48.
+  // Weights of an axis sum to at most 65537 and values are at most 65535, so sums stay below 2^48.
   std::vector<std::uint64_t> row(std::size_t(source.width) * 4);
   auto sumOf = [](const Taps& t) { return std::uint64_t(t.weight[0]) + t.weight[1] + t.weight[2]; };
   for (int y = 0; y < result.height; ++y) {

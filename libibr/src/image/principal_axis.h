@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the colours of a block begin and end along the line that fits them best.
+// Ends of a block's colours along their principal axis.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct AxisEnds {
   std::array<double, N> low, high;  // may lie outside 0 to 255
 };
 
-/// Of the first N channels. The axis is the covariance's largest eigenvector, by power iteration.
+/// Ends of the first N channels. Power iteration finds the axis, the covariance's largest eigenvector.
 template <std::size_t N>
 AxisEnds<N> principalEnds(const std::array<std::array<std::uint8_t, 4>, 16>& pixels) noexcept {
   std::array<double, N> mean{};
@@ -29,7 +29,7 @@ AxisEnds<N> principalEnds(const std::array<std::array<std::uint8_t, 4>, 16>& pix
   for (std::size_t c = 1; c < N; ++c)
     if (covariance[c][c] > covariance[widest][widest]) widest = c;
 
-  std::array<double, N> axis = covariance[widest];  // never orthogonal to the eigenvector but by chance
+  std::array<double, N> axis = covariance[widest];  // orthogonal to the eigenvector only by chance
   const auto normalise = [&] {
     double square = 0;
     for (const double v : axis) square += v * v;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixel centres that lie in a triangle.
+// Enumerates the pixel centres in a triangle.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace ibr {
 
-/// Calls visit(x, y, λ), λ the barycentric coordinates of the pixel's centre, for each pixel of a width × height
-/// picture whose centre lies in the triangle or on its border. Nothing for a degenerate triangle; its orientation is
-/// free.
+/// Calls visit(x, y, λ) for each pixel of a width × height image whose centre lies in the triangle or on its border. λ
+/// are the barycentric coordinates of the pixel's centre. A degenerate triangle has no pixels; the orientation does not
+/// matter.
 template <class Visit>
 void forPixelsIn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int width, int height, Visit&& visit) {
   const glm::dvec2 ab = b - a, ac = c - a;

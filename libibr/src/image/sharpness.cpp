@@ -9,7 +9,7 @@ namespace ibr {
 namespace {
 
 constexpr int kLeastSide = 8;
-constexpr double kFlat = 1e-3;  // grey levels squared: of a picture that shows nothing
+constexpr double kFlat = 1e-3;  // grey levels²; an image below shows nothing
 
 using Directions = std::array<double, 4>;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sRGB transfer function (IEC 61966-2-1), values of 0 to 1.
+// The sRGB transfer function (IEC 61966-2-1) for values of 0 to 1.
 #pragma once
 
 #include <cmath>

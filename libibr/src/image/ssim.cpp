@@ -3,9 +3,9 @@
 // IEEE Trans. Image Processing 13(4), 2004.
 // MS-SSIM: Wang, Simoncelli, Bovik, "Multi-scale structural similarity for image quality assessment", Asilomar 2003.
 //
-// A window's similarity is l · cs, of its means (luminance) and of its deviations (contrast and structure). Over five
-// scales, each half of the one before: cs_1^β1 · … · cs_4^β4 · (l·cs)_5^β5, each the mean over all windows of its
-// scale.
+// The similarity of a window is l · cs: of its means (luminance) and its deviations (contrast and structure). Over five
+// scales, each half of the previous: cs_1^β1 · … · cs_4^β4 · (l·cs)_5^β5. Each factor is the mean over all windows of
+// its scale.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -47,7 +47,7 @@ double contrastStructure(const Moments& m) {
   return (2 * covariance + kC2) / (varianceA + varianceB + kC2);
 }
 
-// Whether every pixel of the window around each pixel counts: two passes of a running count.
+// Marks each pixel whose whole window is inside the mask, by two passes of a running count.
 std::vector<std::uint8_t> wholeWindows(const Image8& mask) {
   const int width = mask.width, height = mask.height;
   std::vector<int> rows(std::size_t(width), 0);  // counted pixels of the last kWindow rows, by column
@@ -74,12 +74,12 @@ struct Similarity {
   double contrastStructure = std::numeric_limits<double>::quiet_NaN();  // mean of cs
 };
 
-// Over the windows that lie inside the picture and, with a mask, wholly inside that.
+// Averages over the windows that lie inside the image and, with a mask, inside the mask.
 Similarity similarityOf(const Luma& a, const Luma& b, const Image8* mask) {
   const int width = a.width, height = a.height;
   const std::array<double, kWindow> weights = gaussian();
   const std::vector<std::uint8_t> whole = mask ? wholeWindows(*mask) : std::vector<std::uint8_t>();
-  std::vector<Moments> rows(std::size_t(width) * kWindow);  // the last kWindow rows, each where y % kWindow says
+  std::vector<Moments> rows(std::size_t(width) * kWindow);  // the last kWindow rows; row y at y % kWindow
   std::vector<Moments> column(std::size_t(width), Moments{});
   double sum = 0, sumOfStructure = 0;
   std::uint64_t count = 0;
@@ -109,7 +109,7 @@ Similarity similarityOf(const Luma& a, const Luma& b, const Image8* mask) {
   return {sum / double(count), sumOfStructure / double(count)};
 }
 
-// Means of 2×2 pixels; an odd last row or column is left out.
+// Means of 2×2 pixels; drops an odd last row or column.
 Luma halved(const Luma& in) {
   Luma out{in.width / 2, in.height / 2, {}};
   out.values.reserve(std::size_t(out.width) * std::size_t(out.height));
@@ -144,7 +144,7 @@ double msSsim(const Image8& a, const Image8& b) {
     const Similarity similarity = similarityOf(p, q, nullptr);
     const bool coarsest = scale + 1 == kScaleWeights.size();
     const double factor = coarsest ? similarity.ssim : similarity.contrastStructure;
-    if (std::isnan(factor)) return factor;  // smaller than a window
+    if (std::isnan(factor)) return factor;  // image smaller than a window
     product *= std::pow(std::max(factor, 0.0), kScaleWeights[scale]);
   }
   return product;

@@ -15,19 +15,19 @@
 namespace ibr {
 namespace {
 
-// Before loops over a block: GCC unrolls them before it would vectorise them.
+// Before loops over a block: GCC would unroll the loops before vectorising them.
 #if defined(__GNUC__) && !defined(__clang__)
 #define IBR_AS_LOOP _Pragma("GCC unroll 1")
 #else
 #define IBR_AS_LOOP
 #endif
 
-// Bytes that are compared at once: up to five neighbours of a row and one byte that counts nothing.
+// Bytes of one comparison: up to five neighbours of a row and one unused byte.
 constexpr std::size_t kBlock = 16;
 constexpr int kBlockPixels = 5;
 using Bytes = std::array<std::uint8_t, kBlock>;
 
-// RGB, with what a block may read beyond the last pixel.
+// RGB, padded for reads of a block beyond the last pixel.
 struct Picture {
   int width, height;
   std::vector<std::uint8_t> bytes;
@@ -40,11 +40,11 @@ struct Picture {
 
 struct Block {
   glm::ivec2 pixel;     // the first
-  std::ptrdiff_t from;  // where its bytes are, from those of the displacement
+  std::ptrdiff_t from;  // offset of its bytes from those of the displacement
   Bytes wanted{}, mask{};
 };
 
-// A template at one place of a picture.
+// A template at one position in an image.
 class Template {
  public:
   Template(std::span<const TemplateSample> samples, const Picture& picture, glm::ivec2 start, int radius)
@@ -74,7 +74,7 @@ class Template {
   const std::vector<Block>& blocks() const { return blocks_; }
   double count() const { return double(count_); }
 
-  // What all blocks' `from` counts from.
+  // Base address of all blocks' `from` for a displacement.
   const std::uint8_t* at(glm::ivec2 displacement) {
     if (inside_) return picture_.bytes.data() + picture_.offset(displacement.x, displacement.y);
     for (std::size_t b = 0; b < blocks_.size(); ++b)
@@ -90,7 +90,7 @@ class Template {
  private:
   const Picture& picture_;
   std::size_t count_;
-  bool inside_;  // with all displacements
+  bool inside_;  // for all displacements
   std::vector<Block> blocks_;
   std::vector<std::uint8_t> gathered_;
 };
@@ -141,14 +141,14 @@ class Correlation {
  private:
   struct Sums {
     std::array<int, kBlock> values{};  // of each byte of a block
-    int squares = 0, products = 0;     // of 4096 samples below 2³⁰
+    int squares = 0, products = 0;     // below 2³⁰ for 4096 samples
     int colour(std::size_t c) const {
       int sum = 0;
       for (std::size_t k = c; k < 3 * kBlockPixels; k += 3) sum += values[k];
       return sum;
     }
   };
-  // A loop a sum: together they would not be vectorised.
+  // One loop per sum: GCC would not vectorise a combined loop.
   static void add(Sums& sums, const std::uint8_t* values, const Bytes& wanted, const Bytes& mask) {
     std::array<std::int16_t, kBlock> a, b;
     int squares = 0, products = 0;

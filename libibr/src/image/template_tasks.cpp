@@ -14,17 +14,17 @@ void checkTemplatePictures(std::span<const Image8* const> pictures) {
 
 void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
                         std::size_t pictures) {
-  check(radius >= 0 && radius <= kLargestTemplateRadius, ErrorCode::invalidInput,
-        "template search: radius {} is not within 0 to {}", radius, kLargestTemplateRadius);
+  check(radius >= 0 && radius <= kMaxTemplateRadius, ErrorCode::invalidInput,
+        "template search: radius {} is not within 0 to {}", radius, kMaxTemplateRadius);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     const TemplateTask& task = tasks[t];
-    check(task.picture < pictures && task.count <= kLargestTemplate && task.first <= samples.size() &&
+    check(task.picture < pictures && task.count <= kMaxTemplateSampleCount && task.first <= samples.size() &&
               task.count <= samples.size() - task.first,
           ErrorCode::invalidInput, "template search: task {} is beyond its pictures or samples", t);
-    const auto near = [](int start) { return start >= -kFarthestTemplateStart && start <= kFarthestTemplateStart; };
+    const auto near = [](int start) { return start >= -kMaxTemplateStartPx && start <= kMaxTemplateStartPx; };
     check(near(task.start.x) && near(task.start.y), ErrorCode::invalidInput,
           "template search: task {} starts at ({}, {}), more than {} px away", t, task.start.x, task.start.y,
-          kFarthestTemplateStart);
+          kMaxTemplateStartPx);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all searches of ibr/template_search.h refuse.
+// Input checks that all searches of ibr/template_search.h share.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace ibr {
 
-/// Throws Error{invalidInput} for pictures without 3 channels or pixels.
+/// Throws Error{invalidInput} for images without pixels or without exactly 3 channels.
 void checkTemplatePictures(std::span<const Image8* const> pictures);
 
-/// Throws Error{invalidInput} as the calls of processorTemplateSearch.
+/// Throws the same Error{invalidInput} as the calls of processorTemplateSearch.
 void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
                         std::size_t pictures);
 

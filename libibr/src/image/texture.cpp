@@ -20,7 +20,7 @@ std::size_t blockBytes(TextureFormat format) noexcept {
   return format == TextureFormat::bc1 ? kBc1BlockBytes : kBc7BlockBytes;
 }
 
-// Calls visit(x, y) for each block, row by row, x and y its first pixel.
+// Calls visit(x, y) for each 4×4 block, row by row; (x, y) is its first pixel.
 template <class Visit>
 void forBlocks(int width, int height, Visit visit) {
   for (int y = 0; y < height; y += 4)
@@ -31,7 +31,7 @@ std::vector<std::byte> encodeLevel(const Image8& image, TextureFormat format) {
   std::vector<std::byte> bytes(textureBytes(format, image.width, image.height));
   std::byte* out = bytes.data();
   forBlocks(image.width, image.height, [&](int x0, int y0) {
-    // What lies beyond the picture is never seen: it repeats the border, which is the easiest to encode.
+    // Pixels beyond the image are never sampled: they repeat the border, which compresses best.
     BlockPixels pixels;
     for (int i = 0; i < 16; ++i)
       std::ranges::copy(image.pixel(std::min(x0 + i % 4, image.width - 1), std::min(y0 + i / 4, image.height - 1)),

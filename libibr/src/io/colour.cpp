@@ -15,7 +15,7 @@
 namespace ibr::io {
 namespace {
 
-constexpr int kSame = 2;  // of 255: profiles called sRGB differ from each other by as much
+constexpr int kSame = 2;  // 8-bit levels; profiles called sRGB differ as much among each other
 
 struct Close {
   void operator()(void* profile) const { cmsCloseProfile(profile); }
@@ -27,7 +27,7 @@ struct Delete {
 };
 using Transform = std::unique_ptr<void, Delete>;
 
-// A context of its own keeps the library's global one, and its messages, out of this.
+// An own context avoids the library's global context and its messages.
 class Context {
  public:
   Context() : context_(cmsCreateContext(nullptr, nullptr)) {
@@ -49,7 +49,7 @@ Transform transformFrom(const Context& context, const Profile& from, cmsUInt32Nu
                                          INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOCACHE));
 }
 
-// Over all channels, on a grid.
+// Largest difference over all channels, on a grid of colours.
 int difference(const Transform& transform) {
   constexpr int kStep = 51;
   std::vector<std::uint8_t> before, after;

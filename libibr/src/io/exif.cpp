@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXIF 2.32 §4.5–4.6: a TIFF header, a first directory (IFD0) of 12-byte entries, and one that it names (Exif IFD).
+// EXIF 2.32 §4.5–4.6: a TIFF header, a directory (IFD0) of 12-byte entries, and a second one (Exif IFD) it points to.
 #include "io/exif.h"
 
 #include <algorithm>
@@ -28,13 +28,13 @@ class Fields {
 
 enum Type : std::uint32_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5 };
 
-// Of one directory.
+// One directory of EXIF entries.
 class Directory {
  public:
   Directory(const Fields& fields, std::size_t at)
       : fields_(fields), at_(at), entries_(fields.read(at, 2).value_or(0)) {}
 
-  // The first value; nothing of another type.
+  // First value of an integer entry; nullopt for other types.
   std::optional<std::uint32_t> whole(std::uint32_t tag) const {
     const auto entry = find(tag);
     const auto type = entry ? fields_.read(*entry + 2, 2) : std::nullopt;
@@ -42,7 +42,7 @@ class Directory {
     return type == kLong ? fields_.read(*entry + 8, 4) : std::nullopt;
   }
 
-  // 0 where it is not a positive number.
+  // First value of a rational entry; 0 if it is not a positive number.
   double ratio(std::uint32_t tag) const {
     const auto entry = find(tag);
     if (!entry || fields_.read(*entry + 2, 2) != kRational) return 0;
@@ -51,7 +51,7 @@ class Directory {
     return below > 0 ? above / below : 0;
   }
 
-  // Where what whole() reads stands, and in how many bytes.
+  // Offset and size, in bytes, of the value that whole() reads.
   struct ValueLocation {
     std::size_t at, bytes;
   };
@@ -93,7 +93,7 @@ class Directory {
   std::uint32_t entries_;
 };
 
-// 16 bits hold no more than 65535, which then stands for "see there" (§4.6.5, PhotographicSensitivity).
+// A 16-bit value of 65535 refers to the wider tags (§4.6.5, PhotographicSensitivity).
 double sensitivity(const Directory& exif) {
   constexpr std::uint32_t kPhotographic = 0x8827, kSeeThere = 65535;
   constexpr std::uint32_t kWide[] = {0x8832, 0x8833, 0x8831};  // recommended exposure index, ISO speed, standard output
@@ -106,7 +106,7 @@ double sensitivity(const Directory& exif) {
 
 constexpr std::uint32_t kOrientation = 0x0112;
 
-// nullopt where no TIFF header stands.
+// Returns nullopt if there is no TIFF header.
 std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
   if (tiff.size() < 8 || tiff[0] != tiff[1] || (tiff[0] != std::byte('I') && tiff[0] != std::byte('M')))
     return std::nullopt;

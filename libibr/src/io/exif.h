@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXIF metadata: how a picture is turned, and how it was exposed.
+// EXIF metadata: orientation and exposure of a photograph.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 namespace ibr::io {
 
 struct Exif {
-  int orientation = 1;    // 1 to 8; 1, "as stored", where there is none
-  bool adobeRgb = false;  // colours are those of Adobe RGB (1998): interoperability "R03"
+  int orientation = 1;    // 1 to 8; 1, "as stored", if absent
+  bool adobeRgb = false;  // the colour space is Adobe RGB (1998): interoperability "R03"
   CaptureFacts capture;
 };
 
-/// Of an EXIF block that begins with its TIFF header ("II*" or "MM*"), which a TIFF file does, too. What is missing or
-/// damaged is as if it were not there: metadata never makes a photograph unreadable.
+/// Reads an EXIF block that starts with its TIFF header ("II*" or "MM*"), or a TIFF file. Missing or damaged entries
+/// are ignored: metadata never make a photograph unreadable.
 Exif readExif(std::span<const std::byte> tiff);
 
-/// Makes its orientation 1, if it has one.
+/// Sets the orientation to 1, if there is one.
 void setUpright(std::span<std::byte> tiff);
 
 }  // namespace ibr::io

@@ -18,7 +18,7 @@
 namespace ibr {
 namespace {
 
-// Errors of files are OpenEXR's exceptions.
+// Turns exceptions of OpenEXR into Error.
 template <class Work>
 auto guarded(const std::filesystem::path& path, ErrorCode code, Work&& work) {
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of named float channels: OpenEXR scan line files, 32 bits a channel, lossless (ZIP). Throws Error (io,
-// invalidInput) naming the file.
+// Images of named float channels: OpenEXR scan line files, 32 bits per channel, lossless (ZIP). Throws Error (io,
+// invalidInput) with the file's name.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +17,10 @@ struct ExrChannel {
   ImageF values;     // one channel
 };
 
-/// Channels of one size; at least one. The file is written beside its final name and renamed.
+/// Channels of one size; at least one. Writes to a file beside the final name, then renames.
 void writeExr(const std::filesystem::path& path, std::span<const ExrChannel> channels);
 
-/// In the order of their names. Channels of other types come as floats.
+/// Channels in the order of their names. Other channel types are converted to float.
 std::vector<ExrChannel> readExr(const std::filesystem::path& path);
 
 }  // namespace ibr

@@ -34,7 +34,7 @@ struct Format {
 
 constexpr std::size_t kMagicBytes = 16;
 
-// By content: names lie.
+// Detects the format by content; file names can be wrong.
 std::optional<Format> formatThatBegins(Bytes file) {
   const auto startsWith = [&](auto... bytes) {
     const std::array magic{std::byte(bytes)...};
@@ -48,7 +48,7 @@ std::optional<Format> formatThatBegins(Bytes file) {
   return std::nullopt;
 }
 
-// By what files of other kinds begin with: the kind's name, or "".
+// Detects other formats by their first bytes: returns the format's name, or "".
 const char* foreignFormat(Bytes file) {
   const std::string_view begin(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 16));
   const auto at = [&](std::size_t offset, std::string_view magic) {
@@ -93,7 +93,7 @@ std::string lowerExtension(const fs::path& path) {
 ImageFileInfo probeImage(const fs::path& path) {
   constexpr std::size_t kPrefix = std::size_t(1) << 18;
   const std::string name = path.string();
-  // Most headers stand in the first few kilobytes; where one does not, the whole file is read.
+  // Most headers are in the first few kilobytes; if not, the whole file is read.
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) > kPrefix) {
     std::vector<std::byte> prefix(kPrefix);
@@ -111,7 +111,7 @@ ImageFileInfo probeImage(const fs::path& path) {
   return io::formatOf(file, name).probe(file, name);
 }
 
-// Where a pixel of the upright picture is found in the stored one (EXIF 2.32 §4.6.4.A: where row 0 and column 0 are).
+// Applies the EXIF orientation (EXIF 2.32 §4.6.4.A: positions of row 0 and column 0).
 Image8 upright(const Image8& stored, int orientation) {
   const bool swapped = orientation >= 5;
   const bool mirroredX = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;

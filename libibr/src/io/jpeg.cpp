@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // JPEG through libjpeg-turbo.
 //
-// libjpeg reports errors by a call that must not return; we leave it by longjmp, so no object with a destructor may
-// live in the functions handed to `guarded`.
+// libjpeg reports errors by a call that must not return. Here the call ends in longjmp, so functions handed to
+// `guarded` must not contain objects with destructors.
 #include <cstdio>  // jpeglib.h needs it
 // clang-format off
 #include <jpeglib.h>
@@ -21,7 +21,7 @@
 namespace ibr::io {
 namespace {
 
-constexpr int kMostScans = 100;  // a progressive file has about ten; each costs a pass over the whole picture
+constexpr int kMostScans = 100;  // a progressive file has about ten; each costs a pass over the whole image
 
 struct Errors : jpeg_error_mgr {
   std::jmp_buf jump;
@@ -49,8 +49,8 @@ struct Errors : jpeg_error_mgr {
   std::longjmp(errors.jump, 1);
 }
 
-// A warning means that libjpeg goes on with a guess. Where the guess is about pixels it is an error of ours; the others
-// (stray bytes between segments, odd Adobe markers) come from cameras that work.
+// A warning means that libjpeg continues with a guess. A guess about pixels is an error here; other warnings (stray
+// bytes between segments, odd Adobe markers) come from working cameras.
 void weigh(j_common_ptr state, int level) {
   if (level >= 0) return;
   switch (state->err->msg_code) {
@@ -122,7 +122,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
             ImageFormat::jpeg};
   }
 
-  /// Before the pixels are decoded: the markers are gone afterwards.
+  /// Call before the pixels are decoded, which frees the markers.
   std::vector<std::byte> colourProfile() {
     JOCTET* data = nullptr;
     unsigned int size = 0;
@@ -134,7 +134,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
     return profile;
   }
 
-  /// With its name before the TIFF header; empty where there is none.
+  /// EXIF segment with its name before the TIFF header; empty if there is none.
   Bytes exifSegment() const {
     for (auto marker = state.marker_list; marker; marker = marker->next)
       if (marker->data_length > sizeof kExif && std::memcmp(marker->data, kExif, sizeof kExif) == 0)
@@ -147,7 +147,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
     return segment.empty() ? Exif{} : readExif(segment.subspan(sizeof kExif));
   }
 
-  /// Throws Error{unsupported} for what is neither grey nor RGB.
+  /// Throws Error{unsupported} unless the colour space is grey, RGB or YCbCr.
   void checkColours(const std::string& name) const {
     const auto space = state.jpeg_color_space;
     check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
@@ -173,8 +173,8 @@ Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, I
   info = decoder.info();
   checkSize(info, limits, name);
   decoder.checkColours(name);
-  // Huffman coding spends at least one bit on each block of the first component: a small file cannot hold a large
-  // picture.
+  // Huffman coding needs at least one bit per block of the first component: a small file cannot hold a large
+  // image.
   const auto blocks = std::uint64_t(info.width / 8) * std::uint64_t(info.height / 8);
   check(state.arith_code || blocks / 8 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels",
         name, file.size(), info.width, info.height);
@@ -217,7 +217,7 @@ std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::s
     jpeg_set_defaults(&state);
     jpeg_set_quality(&state, quality, TRUE);
     state.optimize_coding = TRUE;
-    // Colour at full resolution: these pictures are measured channel by channel and sampled as textures.
+    // No chroma subsampling: these images are measured per channel and sampled as textures.
     state.comp_info[0].h_samp_factor = state.comp_info[0].v_samp_factor = 1;
     jpeg_start_compress(&state, TRUE);
     const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
@@ -235,7 +235,7 @@ std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, c
   const Decoder decoder(original, name);
   const Bytes segment = decoder.exifSegment();
   if (segment.empty()) return jpeg;
-  const std::size_t length = segment.size() + 2;  // counts itself
+  const std::size_t length = segment.size() + 2;  // includes its own two bytes
   const std::byte head[] = {std::byte(0xff), std::byte(0xe1), std::byte(length >> 8), std::byte(length & 0xff)};
   const auto at = jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
   setUpright(std::span(at, segment.size()).subspan(sizeof kExif));

@@ -15,7 +15,7 @@
 namespace ibr::io {
 namespace {
 
-constexpr int kCompression = 3;  // of 1 to 9; the usual 6 takes over three times as long for files a twentieth smaller
+constexpr int kCompression = 3;  // 1 to 9; the default 6 takes over three times as long for files 5 % smaller
 
 struct Errors {
   std::jmp_buf jump;
@@ -28,7 +28,7 @@ struct Errors {
   std::longjmp(errors.jump, 1);
 }
 
-// Warnings are about metadata; damage to pixels is always an error in libpng.
+// Warnings concern metadata only; libpng reports damaged pixels as errors.
 void ignore(png_structp, png_const_charp) {}
 
 class Codec {
@@ -72,7 +72,7 @@ class Decoder : public Codec {
   Decoder(Bytes file, const std::string& name) : Codec(Way::read, name), rest_(file) {
     guarded([&] {
       png_set_read_fn(png, &rest_, take);
-      png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // ours are checked by checkSize
+      png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // checkSize enforces the actual limits
       png_set_chunk_malloc_max(png, 8 << 20);
       png_set_chunk_cache_max(png, 128);
       png_read_info(png, info);
@@ -135,7 +135,7 @@ std::string utf8FromLatin1(const std::string& text) {
 void checkFits(Decoder& decoder, const ImageFileInfo& info, Bytes file, const std::string& name,
                const ReadLimits& limits) {
   checkSize(info, limits, name);
-  // Deflate shrinks at most 1032 times: a small file cannot hold a large picture.
+  // Deflate compresses at most 1032 times: a small file cannot hold a large image.
   const auto bits =
       std::uint64_t(info.width) * std::uint64_t(info.height) * png_get_bit_depth(decoder.png, decoder.info);
   check(bits / 8 / 1032 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels", name,
@@ -158,7 +158,7 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
     png_structp png = decoder.png;
     png_set_palette_to_rgb(png);
     png_set_expand_gray_1_2_4_to_8(png);
-    png_set_scale_16(png);  // rounds, where png_set_strip_16 would cut
+    png_set_scale_16(png);  // rounds, while png_set_strip_16 truncates
     png_set_strip_alpha(png);
     png_set_gray_to_rgb(png);
     const int passes = png_set_interlace_handling(png);
@@ -169,7 +169,7 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
       for (int y = 0; y < image.height; ++y) png_read_row(png, image.values.data() + std::size_t(y) * stride, nullptr);
     png_read_end(png, decoder.info);
   });
-  // Metadata may also stand behind the pixels.
+  // Metadata may also follow the pixels.
   const ImageFileInfo whole = decoder.probe();
   info.orientation = whole.orientation;
   info.capture = whole.capture;
@@ -213,7 +213,7 @@ std::vector<ImageText> pngTexts(Bytes file, const std::string& name) {
 }
 
 std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageText>& texts, const std::string& name) {
-  std::vector<png_text> chunks;  // libpng takes copies
+  std::vector<png_text> chunks;  // libpng copies them
   for (const auto& [key, text] : texts) {
     png_text& chunk = chunks.emplace_back();
     const bool ascii = std::ranges::all_of(text, [](unsigned char c) { return c < 0x80; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIFF through libtiff: its RGBA interface, which knows strips, tiles, palettes, YCbCr and 16 bits. First page only.
+// TIFF through libtiff's RGBA interface, which handles strips, tiles, palettes, YCbCr and 16 bits. First page only.
 #include <tiffio.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace ibr::io {
 namespace {
 
-// The file in memory as libtiff's stream, and the first error it told.
+// The file in memory as a stream for libtiff, and the first reported error.
 struct Stream {
   Bytes file;
   std::uint64_t at = 0;
@@ -45,10 +45,10 @@ int close(thandle_t) {
 toff_t size(thandle_t handle) {
   return static_cast<Stream*>(handle)->file.size();
 }
-// The file as it lies in memory. libtiff 4.5 does not read tiles in another way.
+// Maps the file in memory. libtiff 4.5 reads tiles in no other way.
 int map(thandle_t handle, void** begin, toff_t* length) {
   const Bytes file = static_cast<Stream*>(handle)->file;
-  *begin = const_cast<std::byte*>(file.data());  // of a file that is read nothing is written there
+  *begin = const_cast<std::byte*>(file.data());  // libtiff does not write to a file opened for reading
   *length = file.size();
   return 1;
 }
@@ -66,7 +66,7 @@ int ignore(TIFF*, void*, const char*, const char*, va_list) {
 class Decoder {
  public:
   Decoder(Bytes file, const std::string& name) : name_(name), stream_{file} {
-    // Handlers of this one file: libtiff's usual ones are global.
+    // Handlers for this file only: libtiff's default ones are global.
     TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
     check(options, ErrorCode::outOfMemory, "{}: no memory for libtiff", name);
     TIFFOpenOptionsSetErrorHandlerExtR(options, remember, &stream_);
@@ -118,7 +118,7 @@ class Decoder {
   Stream stream_;
 };
 
-// Of grey with 16 bits libtiff's interface keeps the upper 8, of colours it rounds.
+// True for 16-bit grey, of which libtiff's interface keeps the upper 8 bits without rounding; colours are rounded.
 bool roundsItself(const Decoder& decoder, const ImageFileInfo& info) {
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
   return info.channels == 1 && info.bitsPerChannel == 16 && !TIFFIsTiled(decoder.tiff) &&
@@ -139,7 +139,7 @@ Image8 readGrey16(const Decoder& decoder, const ImageFileInfo& info) {
   return image;
 }
 
-// What libtiff's interface makes of it, as stored.
+// Reads through libtiff's interface, in the stored orientation.
 Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std::string& name) {
   TIFFRGBAImage reader;
   char text[1024] = {};
@@ -156,7 +156,7 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   Image8 image(info.width, info.height, 3);
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint32_t pixel = raster[i];
-    // libtiff multiplies colours by their alpha; only where that changed nothing are they the file's.
+    // libtiff multiplies colours by alpha; the file's colours are unchanged only for opaque pixels.
     check(TIFFGetA(pixel) == 255, ErrorCode::unsupported, "{}: has transparent pixels; save it without alpha", name);
     image.values[3 * i] = std::uint8_t(TIFFGetR(pixel));
     image.values[3 * i + 1] = std::uint8_t(TIFFGetG(pixel));
@@ -165,12 +165,12 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   return image;
 }
 
-// Throws Error{unsupported} for inks, and for raw files.
+// Throws Error{unsupported} for CMYK and for raw files.
 void checkKind(const Decoder& decoder, const ImageFileInfo& info, const std::string& name) {
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
   check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels,
         kCmykAdvice);
-  // Raw files of cameras begin with a small picture to look at.
+  // Raw files of cameras start with a preview image.
   std::uint32_t subfile = 0;
   TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);
   check(!(subfile & FILETYPE_REDUCEDIMAGE) && photometric != PHOTOMETRIC_CFA, ErrorCode::unsupported,

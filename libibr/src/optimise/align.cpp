@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop of [T] fig. 16.
+// The alignment loop of [T] fig. 16.
 //
-//   E ← mean ECC of all stars in all pictures
+//   E ← mean ECC of all stars in all images
 //   repeat
-//     each picture, each class of points that share no triangle, each of its points:
-//       the best of M candidates within r; the point moves there unless it stands best already
-//     edges are flipped (topology.h), points are inserted (insertion.h), if that is asked for
-//     E′ ← mean ECC; the mesh is kept if it is the best so far;  R ← R·D
+//     each image, each class of points that share no triangle, each of its points:
+//       the best of M candidates within r; the point moves there unless its position is the best
+//     flip edges (topology.h) and insert points (insertion.h), if the options request them
+//     E′ ← mean ECC; keep the mesh if it is the best so far;  R ← R·D
 //   until E′ − E <= t·max(|E|, 1/100), from the second cycle on
 //
-// Departure: in [T] the mean is summed up while points still move, starts at −1, and so ends the loop after one cycle
-// (NUMERICS T6); it is measured after each cycle here.
+// Departure: [T] sums the mean up while points still move and starts from −1, which ends the loop after one cycle. Here
+// the mean is measured after each cycle.
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -23,8 +23,8 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kInserting = 0x1b5e;  // makes another seed of a cycle's
-constexpr double kLeastScale = 0.01;          // of E in the stop rule, so that E near 0 or below ends, too
+constexpr std::uint32_t kInserting = 0x1b5e;  // derives the insertion's seed from the cycle's
+constexpr double kLeastScale = 0.01;          // of E in the stop criterion, so that an E near 0 or below ends, too
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -32,11 +32,11 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 struct MeanEcc {
   double channels = 0, concatenated = 0;
-  std::vector<float> star;  // per channel and target, mean over pictures; NaN without a star
+  std::vector<float> star;  // per channel and target, mean over images; NaN without a star
   double of(EccDefinition definition) const { return definition == EccDefinition::channels ? channels : concatenated; }
 };
 
-// The means: of the first `points`.
+// Mean ECC over the stars of the first `points` points.
 MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double varianceFloor, std::size_t points) {
   const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
   MeanEcc mean{0, 0, std::vector<float>(n, std::numeric_limits<float>::quiet_NaN())};
@@ -75,7 +75,7 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
   fail(ErrorCode::invalidInput, "alignment: method {} is none", int(input.options.method));
 }
 
-// A mesh that moves, and may be joined anew and grow.
+// A mesh whose points move, whose edges flip and which gains points.
 class MovingMesh {
  public:
   MovingMesh(const Alignment& start, const AlignmentOptions& options, const Device* device)
@@ -98,7 +98,7 @@ class MovingMesh {
   struct Changed {
     std::size_t flipped = 0, inserted = 0;
   };
-  /// What the options ask for. Only after the coarse cycles: the new mover has none.
+  /// Flips edges and inserts points as the options request. Only after the coarse cycles: the new mover has none.
   Changed joinAnew(std::uint32_t seed, const KeepGoing& keepGoing) {
     Changed changed;
     if (options_.flipEdges)
@@ -126,13 +126,13 @@ class MovingMesh {
 
   AlignmentOptions options_;
   const Device* device_;
-  Alignment start_;  // where each point began; of one that was inserted, before it looked for its place
+  Alignment start_;  // start position of each point; of an inserted point, before its search
   Alignment now_;
   StarMesh mesh_;
   std::vector<Texels> pictures_;
-  std::unique_ptr<Mover> mover_;  // of mesh_
+  std::unique_ptr<Mover> mover_;  // for mesh_
   int coarse_ = 0;
-  std::size_t points_ = 0;  // before any was inserted
+  std::size_t points_ = 0;  // number before any insertion
 };
 
 }  // namespace
@@ -143,7 +143,7 @@ std::string optionsFault(const AlignmentOptions& o) {
   if (!(o.radiusPx > 0 && o.radiusPx <= 64)) return fmt::format("radius {} px: above 0, at most 64", o.radiusPx);
   if (!(o.decay > 0 && o.decay <= 1)) return fmt::format("decay {}: above 0, at most 1", o.decay);
   if (!(o.threshold >= 0 && std::isfinite(o.threshold))) return fmt::format("threshold {}: at least 0", o.threshold);
-  if (o.mostCycles < 1) return fmt::format("cycles {}: at least 1", o.mostCycles);
+  if (o.maxCycles < 1) return fmt::format("cycles {}: at least 1", o.maxCycles);
   if (!within(o.rigidity, 0, 10000)) return fmt::format("rigidity {}: 0 to 10000", o.rigidity);
   if (!within(o.levels, 1, 8)) return fmt::format("levels {}: 1 to 8", o.levels);
   if (!within(o.escape, 0, 256)) return fmt::format("escape {}: 0 to 256", o.escape);
@@ -177,7 +177,7 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
 
   const std::uint32_t seed = shader::eccHash(std::uint32_t(options.seed), std::uint32_t(options.seed >> 32));
   double radius = options.radiusPx * kAlignmentUnitsPerPixel;
-  for (int c = 0; c < options.mostCycles; ++c, radius *= options.decay) {
+  for (int c = 0; c < options.maxCycles; ++c, radius *= options.decay) {
     const auto cycleStart = std::chrono::steady_clock::now();
     const CycleRequest request{std::max(int(radius), 1), shader::eccHash(seed, std::uint32_t(c))};
     const CycleCounts counts = mesh.cycle(request, keepGoing);

@@ -46,7 +46,7 @@ std::span<const T> mappedAs(const Buffer& buffer) {
   return {reinterpret_cast<const T*>(buffer.mapped().data()), buffer.size() / sizeof(T)};
 }
 
-// What shaders have written, to the same place of the host's buffer.
+// Copies the output of shaders to the same offset of the host's buffer.
 void copyToHost(VkCommandBuffer commands, const Buffer& from, const Buffer& to, VkDeviceSize offset,
                 VkDeviceSize bytes) {
   const VkBufferCopy region{offset, offset, bytes};
@@ -59,7 +59,7 @@ void copyToHost(VkCommandBuffer commands, const Buffer& from, const Buffer& to, 
 
 AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
                                    const Positions& starts) {
-  check(device.counts64Bits(), ErrorCode::unsupported, "{}: shaders cannot count in 64 bits; align on the processor",
+  check(device.supportsInt64(), ErrorCode::unsupported, "{}: shaders cannot count in 64 bits; align on the processor",
         device.name());
   const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
   std::size_t texels = 0;

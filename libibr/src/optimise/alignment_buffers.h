@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh to be aligned and its pictures in device memory, with the set that the passes bind (shared/alignment.h).
+// A mesh to be aligned and its photographs in device memory, with the passes' descriptor set (shared/alignment.h).
 #pragma once
 
 #include <span>
@@ -15,8 +15,8 @@ namespace ibr {
 
 class AlignmentBuffers {
  public:
-  /// Uploads all but the positions; `starts` are those before the first cycle. Throws Error: unsupported where the
-  /// device does not count in 64 bits or the pictures do not fit into one buffer; outOfMemory, deviceLost.
+  /// Uploads everything but the positions; `starts`: positions before the first cycle. Throws Error: unsupported
+  /// without 64-bit integers or if the photographs exceed one buffer; outOfMemory, deviceLost.
   AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
                    const Positions& starts);
 
@@ -25,20 +25,20 @@ class AlignmentBuffers {
 
   void upload(const Device& device, const Positions& at) { upload(device, at, shader::kBindingPositions); }
 
-  /// Copies to the host what the passes recorded before have written; ends in use::kHostRead.
+  /// Record copies of the outputs of earlier passes to the host; end in use::kHostRead.
   void recordPositionReadback(VkCommandBuffer commands) const noexcept;
   void recordOutcomeReadback(VkCommandBuffer commands, std::uint32_t first, std::uint32_t count) const noexcept;
   void recordJudgementReadback(VkCommandBuffer commands) const noexcept;
 
-  /// What was read back last.
+  /// Results of the last readback.
   std::span<const glm::ivec2> positions() const noexcept;                   // d × n
-  std::span<const shader::AlignmentOutcome> outcomes() const noexcept;      // d × points that move
+  std::span<const shader::AlignmentOutcome> outcomes() const noexcept;      // d × movable points
   std::span<const shader::AlignmentJudgement> judgements() const noexcept;  // d × n
 
  private:
   void upload(const Device& device, const Positions& at, int binding);
 
-  std::vector<Buffer> buffers_;  // at their bindings
+  std::vector<Buffer> buffers_;  // by binding
   Buffer hostPositions_, hostOutcomes_, hostJudgements_;
   DescriptorSetLayoutHandle layout_;
   DescriptorPoolHandle pool_;

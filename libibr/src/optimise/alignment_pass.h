@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves and judgements on the device: pipelines over AlignmentBuffers.
+// Moves and judges points on the device: pipelines over AlignmentBuffers.
 #pragma once
 
 #include "optimise/alignment_buffers.h"
@@ -7,7 +7,7 @@
 
 namespace ibr {
 
-/// One class of points in one picture.
+/// Move of one class of points in one image.
 struct ClassMove {
   std::uint32_t member = 0, pointClass = 0;
   int radius = 0;  // 1/128 px
@@ -21,7 +21,7 @@ class AlignmentPass {
 
   void upload(const Device& device, const Positions& at) { buffers_.upload(device, at); }
 
-  /// Each with a barrier to the next. Outcomes of a picture's points lie one after another, in the classes' order.
+  /// Each ends with a barrier. Outcomes of a image's points are contiguous, in the order of the classes.
   void recordMove(VkCommandBuffer commands, const ClassMove& move) const noexcept;
   void recordJudge(VkCommandBuffer commands) const noexcept;
   const AlignmentBuffers& buffers() const noexcept { return buffers_; }
@@ -29,7 +29,7 @@ class AlignmentPass {
   std::uint32_t classCount() const noexcept { return std::uint32_t(firstOfClass_.size()) - 1; }
   std::uint32_t firstOutcome(std::uint32_t member) const noexcept { return member * firstOfClass_.back(); }
 
-  /// What recordJudge found, read back: picture after picture.
+  /// Results of recordJudge after the readback, image by image.
   std::vector<Judgement> judgements() const;
 
  private:
@@ -39,7 +39,7 @@ class AlignmentPass {
   AlignmentBuffers buffers_;
   std::uint32_t members_, points_;
   std::vector<std::uint32_t> firstOfClass_;
-  shader::AlignmentStep options_;  // what is the same in all steps
+  shader::AlignmentStep options_;  // parameters that all steps share
   PipelineLayoutHandle layout_;
   PipelineHandle judge_, move_;
 };

@@ -10,10 +10,10 @@ namespace ibr {
 namespace {
 
 constexpr std::array<std::uint32_t, 5> kBinomial{1, 4, 6, 4, 1};
-constexpr std::uint32_t kPair = 0x00ff00ffu;  // two channels of a word, 16 bits each
+constexpr std::uint32_t kPair = 0x00ff00ffu;  // selects two channels of a word, 16 bits each
 constexpr std::uint32_t kHalf = 0x00080008u;
 
-// Words are made unsigned, then two channels are added at once: the sum of weights is 16, so nothing overflows.
+// Words become unsigned, then two channels are added at once: the weights sum to 16, so nothing overflows.
 std::uint32_t mixed(const std::array<std::uint32_t, 5>& words) {
   std::uint32_t even = kHalf, odd = kHalf;
   for (std::size_t k = 0; k < 5; ++k) {
@@ -28,7 +28,7 @@ int rowsOf(const Texels& texels) {
   return int((texels.words.size() - kTexelOverrun) / std::size_t(texels.stride));
 }
 
-// Along rows (stride 1) or columns; `length` is the count of texels in that direction.
+// Blurs along rows (stride 1) or columns; `length` is the number of texels in that direction.
 Texels blurredAlong(const Texels& from, std::ptrdiff_t stride, int length, int hole, int threads) {
   const auto rows = rowsOf(from);
   Texels to = from;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `compute`: a picture's classes in one submission, or a class each where a guard must be asked in between.
+// Method `compute`: submits all classes of a image at once, or one class at a time with a guard to call in between.
 #include <vector>
 
 #include "gpu/transfer/submit.h"
@@ -46,7 +46,7 @@ class ComputeMover final : public Mover {
   }
 
  private:
-  // Points [first, last) of the list have been moved in this picture.
+  // Reads back the moves of points [first, last) of the list in this image.
   void take(std::size_t first, std::size_t last, std::uint32_t member, Positions& at, CycleCounts& counts) {
     std::vector<Moved> moved;
     for (std::size_t i = first; i < last; ++i) {

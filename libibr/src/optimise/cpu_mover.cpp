@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `cpu`: the stars of a class are judged side by side; nothing that one reads is moved by another.
+// Method `cpu`: judges the stars of a class in parallel; no point of a class moves a star of another.
 #include <algorithm>
 #include <array>
 
@@ -53,7 +53,7 @@ class CpuMover final : public Mover {
     return pick;
   }
 
-  // Leaves the first and the best of the others, in their order.
+  // Keeps the first candidate and the best of the others, in their order.
   void prune(std::vector<Candidate>& candidates, std::uint32_t point, std::size_t member, std::uint32_t seed,
              const Positions& at, Pick& pick) const {
     judgeEach(candidates, point, member, {int(kAlignmentRows), int(seed % kAlignmentRows)}, at, pick);

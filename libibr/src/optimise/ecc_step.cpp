@@ -9,19 +9,19 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastCurvature = 1e-3;  // grey²/px² a sample and channel: flatter than what rounding to levels leaves
-constexpr double kDamping = 1e-3;         // of the curvature, so that nothing is divided by 0 along an edge
+constexpr double kLeastCurvature = 1e-3;  // grey²/px² per sample and channel; less is rounding noise
+constexpr double kDamping = 1e-3;         // of the curvature; avoids a division by 0 along an edge
 
-/// Inverse of the curvature, in all directions or in one.
+/// Inverse of the curvature, in all directions or along one.
 glm::dmat2 inverseOf(const glm::dmat2& curvature, std::optional<glm::dvec2> direction) {
   if (!direction) return glm::inverse(curvature);
   return glm::outerProduct(*direction, *direction) / glm::dot(*direction, curvature * *direction);
 }
 
-/// How many times the target the changed source is best set against (eqs 16–19).
+/// Factor of the target at which the changed source matches best (eqs 16–19).
 double scaleOf(const GradientSums& s, const glm::dmat2& inverse) {
   const double xx = glm::dot(s.xg, inverse * s.xg), xy = glm::dot(s.xg, inverse * s.yg),
-               yy = glm::dot(s.yg, inverse * s.yg);  // of what the displacement can reach
+               yy = glm::dot(s.yg, inverse * s.yg);  // of the part that a displacement can reach
   if (s.xy > xy) return (s.xx - xx) / (s.xy - xy);
   return std::max(std::sqrt(xx / yy), (xy - s.xy) / yy);
 }
@@ -32,7 +32,7 @@ std::optional<glm::dvec2> eccStep(const GradientSums& sums, const DisplacementPr
                                   std::optional<glm::dvec2> direction) {
   const double bend = sums.g00 + sums.g11;
   if (!(sums.xx > 0) || !(sums.yy > 0) || !(bend > kLeastCurvature * sums.samples)) return std::nullopt;
-  // 1 − ECC is half the squared distance of the two signals at unit length; costs are taken off their covariance.
+  // 1 − ECC is half the squared distance of the two unit-length signals; costs are subtracted from their covariance.
   const glm::dmat2 cost = prior.cost * (2 * sums.samples * std::sqrt(sums.xx / sums.yy));
   const glm::dmat2 curvature = glm::dmat2(sums.g00, sums.g01, sums.g01, sums.g11) + cost + glm::dmat2(kDamping * bend);
   const glm::dmat2 inverse = inverseOf(curvature, direction);

@@ -10,13 +10,13 @@
 
 namespace ibr {
 
-/// What displacement d, px, from where the point began costs: dᵀ·cost·d, grey² a sample and channel (eccCost).
+/// Cost of a displacement d, px, from the point's start: dᵀ·cost·d, grey² per sample and channel (eccCost).
 struct DisplacementPrior {
   glm::dmat2 cost{0.0};
 };
 
-/// The step, px, from a point that is `moved` from where it began; along `direction` (unit) alone if there is one.
-/// nullopt where there is nothing to go by: no texture, or a step that is not finite.
+/// Step, px, of a point displaced by `moved` from its start; along `direction` (unit) only, if given. Returns nullopt
+/// without texture, or if the step is not finite.
 std::optional<glm::dvec2> eccStep(const GradientSums& sums, const DisplacementPrior& prior, glm::dvec2 moved,
                                   std::optional<glm::dvec2> direction);
 

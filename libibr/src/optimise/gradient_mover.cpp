@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `gradient`: each point takes the step that forward-additive ECC says is best (ecc_step.h), or a fraction of
-// it, if its star's exact ECC rises. The stars of a class are judged side by side, as in `cpu`.
+// Method `gradient`: each point takes the step of forward-additive ECC (ecc_step.h), or a fraction of the step, if its
+// star's exact ECC rises. The stars of a class are judged in parallel, as in `cpu`.
 //
-// Before the step a few candidates at random are judged, so that it may start in another basin.
+// A few random candidates are judged before the step, so that the step may start in another basin.
 //
-// Departures: [T] §3.7 has candidates at random alone; the first cycles may see blurred pictures (coarse to fine).
+// Departures: [T] §3.7 has only random candidates; the first cycles may use blurred images (coarse to fine).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<double, 3> kFractions{1, 0.5, 0.25};  // of a step
 
 struct ScoredPick : Pick {
-  shader::EccScore score{};  // there
+  shader::EccScore score{};  // at the pick's offset
 };
 
 void checkEpipolar(const Alignment& a) {
@@ -60,7 +60,7 @@ class GradientMover final : public Mover {
   std::vector<Judgement> judgeAll(const Positions& at) override { return judgeAllOnProcessor(input_, at); }
 
  private:
-  // A point in one picture, and what it may do there.
+  // A point in one image, with its reach and prior there.
   struct MovingPoint {
     std::uint32_t point;
     std::size_t member;
@@ -84,7 +84,7 @@ class GradientMover final : public Mover {
     return pick;
   }
 
-  // The candidate becomes the pick if it is better: a higher ECC, what its way costs taken off.
+  // Makes the candidate the pick if its ECC, less the cost of its displacement, is higher.
   bool take(const MovingPoint& place, glm::ivec2 offset, ScoredPick& pick) const {
     if (offset == pick.offset || !fits(input_.mesh, place.at, place.point, place.member, offset)) return false;
     const shader::EccScore score = scoreAt(place, offset, pick);
@@ -94,7 +94,7 @@ class GradientMover final : public Mover {
     return true;
   }
 
-  // 1/128 px, no longer than the way from `offset` to the end of the reach; along the chord where the point slides.
+  // 1/128 px, ending within the reach; along the chord for a point that slides.
   glm::dvec2 stepFrom(const MovingPoint& place, glm::ivec2 offset) const {
     std::optional<glm::dvec2> chord;
     if (input_.mesh.border[place.point] == Border::slides) {
@@ -129,7 +129,7 @@ class GradientMover final : public Mover {
            double(kAlignmentUnitsPerPixel);
   }
 
-  // What priorOf says, in whole numbers.
+  // Cost by priorOf, in integers.
   std::int64_t costAt(const MovingPoint& place, glm::ivec2 offset) const {
     const glm::ivec2 way =
         place.at[place.member][place.point] + offset - input_.alignment.position[place.member][place.point];
@@ -145,16 +145,16 @@ class GradientMover final : public Mover {
     return {glm::dmat2(input_.options.rigidity) + input_.options.epipolarWeight * glm::outerProduct(off, off)};
   }
 
-  // (0, 0): any.
+  // Epipolar direction; (0, 0): any direction.
   glm::dvec2 epipolarOf(std::uint32_t point, std::size_t member) const {
     const auto& epipolar = input_.alignment.epipolar;
     return epipolar.empty() ? glm::dvec2(0) : glm::dvec2(epipolar[member][point]);
   }
 
   const MoverInput input_;
-  std::vector<std::vector<Texels>> blurred_;  // levels from 1 on
+  std::vector<std::vector<Texels>> blurred_;  // from level 1 on
   std::vector<JudgeInput> judgeInputs_;       // of each level
-  int level_ = -1;                            // of the present cycle; −1 before the first
+  int level_ = -1;                            // of the current cycle; −1 before the first
 };
 
 }  // namespace

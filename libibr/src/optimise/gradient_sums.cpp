@@ -8,8 +8,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kLanes = 8;        // pixels of a step
-constexpr int kMostSteps = 256;  // before lanes are emptied, so that floats lose little
+constexpr int kLanes = 8;        // pixels per step
+constexpr int kMostSteps = 256;  // between reductions of the lanes, to limit rounding of floats
 
 using Lane = std::array<float, kLanes>;
 
@@ -17,7 +17,7 @@ struct Samples {  // of one channel at eight pixels
   Lane value, byX, byY;
 };
 
-// One channel: sums of x, y, g; of all channels: products.
+// Sums of x, y, g per channel; products over all channels.
 struct Lanes {
   struct Channel {
     Lane x{}, y{}, g0{}, g1{};
@@ -75,7 +75,7 @@ void fetch(const RunSource& s, int first, int count, Texel4& texels) {
   }
 }
 
-// Bilinear, and its exact derivative.
+// Bilinear sample and its exact derivative.
 void sample(const Texel4& texels, int channel, Samples& samples) {
   const int up = 24 - 8 * channel;
   const auto level = [&](std::uint32_t word) { return float(std::int32_t(word << up) >> 24); };
@@ -97,7 +97,7 @@ void addTo(Lane& lane, const Lane& a) {
   for (std::size_t l = 0; l < kLanes; ++l) lane[l] += a[l];
 }
 
-// Of the star's point in one triangle: its weight at the run's first pixel, its change, and what a displacement does.
+// A triangle's share in the weight of the star's point: value at the run's first pixel, slope, and displacement map.
 struct Hat {
   float first, step;
   glm::mat2 apart;  // (I − J/2)ᵀ
@@ -180,7 +180,7 @@ void centre(GradientSums& sums, const Totals::Channel& c, double n) {
   sums.g00 -= g.x * g.x / n, sums.g01 -= g.x * g.y / n, sums.g11 -= g.y * g.y / n;
 }
 
-// One pair: false where a triangle cannot be judged.
+// Adds one pair of images; returns false if a triangle cannot be judged.
 bool addPair(const JudgeInput& input, const Positions& at, std::uint32_t point, std::size_t member, std::size_t k,
              glm::ivec2 offset, RowChoice rows, Totals& totals) {
   const auto corner = [&](std::uint32_t p) { return Corner{at[member][p], at[k][p]}; };

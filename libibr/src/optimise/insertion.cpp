@@ -16,15 +16,15 @@ namespace ibr {
 namespace {
 
 constexpr double kLeastSamples = 50;  // of a triangle, so that its parts can still be judged
-constexpr int kPasses = 2;            // after which triangles that were always beside a worse one wait for a cycle
-constexpr int kTrialCycles = 2;       // the second one in half the radius
+constexpr int kPasses = 2;            // triangles that were always beside a worse one then wait for the next cycle
+constexpr int kTrialCycles = 2;       // the second one with half the radius
 
-// One point, and what it splits.
+// One new point and the triangles that it splits.
 struct Trial {
   InsertedPoint point;
   std::vector<std::size_t> triangle;      // indices
   std::vector<glm::uvec3> before, after;  // after: the new point is the last corner
-  double surplus = -1;                    // of the ECC, beyond what is asked for
+  double surplus = -1;                    // rise of the ECC beyond the required gain
 };
 
 glm::ivec2 meanOf(const std::vector<glm::ivec2>& at, const InsertedPoint& point) {
@@ -37,7 +37,7 @@ glm::vec2 meanDirection(const std::vector<glm::vec2>& along, const InsertedPoint
   glm::dvec2 mean(0.0);
   for (int k = 0; k < 3; ++k) {
     const glm::dvec2 one(along[point.parent[k]]);
-    mean += point.weight[k] * (glm::dot(one, mean) < 0 ? -one : one);  // a line has no sense
+    mean += point.weight[k] * (glm::dot(one, mean) < 0 ? -one : one);  // lines have no orientation
   }
   const double length = glm::length(mean);
   return length > 0 ? glm::vec2(mean / length) : glm::vec2(0);
@@ -50,7 +50,7 @@ void addPoint(Alignment& a, const InsertedPoint& point) {
   a.inserted.push_back(point);
 }
 
-// The parts of a split triangle, whose new point is `n`: the first ones in its place.
+// Replaces a split triangle by its parts, whose new point is `n`: the first parts take its index.
 void split(Alignment& a, const Trial& trial, std::uint32_t n) {
   for (std::size_t k = 0; k < trial.after.size(); ++k) {
     glm::uvec3 part = trial.after[k];
@@ -94,7 +94,7 @@ class Insertions {
   }
 
  private:
-  // Triangles that agree badly though they could be judged, the worst first.
+  // Triangles with low ECC that have enough samples and texture, the worst first.
   std::vector<std::size_t> candidates() const {
     std::vector<std::optional<TriangleAgreement>> agreed(alignment_.triangles.size());
     forEachInParallel(agreed.size(), options_.threads, [&](std::size_t t) {
@@ -113,7 +113,7 @@ class Insertions {
     return agreementOf(pictures_, alignment_.position, triangles, options_.varianceFloor);
   }
 
-  // No two of them touch the same triangle; one that would waits for the next pass.
+  // Trials never share a triangle; a conflicting one waits for the next pass.
   std::vector<Trial> trialsOf(const std::vector<std::size_t>& worst) {
     std::vector<bool> taken(alignment_.triangles.size(), false);
     std::vector<Trial> trials;
@@ -148,14 +148,14 @@ class Insertions {
     return stands(trial) ? std::optional(trial) : std::nullopt;
   }
 
-  // Squared, in the sum of all pictures.
+  // Squared length of an edge, of its vector summed over all images.
   double length(std::uint32_t a, std::uint32_t b) const {
     glm::dvec2 way(0.0);
     for (const auto& at : alignment_.position) way += glm::dvec2(at[b] - at[a]);
     return glm::dot(way, way);
   }
 
-  // Where the point is put, before it looks for its place.
+  // True if no part is folded over with the new point at its start position.
   bool stands(const Trial& trial) const {
     Positions corners(alignment_.position.size());
     for (const glm::uvec3& part : trial.after) {
@@ -168,7 +168,7 @@ class Insertions {
     return std::ranges::all_of(trial.before, [&](const glm::uvec3& t) { return unfolded(alignment_.position, t); });
   }
 
-  // All new points at once, and nothing else moves: what one finds does not depend on the others.
+  // Moves all new points at once and nothing else: no trial depends on another.
   void tryOut(std::vector<Trial>& trials, std::uint32_t pass) {
     Alignment grown = alignment_;
     const std::size_t n = grown.position[0].size();
@@ -190,7 +190,7 @@ class Insertions {
       const auto after = agreementOf(pictures_, at, trial.after, options_.varianceFloor);
       trial.surplus = surplusOf(agreement(trial.before), after, options_.insertGain);
     });
-    // About those that moved the guard has been asked.
+    // The guard has already been called for points that moved.
     for (std::size_t k = 0; options_.guard && k < trials.size(); ++k) {
       const auto point = std::uint32_t(n + k);
       const std::vector<glm::ivec2> match = matchOf(at, point);
@@ -219,7 +219,7 @@ class Insertions {
   const std::function<void()>& keepGoing_;
   std::vector<bool> done_;  // triangles that were tried, or are new
   MeshEdges edges_;
-  Positions found_;  // of the last trials
+  Positions found_;  // after the last trials
 };
 
 }  // namespace

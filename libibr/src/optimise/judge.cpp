@@ -11,7 +11,7 @@ namespace {
 
 using shader::EccTarget;
 
-// A triangle of one pair, whole or in every step-th row.
+// Sums of a triangle in one pair of images, over all rows or every step-th one.
 class PairSums {
  public:
   PairSums(const Texels& source, const Texels& target, RowChoice rows, const RunAdder& runs, EccTarget& sums)
@@ -19,7 +19,7 @@ class PairSums {
   PairSums(const PairSums&) = delete;
   ~PairSums() { runs_.finish(sums_, lanes_); }
 
-  /// False where it cannot be judged.
+  /// Returns false if the triangle cannot be judged.
   bool add(const Corner& a, const Corner& b, const Corner& c) {
     TriangleMaps maps;
     if (!maps.set(a, b, c)) return false;

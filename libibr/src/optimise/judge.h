@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The star of a point at one of its candidates, judged on the processor ([T] §3.6): sums over all pixel centres of the
-// means with each target. What shaders/shared/ecc.h says, row by row; shaders/optimise/ecc.comp does the same.
+// Judges the star of a point at one candidate on the CPU ([T] §3.6): sums over all pixel centres of the means with each
+// target. Implements shaders/shared/ecc.h row by row; shaders/optimise/ecc.comp computes the same.
 #pragma once
 
 #include <array>
@@ -16,31 +16,31 @@
 namespace ibr {
 
 struct Judgement {
-  std::array<shader::EccTarget, 3> targets{};  // in the order of the pictures, without the source
-  int count = 0;                               // of targets
-  bool whole = true;  // false: a triangle is too large or too steep to be judged, nothing is said
+  std::array<shader::EccTarget, 3> targets{};  // in the order of the images, without the source
+  int count = 0;                               // number of targets
+  bool whole = true;                           // false: a triangle is too large or too steep to be judged; no result
   std::uint64_t pixels() const;
-  /// `cost` (eccToll) is of the definition `channels`, as the floor is.
+  /// `cost` (eccToll) belongs to EccDefinition::channels, as the floor does.
   shader::EccScore score(EccDefinition definition, double varianceFloor, std::int64_t cost = 0) const;
 };
 
-/// grey² as scores have them: of a variance floor, of rigidity.
+/// Converts grey² (variance floor, rigidity) to the unit of scores.
 std::int64_t scoreUnits(double squaredGrey);
 
-/// value of a score, within [−1, 1]; 0 where undefined.
+/// ECC of a score, within [−1, 1]; 0 if undefined.
 double eccOf(const shader::EccScore& score);
 
-/// Everything that stays the same while points move.
+/// Inputs that do not change while points move.
 struct JudgeInput {
   const StarMesh& mesh;
   std::span<const Texels> pictures;  // d
 };
 
-/// Precondition: fits(mesh, at, point, member, offset).
+/// Judges a candidate. Precondition: fits(mesh, at, point, member, offset).
 Judgement judge(const JudgeInput& input, const Positions& at, std::uint32_t point, std::size_t member,
                 glm::ivec2 offset, RowChoice rows = {});
 
-/// Any triangles, in the mean of two pictures.
+/// Judges any triangles, in the mean of two images.
 Judgement judgeTriangles(std::span<const Texels> pictures, const Positions& at, std::span<const glm::uvec3> triangles,
                          std::size_t member);
 

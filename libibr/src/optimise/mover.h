@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One cycle of an alignment: every point tries its candidates in every picture ([T] fig. 16, lines 5–17). The methods
-// are ways to do this; the loop around them is align().
+// One cycle of an alignment: every point tries its candidates in every image ([T] fig. 16, lines 5–17). Each method
+// is an implementation of Mover; align() is the loop around them.
 #pragma once
 
 #include <cstdint>
@@ -22,29 +22,29 @@ struct CycleCounts {
   std::size_t moved = 0, refused = 0;
 };
 
-/// Asked now and then whether to go on; throws Error{cancelled}.
+/// Called periodically; throws Error{cancelled} to stop.
 using KeepGoing = std::function<void()>;
 
 class Mover {
  public:
   virtual ~Mover() = default;
 
-  /// Moves points of `at`, for each picture class after class (StarMesh::colours), and asks the guard.
+  /// Moves points of `at`, for each image class by class (StarMesh::colours), and calls the guard.
   virtual CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) = 0;
 
-  /// Judgement of every point where it stands, picture after picture: d × n. Points without a star: no pixels.
+  /// Judges every point at its position, image by image: d × n. Points without a star have no pixels.
   virtual std::vector<Judgement> judgeAll(const Positions& at) = 0;
 
-  /// How many of the first cycles see less than the pictures have: what they gain ends no loop.
+  /// Number of first cycles that run on blurred images. Their gain does not count for the stop criterion.
   virtual int coarseCycles() const { return 0; }
 };
 
-/// What every mover is made from; all of it outlives the mover.
+/// Input of all movers; must outlive the mover.
 struct MoverInput {
   const StarMesh& mesh;
   const std::vector<Texels>& pictures;
   const AlignmentOptions& options;
-  const Alignment& alignment;  // as it was before the first cycle
+  const Alignment& alignment;  // state before the first cycle
 };
 
 std::unique_ptr<Mover> cpuMover(const MoverInput& input);
@@ -52,16 +52,16 @@ std::unique_ptr<Mover> gradientMover(const MoverInput& input);
 std::unique_ptr<Mover> computeMover(const MoverInput& input, const Device& device);
 std::unique_ptr<Mover> rasterMover(const MoverInput& input, const Device& device);
 
-/// Where a point stands in all pictures.
+/// Positions of a point in all images.
 std::vector<glm::ivec2> matchOf(const Positions& at, std::uint32_t point);
 
-/// A point that has been moved in one picture.
+/// A point that was moved in one image, and its previous position.
 struct Moved {
   std::uint32_t point;
   glm::ivec2 from;
 };
 
-/// Takes back what the guard refuses, and counts it.
+/// Reverts the moves that the guard refuses, and counts them.
 void askGuard(const AlignmentGuard& guard, std::span<const Moved> moved, std::size_t member, Positions& at,
               CycleCounts& counts);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `raster`, the paper's ([T] §3.6–3.7): a point after another, its star drawn once a candidate as instances,
-// every fragment adding to its candidate's sums, a second pass that picks the winner, its offset read back.
+// Method `raster` of the paper ([T] §3.6–3.7), point by point. Draws the star once per candidate as instances;
+// fragments add to their candidate's sums. A second pass picks the winner, whose offset is read back.
 //
-// Departures: the device hands back how far the point has moved instead of the winner's number (NUMERICS T7); a draw's
-// area is that of the star, which spares the paper's way what it would not need.
+// Departures: the device returns the displacement instead of the winner's index. The drawn area is the star's, which
+// saves work that the paper's method does not need.
 #include <algorithm>
 #include <vector>
 
@@ -47,7 +47,7 @@ class RasterMover final : public Mover {
         device_(device),
         buffers_(device, input.mesh, input.pictures, input.alignment.position),
         submission_(device) {
-    check(device.countsTogether64Bits(), ErrorCode::unsupported,
+    check(device.supportsInt64Atomics(), ErrorCode::unsupported,
           "{}: fragments cannot add to sums of 64 bits; align by compute or on the processor", device.name());
     definition_ = input.options.definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated;
     sums_ = Buffer(device,
@@ -89,7 +89,7 @@ class RasterMover final : public Mover {
     uploader.flush();
   }
 
-  // A set a source and target; the one of a picture with itself stays unused.
+  // Makes a set per source and target; the set of a image with itself stays unused.
   void makePairs() {
     const std::uint32_t d = std::uint32_t(images_.size());
     const VkDescriptorSetLayoutBinding bindings[]{
@@ -183,7 +183,7 @@ class RasterMover final : public Mover {
     vkCmdPushConstants(commands, layout_.get(), kStages, 0, sizeof step, &step);
   }
 
-  // Pixels that the star at any of its candidates may cover.
+  // Pixels that the star may cover for any of its candidates.
   VkRect2D drawArea(const shader::AlignmentStep& step, const Positions& at) const noexcept {
     const auto mean = [&](std::uint32_t p) { return at[step.member][p] + at[step.target][p]; };
     glm::ivec2 least = mean(step.first) - step.radius, most = mean(step.first) + step.radius;

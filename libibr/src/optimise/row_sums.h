@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over runs of pixels of a row, in a portable way and in AVX2: equal bit for bit.
+// Sums over runs of pixels in a row, in a portable version and in AVX2: equal bit for bit.
 #pragma once
 
 #include <array>
@@ -9,23 +9,23 @@
 
 namespace ibr {
 
-/// Where one photograph is read along a run. Coordinates in 2⁻²² px from the first texel's upper left neighbour.
+/// Reads of one photograph along a run. Coordinates in 2⁻²² px from the first texel's upper left neighbour.
 struct RunSource {
-  const std::uint32_t* texel;  // its word
+  const std::uint32_t* texel;  // word of the first texel
   int stride;                  // words
   std::int32_t x, y;           // of the first pixel, >= 0
   std::int32_t stepX, stepY;   // to the next
 };
 
-/// Sums in the making: eight lanes of 32 bits each, products in halves of 16 bits, so that nothing is widened in
-/// between. The portable way leaves them alone.
+/// Partial sums: eight lanes of 32 bits each, products split into halves of 16 bits to avoid widening in the loop. The
+/// portable version does not use them.
 struct alignas(32) RunLanes {
   enum Sum { x0, x1, x2, y0, y1, y2, xxLow, xxHigh, yyLow, yyHigh, xyLow, xyHigh, kSums };
   std::array<std::array<std::int32_t, 8>, kSums> lanes{};
-  int steps = 0;  // that were added since the lanes were empty, each at most 2¹⁷ a lane
+  int steps = 0;  // since the lanes were emptied, each at most 2¹⁷ per lane
 };
 
-/// One way to add runs; the pixels of a run are at most kEccRun.
+/// A version of the run sums; a run has at most kEccRun pixels.
 struct RunAdder {
   void (*add)(const RunSource& source, const RunSource& target, int pixels, shader::EccTarget& sums, RunLanes& lanes);
   void (*finish)(shader::EccTarget& sums, RunLanes& lanes);  // after the last run
@@ -33,7 +33,7 @@ struct RunAdder {
 
 extern const RunAdder kPortableRunAdder;
 
-/// The fastest that this processor has.
+/// Fastest version that this processor supports.
 const RunAdder& fastestRunAdder();
 
 }  // namespace ibr

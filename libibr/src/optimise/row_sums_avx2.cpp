@@ -12,14 +12,14 @@
 namespace ibr {
 namespace {
 
-constexpr int kPixels = 8;           // of a step
-constexpr int kMostSteps = 1 << 13;  // before lanes are emptied: a lane of products gains less than 2¹⁸ in a step
+constexpr int kPixels = 8;           // per step
+constexpr int kMostSteps = 1 << 13;  // until lanes are emptied: a lane of products gains less than 2¹⁸ per step
 
 struct Colours {
   __m256i r, g, b;  // values of eight pixels in 2⁻⁸ levels, 32 bits each
 };
 
-// Moves byte `channel` of each word to byte `place`, all else to 0.
+// Moves byte `channel` of each word to byte `place`; the other bytes become 0.
 IBR_AVX2 __m256i byteTo(__m256i words, int channel, int place) {
   const int first = int((0x80808080u & ~(0xffu << 8 * place)) | unsigned(channel) << 8 * place), next = 4 << 8 * place;
   const __m256i shuffle = _mm256_setr_epi32(first, first + next, first + 2 * next, first + 3 * next, first,
@@ -27,23 +27,23 @@ IBR_AVX2 __m256i byteTo(__m256i words, int channel, int place) {
   return _mm256_shuffle_epi8(words, shuffle);
 }
 
-// A level less 128 times 256, of a texel (lower half of each word) and of its right neighbour.
+// 256 · (level − 128) of a texel (lower half of each word) and of its right neighbour (upper half).
 IBR_AVX2 __m256i neighbours(__m256i left, __m256i right, int channel) {
   return _mm256_or_si256(byteTo(left, channel, 1), byteTo(right, channel, 3));
 }
 
-// Two 16-bit numbers a word.
+// Combines two 16-bit numbers per word.
 IBR_AVX2 __m256i paired(__m256i low, __m256i high) {
   return _mm256_blend_epi16(low, _mm256_slli_epi32(high, 16), 0xAA);
 }
 
-// Sums of two products a word, in parts of the weights' whole.
+// Weighted sums of two 16-bit numbers per word, rounded and divided by the sum of the weights.
 IBR_AVX2 __m256i weighed(__m256i pairs, __m256i weights) {
   const __m256i half = _mm256_set1_epi32(1 << (shader::kEccWeightBits - 1));
   return _mm256_srai_epi32(_mm256_add_epi32(_mm256_madd_epi16(pairs, weights), half), shader::kEccWeightBits);
 }
 
-// eccMixed of one channel.
+// Computes eccMixed for one channel.
 IBR_AVX2 __m256i mixed(__m256i t00, __m256i t10, __m256i t01, __m256i t11, __m256i acrossWeights, __m256i downWeights,
                        int channel) {
   const __m256i upper = weighed(neighbours(t00, t10, channel), acrossWeights);
@@ -61,7 +61,7 @@ IBR_AVX2 __m256i weightPairs(__m256i coordinate) {
                          _mm256_slli_epi32(weight, 16));
 }
 
-// Pixels `index` of a run.
+// Samples the pixels `index` of a run.
 IBR_AVX2 Colours sampled(const RunSource& s, __m256i index) {
   const __m256i x = _mm256_add_epi32(_mm256_set1_epi32(s.x), _mm256_mullo_epi32(index, _mm256_set1_epi32(s.stepX)));
   const __m256i y = _mm256_add_epi32(_mm256_set1_epi32(s.y), _mm256_mullo_epi32(index, _mm256_set1_epi32(s.stepY)));
@@ -82,7 +82,7 @@ IBR_AVX2 void addTo(RunLanes& lanes, RunLanes::Sum sum, __m256i values) {
   _mm256_store_si256(at, _mm256_add_epi32(_mm256_load_si256(at), values));
 }
 
-// Products of two 16-bit numbers each, red with green and blue alone, halves apart.
+// Adds products of two 16-bit numbers, of red with green and of blue, with low and high halves separate.
 IBR_AVX2 void addProducts(RunLanes& lanes, RunLanes::Sum low, RunLanes::Sum high, __m256i redGreen, __m256i blue) {
   const __m256i mask = _mm256_set1_epi32(0xffff);
   addTo(lanes, low, _mm256_add_epi32(_mm256_and_si256(redGreen, mask), _mm256_and_si256(blue, mask)));
@@ -130,7 +130,7 @@ __attribute__((target("avx2"))) void addRun(const RunSource& source, const RunSo
   const __m256i ascending = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   for (int first = 0; first < pixels; first += kPixels) {
     const __m256i index = _mm256_add_epi32(_mm256_set1_epi32(first), ascending);
-    const __m256i last = _mm256_set1_epi32(pixels - 1);  // lanes beyond it read the last pixel and count nothing
+    const __m256i last = _mm256_set1_epi32(pixels - 1);  // lanes beyond the last pixel read it again and are masked
     const __m256i beyond = _mm256_cmpgt_epi32(index, last), at = _mm256_min_epi32(index, last);
     Colours a = sampled(source, at), b = sampled(target, at);
     if (first + kPixels > pixels) a = without(a, beyond), b = without(b, beyond);

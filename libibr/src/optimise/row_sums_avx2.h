@@ -5,7 +5,7 @@
 
 namespace ibr {
 
-/// Eight pixels at once; null where the processor (or the compiler's target) has no AVX2.
+/// Version with eight pixels at once; null if the processor or the compiler's target has no AVX2.
 const RunAdder* avx2RunAdder();
 
 }  // namespace ibr

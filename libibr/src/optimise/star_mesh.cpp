@@ -96,7 +96,7 @@ Lists listsOf(const Alignment& a) {
   return lists;
 }
 
-// A point is inside where its star closes around it, and on a simple border where one edge enters and one leaves.
+// A point is inside if its star closes around it, and on a simple border if one edge enters and one leaves.
 void findBorder(StarMesh& mesh, std::span<const std::uint8_t> fixed) {
   for (std::uint32_t p = 0; p < fixed.size(); ++p) {
     std::map<std::uint32_t, int> ends;  // +1: begins a triangle's far edge, −1: ends one

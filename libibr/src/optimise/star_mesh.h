@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh to be aligned, as all methods see it: which triangles are around each point, what must not fold over, which
-// points may be moved at once, and where the border lets them go.
+// A mesh to be aligned, for all methods: the triangles around each point, the triangles that must not fold over, the
+// points that may move at once, and the freedom of points on the border.
 #pragma once
 
 #include <cstdint>
@@ -29,14 +29,14 @@ struct Rows {
   }
 };
 
-/// Which ways a point has.
+/// Freedom of a point to move.
 enum class Border : std::uint8_t { interior, slides, fixed };
 
 struct StarMesh {
-  std::vector<glm::ivec2> size;   // d, of the pictures, px
+  std::vector<glm::ivec2> size;   // d, of the images, px
   Rows<glm::uvec2> star;          // n: the other corners of judged triangles, in the triangle's order
   Rows<glm::uvec2> kept;          // n: of triangles that are only kept from folding over …
-  Rows<std::uint32_t> keptWhere;  // … bit i: in picture i, where they were not folded over; a word each
+  Rows<std::uint32_t> keptWhere;  // … bit i: in image i, if not folded over at the start; one word each
   std::vector<glm::uvec2> chord;  // n: of a point that slides, its neighbours on the border; (0, 0) = interior
   std::vector<Border> border;     // n
   Rows<std::uint32_t> colours;    // points that may move, in classes that share no triangle, ascending
@@ -44,23 +44,23 @@ struct StarMesh {
   std::size_t memberCount() const { return size.size(); }
 };
 
-/// Throws Error{invalidInput} that names the field: sizes that differ, indices out of range, positions outside their
-/// picture, pictures that are not RGB, judged triangles that are folded over. A judged triangle that is folded over in
-/// the mean of two pictures or of all is left out of the stars and its corners are fixed.
+/// Throws Error{invalidInput} with the field: sizes that differ, indices out of range, positions outside their image,
+/// images that are not RGB, judged triangles that are folded over. A judged triangle that is folded over in the mean
+/// of two images or of all is left out of the stars, and its corners are fixed.
 StarMesh starMeshOf(const Alignment& alignment);
 
-/// Whether a triangle is positive in each picture, in the mean of each two and in that of all. Exact.
+/// True if a triangle is positive in each image, in the mean of each two and in the mean of all. Exact.
 bool unfolded(const Positions& at, const glm::uvec3& t);
 
-/// Largest way of a point in `member`, 1/128 px, at most `most`: so that no judged triangle folds over in the picture,
-/// in its mean with any other or in that of all ([T] fig. 15). 0 where it cannot move.
+/// Maximum displacement of a point in `member`, 1/128 px: at most `most`, 0 if it cannot move. Within it, no judged
+/// triangle folds over in the image, in its mean with any other or in the mean of all ([T] fig. 15).
 int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most);
 
-/// Where candidate `instance` >= 1 stands relative to the point; `seed` is the point's own in this step.
+/// Offset of candidate `instance` >= 1 from the point; `seed` is the point's own in this step.
 glm::ivec2 candidateOffset(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member,
                            int radius, std::uint32_t seed, std::uint32_t instance);
 
-/// Whether the point may stand there: inside the picture, and nothing folds over that did not before. Exact.
+/// True if the offset keeps the point in the image and folds no triangle that is not folded already. Exact.
 bool fits(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, glm::ivec2 offset);
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph as stars read it: a texel is a word of three signed bytes (a level less 128, red lowest), with a border
-// of one texel that repeats the picture's, so that no read needs a bound.
+// Texel format of a photograph for stars: a word of three signed bytes (level − 128, red lowest). A border of one texel
+// repeats the photograph's border, so that reads need no bounds check.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace ibr {
 
-inline constexpr std::size_t kTexelOverrun = 8;  // words that a vector's read may go beyond the last row
+inline constexpr std::size_t kTexelOverrun = 8;  // words that a vector read may pass the last row's end
 
 struct Texels {
   int stride = 0;                    // words from row to row: width + 2
   std::vector<std::uint32_t> words;  // (width + 2) × (height + 2), and the overrun
-  /// Texel (x, y) of the picture, −1 <= x <= width, −1 <= y <= height.
+  /// Texel (x, y) of the photograph, −1 <= x <= width, −1 <= y <= height.
   const std::uint32_t* at(int x, int y) const { return words.data() + std::ptrdiff_t(y + 1) * stride + (x + 1); }
 };
 
-/// `picture` is RGB.
+/// Converts an RGB photograph.
 Texels texelsOf(const Image8& picture);
 
 }  // namespace ibr

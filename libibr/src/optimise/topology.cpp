@@ -18,7 +18,7 @@ struct Flip {
   std::array<std::size_t, 2> triangle{};  // indices
   Pair before{}, after{};
   MeshEdges::Edge edge;  // the new one
-  double surplus = -1;   // of the ECC, beyond what is asked for
+  double surplus = -1;   // rise of the ECC beyond the required gain
 };
 
 class EdgeFlips {
@@ -37,7 +37,7 @@ class EdgeFlips {
   }
 
  private:
-  // The best first; those beside one that was flipped are judged again in the next pass.
+  // Flips the best first; edges beside a flipped one are judged again in the next pass.
   std::size_t flipBest() {
     edges_ = MeshEdges(alignment_);
     std::vector<Flip> flips = possible();
@@ -57,7 +57,7 @@ class EdgeFlips {
     return count;
   }
 
-  // By the edges' points. Where neither triangle has changed since, the last pass has said no.
+  // Ordered by the edges' points. Skips edges whose triangles did not change since the last pass refused them.
   std::vector<Flip> possible() const {
     std::vector<Flip> flips;
     for (const auto& [edge, s] : edges_.beside) {
@@ -87,7 +87,7 @@ class EdgeFlips {
   Alignment& alignment_;
   const std::span<const Texels> pictures_;
   const FlipOptions& options_;
-  std::vector<bool> changed_;  // triangles, by the last pass
+  std::vector<bool> changed_;  // by the last pass
   MeshEdges edges_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points a mesh joins (future work in [T], end of chapter 3): an edge is flipped where the photographs agree
-// better with the other diagonal, as where two surfaces meet along it.
+// Changes the edges of a mesh (future work in [T], end of chapter 3): flips an edge if the photographs correlate better
+// with the other diagonal, for example where two surfaces meet along it.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@
 namespace ibr {
 
 struct FlipOptions {
-  /// What the ECC of the two triangles must rise by; more where they have few samples (triangle_agreement.h).
+  /// Required rise of the ECC of the two triangles; more with few samples (triangle_agreement.h).
   double gain = 0.005;
   double varianceFloor = 25;  // grey²
-  int mostPasses = 8;         // of which none flips beside an edge that it has flipped
-  int threads = 0;            // 0 = all cores; the result does not depend on it
+  int mostPasses = 8;         // no pass flips an edge next to one that it has flipped
+  int threads = 0;            // 0: all cores; does not affect the result
 };
 
-/// Flips inner edges of the judged triangles: with both ends fixed or both free, none of a triangle that is only kept.
-/// Points stay. The two new triangles have the indices of the two old ones, so the list keeps its length and what else
-/// is known of its triangles stays beside them; none is folded over in a picture, in the mean of two or of all (exact),
-/// and no two triangles come to share an edge that was there already. Gives the number of flips. Precondition:
-/// starMeshOf takes the alignment; `pictures` are its own.
+/// Flips inner edges of the judged triangles, with both ends fixed or both free; never an edge of a triangle that is
+/// only kept. Points do not move. The two new triangles take the indices of the two old ones, so data per triangle keep
+/// their place. No new triangle is folded over in a image, in the mean of two or of all (exact), and no flip
+/// duplicates an existing edge. Returns the number of flips. Precondition: starMeshOf accepts the alignment; `pictures`
+/// are its own.
 std::size_t flipEdges(Alignment& alignment, std::span<const Texels> pictures, const FlipOptions& options);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well the photographs agree in a few triangles: what decides whether points are joined in another way.
+// Agreement of the photographs in a few triangles: the criterion for flips and insertions.
 #pragma once
 
 #include <optional>
@@ -9,19 +9,19 @@
 
 namespace ibr {
 
-/// Means over the sources, of the definition `channels`.
+/// Means over the sources, of EccDefinition::channels.
 struct TriangleAgreement {
   double ecc = 0;
-  double samples = 0;   // of a pair of pictures
-  double variance = 0;  // grey², a sample and channel
+  double samples = 0;   // of a pair of images
+  double variance = 0;  // grey², per sample and channel
 };
 
-/// nullopt where a triangle is too large or too steep to be judged.
+/// Returns nullopt if a triangle is too large or too steep to be judged.
 std::optional<TriangleAgreement> agreementOf(std::span<const Texels> pictures, const Positions& at,
                                              std::span<const glm::uvec3> triangles, double varianceFloor);
 
-/// By how much ECC has risen beyond what is asked for: `gain` where there are 1024 samples or more, with fewer, n,
-/// 32/√n times as much, as the scatter of a correlation is. Below 0 where either could not be judged.
+/// Rise of the ECC beyond the required gain: `gain` for 1024 samples or more; for n samples, fewer, 32/√n times as
+/// much, as correlations scatter. Negative if either could not be judged.
 double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after,
                  double gain);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pixels of the mean of two pictures that a triangle covers, row by row (shared/ecc.h, "Coverage").
+// Pixels that a triangle covers in the mean of two images, row by row (shared/ecc.h, "Coverage").
 #pragma once
 
 #include <algorithm>
@@ -11,23 +11,23 @@
 
 namespace ibr {
 
-/// Every step-th row of the mean, those whose number leaves the rest `phase`.
+/// Selects every step-th row of the mean: those with row mod step = phase.
 struct RowChoice {
   int step = 1, phase = 0;
 };
 
-/// A point in two pictures.
+/// A point in two images.
 struct Corner {
   glm::ivec2 source, target;                           // 1/128 px
   glm::ivec2 mean() const { return source + target; }  // 2⁻⁸ px
 };
 
-/// From pixels of the mean to both pictures, inside one triangle.
+/// Maps from pixels of the mean to both images, inside one triangle.
 struct TriangleMaps {
   shader::EccMap source, target;
-  glm::ivec2 origin;  // the first corner's mean
+  glm::ivec2 origin;  // mean of the first corner
 
-  /// False where the triangle cannot be judged.
+  /// Returns false if the triangle cannot be judged.
   bool set(const Corner& a, const Corner& b, const Corner& c) {
     const glm::ivec2 ma = a.mean(), mb = b.mean(), mc = c.mean();
     const std::int64_t area = shader::eccArea(ma, mb, mc);
@@ -39,7 +39,7 @@ struct TriangleMaps {
   }
 };
 
-/// Where a picture is read from pixel (column, row) of the mean on.
+/// Reads of a image from pixel (column, row) of the mean on.
 inline RunSource runAt(const shader::EccMap& map, const Texels& texels, glm::ivec2 origin, int column, int row) {
   constexpr std::int64_t kTexel = std::int64_t(1) << shader::kEccCoordinateBits;
   constexpr int kDropped = shader::kEccCoordinateBits - shader::kEccRunBits;
@@ -58,7 +58,7 @@ template <class Run>
 void forEachRun(glm::ivec2 a, glm::ivec2 b, glm::ivec2 c, RowChoice rows, const Run& run) {
   std::array<glm::ivec2, 3> byRow{a, b, c};
   std::ranges::sort(byRow, {}, &glm::ivec2::y);
-  // The rows of the edge top–bottom, which the longest edge spans, too.
+  // Rows of the edge top–bottom, which the longest edge spans, too.
   const auto half = [&](glm::ivec2 top, glm::ivec2 bottom) {
     const int behind = shader::eccFirstRow(bottom.y);
     int row = shader::eccFirstRow(top.y);

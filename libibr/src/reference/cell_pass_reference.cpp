@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A triangle is rasterised in homogeneous coordinates: a = M⁻¹·(X, Y, 1) with the vertices' (x, y, w) as columns of M
-// gives weights with which every attribute, divided by w, is Σ a_i f_i; the pixel is inside where no a_i is negative.
-// Nothing has to be clipped.
+// Rasterises triangles in homogeneous coordinates. With the vertices' (x, y, w) as columns of M, a = M⁻¹·(X, Y, 1)
+// are weights: an attribute f divided by w is Σ a_i f_i. A pixel is inside if no a_i is negative. No clipping is
+// needed.
 #include "reference/cell_pass_reference.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 #include "image/blue_noise.h"
 #include "reference/morph.h"
 #include "reference/texture_sampling.h"
-#include "render/passes/steps.h"
+#include "render/passes/draw_list.h"
 #include "shared/cell.h"
 #include "shared/overlay.h"
 #include "shared/panorama.h"
@@ -33,7 +33,7 @@ struct Triangle {
   glm::dvec3 inverseDistance, uncertainty;         // of the vertices
 };
 
-struct Step {
+struct DrawItem {
   const Scene& scene;
   const Cell& cell;
   const FramePlan& plan;
@@ -46,17 +46,17 @@ struct Step {
   double detail() const { return double(shader::kFinerDetail) / plan.settings.textureScale; }
 };
 
-std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::vector<PlannedCell>& cells,
-                          std::size_t view, bool cubic) {
-  std::vector<Step> steps;
+std::vector<DrawItem> drawListOf(const Scene& scene, const FramePlan& plan, const std::vector<PlannedCell>& cells,
+                                 std::size_t view, bool cubic) {
+  std::vector<DrawItem> items;
   for (const PlannedCell& c : cells)
-    steps.push_back({scene, scene.cells[c.cell], plan, c.view[view], c.opacity, int(&c - cells.data()),
+    items.push_back({scene, scene.cells[c.cell], plan, c.view[view], c.opacity, int(&c - cells.data()),
                      c.extrapolationDistance, cubic, c.correction});
-  return steps;
+  return items;
 }
 
-const Intrinsics& intrinsicsOf(const Step& step, std::size_t member) {
-  return step.scene.nodes[step.cell.members[member]].camera.intrinsics;
+const Intrinsics& intrinsicsOf(const DrawItem& item, std::size_t member) {
+  return item.scene.nodes[item.cell.members[member]].camera.intrinsics;
 }
 
 // q_i at a pixel, up to a positive factor inside the triangle.
@@ -65,24 +65,25 @@ glm::dvec3 pointAt(const Triangle& t, std::size_t member, glm::dvec2 pixel) {
   return a[0] * t.point[0][member] + a[1] * t.point[1][member] + a[2] * t.point[2][member];
 }
 
-// Px from a pixel to the nearest edge of a triangle that it is inside of, negative outside; `a`: its weights.
+// Distance, px, from a pixel to the nearest edge of a triangle, negative outside; `a`: the pixel's weights.
 double edgeDistance(const Triangle& t, glm::dvec3 a) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) nearest = std::min(nearest, a[i] / std::hypot(t.inverse[0][i], t.inverse[1][i]));
   return nearest;
 }
 
-Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& levels, std::size_t member, int x, int y) {
-  const Intrinsics& k = intrinsicsOf(step, member);
-  // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
+Texel sample(const DrawItem& item, const Triangle& t, const std::vector<Image8>& levels, std::size_t member, int x,
+             int y) {
+  const Intrinsics& k = intrinsicsOf(item, member);
+  // Derivatives as on a GPU, between the pixels of a 2×2 quad.
   const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5);
   auto difference = [&](auto value) {
-    return std::pair(step.detail() * (value({quad.x + 1.5, here.y}) - value({quad.x + 0.5, here.y})),
-                     step.detail() * (value({here.x, quad.y + 1.5}) - value({here.x, quad.y + 0.5})));
+    return std::pair(item.detail() * (value({quad.x + 1.5, here.y}) - value({quad.x + 0.5, here.y})),
+                     item.detail() * (value({here.x, quad.y + 1.5}) - value({here.x, quad.y + 0.5})));
   };
   if (k.model == CameraModel::equirectangular) {
     const auto [dx, dy] = difference([&](glm::dvec2 pixel) { return glm::normalize(pointAt(t, member, pixel)); });
-    return samplePanorama(levels, k, pointAt(t, member, here), dx, dy, step.cubic);
+    return samplePanorama(levels, k, pointAt(t, member, here), dx, dy, item.cubic);
   }
   auto coordinate = [&](glm::dvec2 pixel) {
     const glm::dvec3 q = pointAt(t, member, pixel);
@@ -91,10 +92,10 @@ Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& lev
   const auto [dx, dy] = difference(coordinate);
   const glm::dvec2 size(levels[0].width, levels[0].height);
   return trilinear(levels, coordinate(here), std::max(glm::length(dx * size), glm::length(dy * size)), false,
-                   step.cubic);
+                   item.cubic);
 }
 
-// [T] §3.5 eq. 1 of two members' luminances in a window; nothing where one of them has no contrast.
+// [T] §3.5 eq. 1 of two members' luminances in a window; nullopt if one of them has no contrast.
 std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const double n = double(a.size());
   double meanA = 0, meanB = 0, aa = 0, bb = 0, ab = 0;
@@ -109,28 +110,29 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
   return ab / std::sqrt(aa * bb);
 }
 
-// The photograph with its gain, where photographs are shown so (shared/cell.h, exposedValue).
-Texel exposed(const Step& step, std::size_t member, Texel texel) {
-  if (step.plan.settings.exposure == Exposure::off) return texel;
-  const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
-  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
+// Applies the photograph's gain unless exposure is off (shared/cell.h, exposedValue).
+Texel exposed(const DrawItem& item, std::size_t member, Texel texel) {
+  if (item.plan.settings.exposure == Exposure::off) return texel;
+  const glm::dvec3 gain = item.plan.exposure * item.scene.nodes[item.cell.members[member]].gain;
+  const double brightest = largest(texel.colour) + texel.range / 255;  // maximum before filtering
   texel.colour = exposedColour(texel.colour, gain);
-  // The slope of what is above: at the clipped end a level makes much of a difference.
+  // Maximum slope of exposedColour, which is steep for nearly clipped values.
   const double most = std::max(1.0, largest(gain)) + (brightest > 0.9 ? 1 / 0.09 : 0.0);
-  texel.range = most * texel.range + 128 * (most - 1);  // devices filter to about a level, which the gain multiplies
+  texel.range = most * texel.range + 128 * (most - 1);  // filters of devices differ by about a level, times the gain
   texel.levelRange *= most;
   return texel;
 }
 
-// Of pinholes.
-double agreement(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y) {
-  const std::size_t members = step.cell.members.size();
+// Mean correlation of all pairs of members in a window around the pixel; 2 without contrast. Pinholes only.
+double agreement(const DrawItem& item, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x,
+                 int y) {
+  const std::size_t members = item.cell.members.size();
   std::vector<std::vector<double>> windows(members);
   for (std::size_t i = 0; i < members; ++i) {
-    const Intrinsics& k = intrinsicsOf(step, i);
-    const std::vector<Image8>& levels = textures[step.cell.members[i]];
+    const Intrinsics& k = intrinsicsOf(item, i);
+    const std::vector<Image8>& levels = textures[item.cell.members[i]];
     const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5), size(levels[0].width, levels[0].height);
-    const auto point = [&](glm::dvec2 pixel) {  // as a GPU interpolates it
+    const auto point = [&](glm::dvec2 pixel) {  // as interpolated by a GPU
       const glm::dvec3 a = t.inverse * glm::dvec3(pixel, 1.0);
       return pointAt(t, i, pixel) / (a.x + a.y + a.z);
     };
@@ -144,12 +146,12 @@ double agreement(const Step& step, const Triangle& t, const std::vector<std::vec
     };
     const auto [dx, dy] = both(point);
     const auto [cx, cy] = both([&](glm::dvec2 pixel) { return coordinate(point(pixel)); });
-    const double footprint = step.detail() * std::max(glm::length(cx * size), glm::length(cy * size));
+    const double footprint = item.detail() * std::max(glm::length(cx * size), glm::length(cy * size));
     for (int j = -shader::kAgreementReach; j <= shader::kAgreementReach; ++j)
       for (int n = -shader::kAgreementReach; n <= shader::kAgreementReach; ++n) {
         const Texel texel =
             trilinear(levels, coordinate(point(here) + double(n) * dx + double(j) * dy), footprint, false, false);
-        const glm::dvec3 colour = exposed(step, i, texel).colour;
+        const glm::dvec3 colour = exposed(item, i, texel).colour;
         windows[i].push_back(glm::dot(colour, glm::dvec3(0.299, 0.587, 0.114)));
       }
   }
@@ -172,23 +174,23 @@ float noiseAt(int x, int y) {
   return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
 }
 
-// What masks leave of the members' weights, which sum to 1 or are all 0.
-// Returns the range (as of Picture) that a colour at a mask's border has, since weights are texels too; 0 elsewhere;
-// infinite where members are chosen by such weights.
-double masked(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
+// Applies the masks to the members' weights, which then sum to 1 or are all 0. Returns the range (as in Picture) of a
+// colour at a mask's border, since weights depend on texels, too. Returns 0 elsewhere, and infinity where such weights
+// select a member.
+double masked(const DrawItem& item, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
               std::array<double, 4>& weights) {
   double total = 0;
   bool border = false;
-  for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
+  for (std::size_t i = 0; i < item.cell.members.size(); ++i) {
     weights[i] = std::max(weights[i], double(shader::kLeastMaskedWeight));
-    const double alpha = sample(step, t, textures[step.cell.members[i]], i, x, y).alpha;
+    const double alpha = sample(item, t, textures[item.cell.members[i]], i, x, y).alpha;
     border = border || (weights[i] > 0 && alpha > 0 && alpha < 1);
     weights[i] *= std::clamp(2 * alpha - 1, 0.0, 1.0);
     total += weights[i];
   }
   for (double& weight : weights) weight = total > 0 ? weight / total : 0;
   if (!border) return 0;
-  return step.plan.settings.blend == BlendMode::blend ? 4 * 255 / std::max(total, 1e-9)
+  return item.plan.settings.blend == BlendMode::blend ? 4 * 255 / std::max(total, 1e-9)
                                                       : std::numeric_limits<double>::infinity();
 }
 
@@ -196,23 +198,23 @@ bool isGone(const std::array<double, 4>& weights) {
   return std::ranges::all_of(weights, [](double weight) { return weight == 0; });
 }
 
-// `x`, `y`: the pixel; `noise`: what is added to it for the noise. `blend`: of the members, sum 1.
-Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
+// `x`, `y`: the pixel; `noise`: offset into the noise pattern. `blend`: weights of the members, sum 1.
+Texel shade(const DrawItem& item, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
             glm::ivec2 noise, const std::array<double, 4>& blend, Known& known) {
   const float random = noiseAt(x + noise.x, y + noise.y);
   const int chosen = shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, random);
   Texel result;
   glm::dvec3 mean(0), square(0);
   std::array<double, 4> shares{};
-  for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
+  for (std::size_t i = 0; i < item.cell.members.size(); ++i) {
     const double dithered = int(i) == chosen ? 1.0 : 0.0;
-    const BlendMode mode = step.plan.settings.blend;
+    const BlendMode mode = item.plan.settings.blend;
     const double weight = mode == BlendMode::blend    ? blend[i]
                           : mode == BlendMode::dither ? dithered
                                                       : 0.5 * (blend[i] + dithered);
     shares[i] = weight;
     if (weight == 0.0 && blend[i] == 0.0) continue;
-    const Texel texel = exposed(step, i, sample(step, t, textures[step.cell.members[i]], i, x, y));
+    const Texel texel = exposed(item, i, sample(item, t, textures[item.cell.members[i]], i, x, y));
     if (weight > 0.0) result = mixed(result, 1, texel, weight);
     mean += blend[i] * texel.colour;
     square += blend[i] * texel.colour * texel.colour;
@@ -221,18 +223,18 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
   const glm::dvec3 variance = glm::max(square - mean * mean, 0.0);
   known = {1.0 / std::max(glm::dot(a, t.inverseDistance), 0.0),
            kTierAgrees,
-           step.rank,
-           step.extrapolation,
+           item.rank,
+           item.extrapolation,
            blend,
            std::sqrt((variance.x + variance.y + variance.z) / 3),
            glm::dot(a, t.uncertainty) / (a.x + a.y + a.z),
            glm::dot(a, t.inverseDistance) / (a.x + a.y + a.z),
            shares};
-  if (step.plan.settings.overlay == Overlay::agreement) known.agreement = agreement(step, t, textures, x, y);
+  if (item.plan.settings.overlay == Overlay::agreement) known.agreement = agreement(item, t, textures, x, y);
   return result;
 }
 
-// How far the second eye's noise is moved against the first's: both see it infinitely far away, straight ahead.
+// Offset of the second view's noise from the first's: the noise lies straight ahead at infinity of both views.
 glm::ivec2 noiseOffset(const FramePlan& plan, std::size_t view) {
   if (view == 0) return {0, 0};
   const glm::dvec3 ahead =
@@ -244,36 +246,36 @@ glm::ivec2 noiseOffset(const FramePlan& plan, std::size_t view) {
   return (offset % shader::kNoiseSize + shader::kNoiseSize) % shader::kNoiseSize;
 }
 
-// What one pixel of a canvas shows so far: the best step, and inside it the nearest triangle.
+// State of one canvas pixel: the best draw item so far, and the depth of its nearest triangle.
 struct Owner {
-  int step = -1;
+  int item = -1;
   double depth = 2;
-  int counted = -1;  // last step that shows it, hidden or not
+  int counted = -1;  // last draw item that covers the pixel, hidden or not
 };
 
-void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
+void drawItem(const DrawItem& item, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
               glm::ivec2 noise, Picture& picture, std::vector<Owner>& owners) {
   const Intrinsics& k = view.intrinsics;
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
-  const bool ours = step.plan.settings.morph == Morph::ours;
-  const MorphMesh& mesh = step.cell.mesh;
+  const bool ours = item.plan.settings.morph == Morph::ours;
+  const MorphMesh& mesh = item.cell.mesh;
   for (std::size_t f = 0; f < mesh.tier0Count(); ++f) {
     Triangle t;
     glm::dmat3 m;
     for (int v = 0; v < 3; ++v) {
       const std::size_t p = mesh.triangles[f][v];
-      const glm::dvec3 d = toView * morph(step.scene, step.cell, p, step.weights.position, step.plan.settings.morph,
-                                          view.pose.position, step.correction);
+      const glm::dvec3 d = toView * morph(item.scene, item.cell, p, item.weights.position, item.plan.settings.morph,
+                                          view.pose.position, item.correction);
       m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
       t.inverseDistance[v] = ours ? double(mesh.inverseDistance[p]) : 0.0;
       t.uncertainty[v] = mesh.uncertainty[p];
-      t.depth[v] = -d.z - step.plan.nearDistance * (ours ? double(mesh.inverseDistance[p]) : 0.0);
-      for (std::size_t i = 0; i < step.cell.members.size(); ++i)
+      t.depth[v] = -d.z - item.plan.nearDistance * (ours ? double(mesh.inverseDistance[p]) : 0.0);
+      for (std::size_t i = 0; i < item.cell.members.size(); ++i)
         t.point[std::size_t(v)][i] =
-            unproject(step.scene.nodes[step.cell.members[i]].camera.intrinsics, mesh.match[i][p]) *
+            unproject(item.scene.nodes[item.cell.members[i]].camera.intrinsics, mesh.match[i][p]) *
             (ours ? double(mesh.ratio[i][p]) : 1.0);
     }
-    if (m[0].z <= 0 && m[1].z <= 0 && m[2].z <= 0) continue;  // behind
+    if (m[0].z <= 0 && m[1].z <= 0 && m[2].z <= 0) continue;  // behind the view
     t.inverse = glm::inverse(m);
     int x0 = 0, y0 = 0, x1 = k.width - 1, y1 = k.height - 1;
     if (m[0].z > 0 && m[1].z > 0 && m[2].z > 0) {
@@ -290,23 +292,23 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
         if (!(a[0] + a[1] + a[2] > 0)) continue;
         const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
         const double edge = std::abs(edgeDistance(t, a));
-        if (owners[at].step < 0 || owners[at].step == index) picture.edge[at] = std::min(picture.edge[at], edge);
+        if (owners[at].item < 0 || owners[at].item == index) picture.edge[at] = std::min(picture.edge[at], edge);
         if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0)) continue;
-        if (step.opacity < 1 && noiseAt(x + noise.x + int(shader::kDissolveOffset.x),
-                                        y + noise.y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
+        if (item.opacity < 1 && noiseAt(x + noise.x + int(shader::kDissolveOffset.x),
+                                        y + noise.y + int(shader::kDissolveOffset.y)) >= float(item.opacity))
           continue;
         const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
         if (std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
-        if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
-        std::array<double, 4> blend = step.weights.blend;
+        if (owners[at].item >= 0 && (owners[at].item < index || owners[at].depth <= z)) continue;
+        std::array<double, 4> blend = item.weights.blend;
         double border = 0;
-        if (isMasked(step.scene, step.cell)) {
-          border = masked(step, t, textures, x, y, blend);
+        if (isMasked(item.scene, item.cell)) {
+          border = masked(item, t, textures, x, y, blend);
           if (isGone(blend)) continue;
         }
-        owners[at].step = index;
+        owners[at].item = index;
         owners[at].depth = z;
-        const Texel texel = shade(step, t, textures, x, y, noise, blend, picture.known[at]);
+        const Texel texel = shade(item, t, textures, x, y, noise, blend, picture.known[at]);
         picture.colour[at] = glm::dvec4(glm::clamp(texel.colour, 0.0, 1.0), 1.0);
         picture.range[at] = std::max(texel.range, border);
         picture.levelRange[at] = texel.levelRange;
@@ -330,12 +332,12 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
                   std::vector<int>(count, 0)};
   std::vector<Owner> owners(count);
   const glm::ivec2 noise = noiseOffset(plan, viewIndex);
-  const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex, cubic);
-  for (std::size_t s = 0; s < steps.size(); ++s) drawStep(steps[s], int(s), textures, view, noise, picture, owners);
+  const std::vector<DrawItem> items = drawListOf(scene, plan, cells, viewIndex, cubic);
+  for (std::size_t s = 0; s < items.size(); ++s) drawItem(items[s], int(s), textures, view, noise, picture, owners);
   for (int y = 1; y + 1 < height; ++y)
     for (int x = 1; x + 1 < width; ++x) {
       const auto owner = [&](int i, int j) {
-        return owners[std::size_t(j) * std::size_t(width) + std::size_t(i)].step;
+        return owners[std::size_t(j) * std::size_t(width) + std::size_t(i)].item;
       };
       bool same = true;
       for (int j = -1; j <= 1; ++j)
@@ -345,11 +347,11 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
   return picture;
 }
 
-// What is drawn in the current order, those that leave at their places.
+// Cells of the current draw order, with fading out cells at their ranks.
 std::vector<PlannedCell> drawn(const FramePlan& plan) {
   std::vector<PlannedCell> cells = plan.cells;
-  for (std::size_t i = plan.leaving.size(); i-- > 0;)
-    cells.insert(cells.begin() + std::ptrdiff_t(plan.leaving[i].before), plan.leaving[i].planned);
+  for (std::size_t i = plan.fadingOut.size(); i-- > 0;)
+    cells.insert(cells.begin() + std::ptrdiff_t(plan.fadingOut[i].before), plan.fadingOut[i].planned);
   return cells;
 }
 
@@ -360,19 +362,19 @@ Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textu
   const bool cubic = filter == TextureFilter::bicubic;
   Picture picture = canvas(scene, textures, plan, drawn(plan), view, cubic);
   const glm::dvec3 background(plan.settings.background);
-  std::optional<Picture> former;
-  if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view, cubic);
+  std::optional<Picture> previous;
+  if (plan.previousWeight > 0) previous = canvas(scene, textures, plan, plan.previous, view, cubic);
   for (std::size_t at = 0; at < picture.colour.size(); ++at) {
     const auto shown = [](const glm::dvec4& colour, const glm::dvec3& behind) {
       return colour.a > 0 ? glm::dvec3(colour) : behind;
     };
     glm::dvec3 colour = shown(picture.colour[at], background);
-    if (former) {
-      colour = glm::mix(colour, shown(former->colour[at], colour), plan.formerWeight);
-      picture.safe[at] &= former->safe[at];
-      picture.edge[at] = std::min(picture.edge[at], former->edge[at]);
-      picture.range[at] = std::max(picture.range[at], former->range[at]);
-      picture.levelRange[at] = std::max(picture.levelRange[at], former->levelRange[at]);
+    if (previous) {
+      colour = glm::mix(colour, shown(previous->colour[at], colour), plan.previousWeight);
+      picture.safe[at] &= previous->safe[at];
+      picture.edge[at] = std::min(picture.edge[at], previous->edge[at]);
+      picture.range[at] = std::max(picture.range[at], previous->range[at]);
+      picture.levelRange[at] = std::max(picture.levelRange[at], previous->levelRange[at]);
     }
     picture.colour[at] = glm::dvec4(colour, picture.colour[at].a);
   }

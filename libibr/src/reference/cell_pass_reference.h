@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Double-precision twin of the cell pass and the composition: what a frame plan should look like, pixel by pixel.
+// Reference implementation, in double precision, of the cell pass and the composition of a frame plan.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace ibr::reference {
 
-/// What BufferTargets holds of a pixel.
+/// Values of BufferTargets for a pixel.
 struct Known {
   double depth = std::numeric_limits<double>::infinity();
   int tier = -1, rank = -1;
@@ -20,7 +20,7 @@ struct Known {
   double spread = 0, uncertainty = std::numeric_limits<double>::infinity();
   double inverseDistance = 0;      // ρ
   std::array<double, 4> shares{};  // of the members in the colour, dithering included
-  double agreement = 2;            // of Overlay::agreement, where the plan asks for it: see agreementOf
+  double agreement = 2;            // for Overlay::agreement: mean correlation of the members; 2: none
 };
 
 struct Picture {
@@ -28,22 +28,22 @@ struct Picture {
   std::vector<glm::dvec4> colour;  // RGB display-encoded, 0 to 1, and the canvas's tier code; (0, 0, 0, 0) in holes
   std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one cell
   std::vector<double> edge;        // px to the nearest edge of a triangle: see isCertain
-  std::vector<double> range;       // levels by which the texels differ that the colour was made of
-  std::vector<double> levelRange;  // levels by which the two mip levels differ
+  std::vector<double> range;       // range, in 8-bit levels, of the texels behind the colour
+  std::vector<double> levelRange;  // difference of the two mip levels, 8-bit levels
   std::vector<Known> known;        // of the plan's current order
-  std::vector<int> overlap;        // cells that show the pixel, hidden ones too
+  std::vector<int> overlap;        // number of cells that cover the pixel, hidden ones included
 };
 
-/// Whether every device must draw the pixel as the twin does, but for its texture filter. Vertices are snapped to
-/// 2^-subPixelBits px (VkPhysicalDeviceLimits::subPixelPrecisionBits), half a step in x and in y, so edges move by up
-/// to 2^-subPixelBits / sqrt(2) px; a pixel that changes from one triangle of a cell to the next has the other's mip
-/// level.
+/// True if every device must draw the pixel like this implementation, texture filters aside. Devices snap vertices to
+/// 2^-subPixelBits px (VkPhysicalDeviceLimits::subPixelPrecisionBits), by up to half a step in x and in y. So edges
+/// move by up to 2^-subPixelBits / sqrt(2) px. A pixel that changes to a neighbouring triangle of its cell takes that
+/// triangle's mip level.
 inline bool isCertain(const Picture& picture, std::size_t pixel, unsigned subPixelBits) {
   return picture.safe[pixel] && picture.edge[pixel] > std::exp2(-double(subPixelBits));
 }
 
-/// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource
-/// gives it; `filter`: trilinear or bicubic. While a switch is mixed, `safe` and `range` hold for both pictures.
+/// Renders the target of a view; alpha is the tier code. `textures`: one mip chain per node, as from TextureSource;
+/// `filter`: trilinear or bicubic. During a cross-fade of draw orders, `safe` and `range` hold for both images.
 Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
                std::size_t view = 0, TextureFilter filter = TextureFilter::trilinear);
 

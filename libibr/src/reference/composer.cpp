@@ -23,14 +23,14 @@
 namespace ibr::reference {
 namespace {
 
-// Fixed: depth maps are compared by them.
-constexpr double kStepPx = 2;                     // of the photograph: 1 px at half its size
+// Constants are fixed, because results for different depth maps are compared.
+constexpr double kStepPx = 2;                     // px of the photograph: 1 px at half its size
 constexpr double kAngleFloor = 0.03;              // radians: as the gather's
 constexpr std::array kCandidateDepths{1.6, 0.4};  // of the median ρ
 constexpr int kCandidateColumns = 16, kCandidateRows = 9;
 constexpr double kFadeShare = 0.25;  // a candidate whose gain exceeds that of rank K + 1 by this share counts in full
 
-// The largest ρ in each block that a quarter of the photograph's resolution has as one pixel.
+// Largest ρ in each block that is one pixel at a quarter of the photograph's resolution.
 ImageF blockMaxima(const ImageF& map, int photographWidth) {
   const int block = std::max(1, int(std::lround(4.0 * map.width / photographWidth)));
   ImageF result((map.width + block - 1) / block, (map.height + block - 1) / block, 1, 0.0f);
@@ -47,17 +47,17 @@ struct Job {
   Camera view;
   std::vector<Candidate> candidates;
   std::function<HypothesisMesh(std::size_t)> mesh;  // of a candidate; thread-safe
-  double step = 0;                                  // of the vote's tolerance
+  double step = 0;                                  // for the vote's tolerance
   double voteScale = 1;
   std::size_t colours = 4, layers = kMaxGatherLayers;
   double detail = 1;  // of the photographs' textures
-  int lowestTier = kTierFilled;
+  int maxTier = kTierFilled;
   int threads = 1;
 };
 
-// Calls row(y) for all rows of an image.
+// Calls row(y) for all rows of an image, in parallel bands.
 void forRows(int height, int threads, const std::function<void(int)>& row) {
-  constexpr int kRows = 8;  // of a job
+  constexpr int kRows = 8;  // per band
   runJobs(
       std::size_t((height + kRows - 1) / kRows), threads,
       [&](std::size_t band) {
@@ -121,7 +121,7 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
   }
   if (!(sum > 0)) return;
   const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierCompleted : kTierAgrees;
-  if (tier > job.lowestTier) return;
+  if (tier > job.maxTier) return;
   result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
   result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueSurface(surfaces).inverseDepth);
   result.deviation.pixel(x, y)[0] = float(deviationOf(surfaces, tier == kTierAgrees, job.step, variance));
@@ -149,13 +149,13 @@ Composed composed(const Job& job) {
   return result;
 }
 
-// The mean of the two in the middle. Precondition: there is a value.
+// Median; for an even number of values, the mean of the middle two. Precondition: not empty.
 double middle(std::vector<double> values) {
   std::ranges::sort(values);
   return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
-// A planned photograph, checked.
+// Checks a planned photograph and converts it to a candidate.
 Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPhotograph& planned,
                       const GatherTextures& textures) {
   check(planned.node < scene.nodes.size() && planned.backdrop < scene.backdrops.size(), ErrorCode::invalidInput,
@@ -171,7 +171,7 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
   candidate.camera = node.camera;
   candidate.weight = planned.weight;
   candidate.distance = planned.distance / plan.gather.spacing;
-  const double px = focalPx(node.camera.intrinsics) * plan.gather.spacing;  // that ρ = 1 moves a point by
+  const double px = focalPx(node.camera.intrinsics) * plan.gather.spacing;  // displacement of a point per unit of ρ
   candidate.step = kStepPx / px;
   candidate.residual = plan.gather.residualPx / px;
   candidate.levels = &textures.photograph(planned.node);
@@ -187,7 +187,7 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
   return candidate;
 }
 
-// A mip chain of one level, in RGBA.
+// Mip chain of one level, in RGBA.
 std::vector<Image8> finestLevel(const Image8& picture) {
   if (picture.channels == 4) return {picture};
   Image8 result(picture.width, picture.height, 4, 255);
@@ -226,7 +226,7 @@ Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t 
   job.colours = settings.gatherColours;
   job.layers = settings.gatherLayers;
   job.detail = double(shader::kFinerDetail) / settings.textureScale;
-  job.lowestTier = settings.lowestTier;
+  job.maxTier = settings.maxTier;
   job.threads = threads;
   return composed(job);
 }
@@ -308,7 +308,7 @@ std::vector<Composer::Choice> Composer::candidates(const Camera& view) const {
     for (std::size_t i = 0; i < photographs_.size(); ++i)
       if (!taken[i])
         if (const double g = gain(i); g > most) most = g, best = i;
-    gains.push_back(most);  // the last one's is that of rank K + 1
+    gains.push_back(most);  // the last one is that of rank K + 1
     if (best == photographs_.size() || gains.size() > options_.candidates) break;
     taken[best] = true;
     for (std::size_t p = 0; p < kPlaces; ++p) sum[p] += value[best][p];

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference composer: a view from photographs with depth, in double precision on the CPU. It is the reference
-// implementation of Composition::gathered, and judges depth maps.
+// Reference composer: composes a view from photographs with depth, in double precision on the CPU. It is the reference
+// implementation of Composition::gathered, and is used to judge depth maps.
 //
-//   1. candidates  at most K photographs: FramePlan::photographs, or, of depth maps, greedy: Σ over a grid of rays and
-//                  two depths of √(Σ border / (.03 + angle))
+//   1. candidates  at most K photographs: FramePlan::photographs, or for depth maps a greedy choice by the sum, over
+//                  a grid of rays and two depths, of √(Σ border / (.03 + angle))
 //   2. layers      every candidate's mesh is drawn into the view at the vote's size: ρ, trust and consensus of the
 //                  nearest surface (composer_layer.h)
 //   3. vote        hypotheses of a pixel support each other within a tolerance t, weighted by trust and by nearness:
 //                      u = trust(c) / (.3 + (d / b)²),   support(ρ) = Σ u (1 − (Δρ / t)²)
-//                  a hypothesis is present by its share of the largest support, times max(1 − kernel / .25, 0) for each
-//                  of more support; from front to back it shows presence · min(mean(a) / .9, 1) of what those before it
-//                  leave, and all as far as nothing is behind. The two that show most are the pixel's surfaces; pixels
-//                  without a hypothesis get depth by pull and push (composer_vote.h)
+//                  the presence of a hypothesis is its share of the largest support, times max(1 − kernel / .25, 0)
+//                  for each one of more support. From front to back, each shows presence · min(mean(a) / .9, 1) of
+//                  the remaining share, up to all of it if nothing is behind. The two with the largest shares are
+//                  the pixel's surfaces; pixels without a hypothesis get depth by pull and push (composer_vote.h)
 //   4. gather      for each surface the N best candidates by
 //                      w = r² · border · visibility / cost,   cost = .03 + angle + .001 d / b
-//                  less the (N + 1)-th's w, so that no photograph comes or goes with a step (composer_gather.h). A
-//                  surface counts by its opacity and by how well its colours agree
+//                  minus w of candidate N + 1, so that photographs enter and leave gradually (composer_gather.h). A
+//                  surface is weighted by its opacity and by the agreement of its colours
 //
-// ρ is inverse depth along a camera's axis (of a panorama: along the ray), 1 / world unit; c, v and a: PhotographDepth;
-// d: distance of a photograph from the middle of the views; b: spacing of the capture. The image is continuous in the
-// camera except where the second and the third surface change places.
+// ρ is inverse depth along a camera's axis (for a panorama, along the ray), 1 / world unit; c, v and a:
+// PhotographDepth. d: distance of a photograph from the midpoint of the views; b: capture spacing. The image is
+// continuous in the camera, except where the second and the third surface change places.
 //
-// Departure: w is divided by s = smoothstep(0, .01, cost − .03), so that a photograph is alone at its own pose.
+// Departure: w is divided by s = smoothstep(0, .01, cost − .03), so that at its own pose a photograph is alone.
 #pragma once
 
 #include <cstddef>
@@ -39,12 +39,12 @@ namespace ibr::reference {
 
 /// A composed view. Inverse depths are along the view's axis.
 struct Composed {
-  Image8 picture;  // RGBA; alpha as AlphaContent::tier: kTierAgrees where the depth is confirmed, kTierCompleted where
-                   // it was completed, kTierFilled where it was filled in the view, 0 and black where no photograph
-                   // shows anything
-  ImageF colour;   // RGB of `picture` before rounding, 8-bit levels
-  ImageF inverseDepth;        // of the surface that counts most
-  ImageF opaqueInverseDepth;  // of the nearest surface that hides at least half of what lies behind: a depth buffer's
+  Image8 picture;             // RGBA; alpha as AlphaContent::tier: kTierAgrees where the depth is confirmed,
+                              // kTierCompleted where it was completed, kTierFilled where it was filled in the view,
+                              // 0 and black in holes
+  ImageF colour;              // RGB of `picture` before rounding, 8-bit levels
+  ImageF inverseDepth;        // of the surface with the largest weight
+  ImageF opaqueInverseDepth;  // of the nearest surface of at least half opacity, as in a depth buffer
   ImageF deviation;           // one standard deviation of opaqueInverseDepth
   ImageF supportMargin;       // Surfaces::margin of the pixel's vote: near 0 where rounding decides which peak wins
 };
@@ -56,15 +56,15 @@ struct GatherTextures {
   TextureFilter filter = TextureFilter::trilinear;                    // or bicubic
 };
 
-/// A view of a plan with Composition::gathered, from the photographs that the plan has. Throws Error{invalidInput} for
-/// RenderSettings::renderScale other than 1, a plan without a spacing, colours or layers out of range, a photograph
-/// without evidence in its backdrop's mesh, without texture levels in RGBA, or without a depth texture.
-/// Memory: 24 K + 100 bytes a pixel of the vote, 28 bytes a pixel, and 100 bytes a vertex of one mesh for each thread.
+/// Composes a view of a plan with Composition::gathered from the plan's photographs. Throws Error{invalidInput} for
+/// RenderSettings::renderScale other than 1, a plan without a spacing, colours or layers out of range. Likewise for a
+/// photograph without evidence in its backdrop's mesh, without RGBA mip levels, or without a depth texture. Memory: 24
+/// K + 100 bytes per pixel of the vote, 28 bytes per pixel, and per thread 100 bytes per vertex of one mesh.
 Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
                          int threads = 1);
 
-/// Fills what no photograph shows with colours from around it, of kTierFilled, as a device does where
-/// RenderSettings::lowestTier allows. Depth stays as it is.
+/// Fills holes with colours from around them, marked kTierFilled, as a device does if RenderSettings::maxTier allows.
+/// Depth does not change.
 void fillColours(Composed& view);
 
 /// A photograph with its depth. A pinhole; the depth maps cover the photograph and may be smaller.
@@ -79,28 +79,28 @@ struct ComposerOptions {
   int threads = 1;
 };
 
-/// Views from depth maps. The vote has the view's size.
+/// Composes views from depth maps. The vote has the view's size.
 class Composer {
  public:
-  /// The photograph of a number in RGB or RGBA (alpha 0: not to be shown), valid until the next call.
+  /// Returns a photograph by index, in RGB or RGBA (alpha 0: masked), valid until the next call.
   using PictureSource = std::function<const Image8&(std::size_t)>;
 
-  /// Throws Error{invalidInput} without photographs, for a camera that is no pinhole, maps of different sizes, or a
+  /// Throws Error{invalidInput} without photographs, for a camera that is not a pinhole, maps of different sizes, or a
   /// step that is not positive.
   explicit Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options = {});
 
-  /// Precondition: a pinhole. Thread-safe where `pictures` is. Memory: 24 K + 130 bytes a pixel, copies of K
-  /// photographs, and 100 bytes a pixel of one depth map for each thread.
+  /// Precondition: a pinhole. Thread-safe if `pictures` is. Memory: 24 K + 130 bytes per pixel, copies of K
+  /// photographs, and per thread 100 bytes per pixel of one depth map.
   Composed compose(const Camera& view, const PictureSource& pictures) const;
 
-  /// Photographs that compose() would use for a view, best first, and the weight that each has as a whole, 0 to 1.
+  /// Photographs that compose() would use for a view, best first, and the weight of each photograph, 0 to 1.
   struct Choice {
     std::size_t photograph = 0;
     double weight = 1;
   };
   std::vector<Choice> candidates(const Camera& view) const;
 
-  /// b: median over the photographs of the distance to the nearest one that was taken elsewhere; 1 where there is none.
+  /// b: median distance from a photograph to the nearest one at another site; 1 if all are at one site.
   double spacing() const { return spacing_; }
 
  private:

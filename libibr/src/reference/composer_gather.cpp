@@ -12,21 +12,21 @@
 namespace ibr::reference {
 namespace {
 
-// Fixed: depth maps are compared by them.
+// Constants are fixed, because results for different depth maps are compared.
 constexpr double kAngleFloor = 0.03;        // radians, added to every angle
-constexpr double kDistanceCost = 0.001;     // radians a spacing
+constexpr double kDistanceCost = 0.001;     // radians per spacing
 constexpr double kLargestResolution = 1.5;  // of the view's: a finer photograph is no better
 constexpr double kVisibilityFloor = 0.002;  // a hidden photograph is better than none
-constexpr double kBehindVisibility = 0.25;  // where the photograph's own surface stands behind the point
-constexpr double kOwnPlace = 0.01;          // radians of cost within which hiding and borders stop to count
-constexpr double kLeastApart = 1e-6;        // at a photograph's own pose: it is alone there
-constexpr double kUnsureDeviations = 3;     // within so many of both surfaces' nothing is hidden
+constexpr double kBehindVisibility = 0.25;  // if the photograph's own surface is behind the point
+constexpr double kOwnPlace = 0.01;          // radians of cost within which visibility and borders fade to no effect
+constexpr double kLeastApart = 1e-6;        // limits the weight at a photograph's own pose
+constexpr double kUnsureDeviations = 3;     // deviations of both surfaces within which nothing counts as hidden
 constexpr double kLevels = 255;
 
-// How well a photograph sees a surface.
+// Weight and sampling of a surface in one photograph.
 struct Sight {
   double weight = 0;
-  double footprint = 1;  // texels a pixel
+  double footprint = 1;  // texels per pixel
   glm::dvec2 pixel{0};
   const PhotographSampler* sampler = nullptr;
 };
@@ -37,7 +37,7 @@ std::optional<Sight> sightOf(const PhotographSampler& sampler, glm::dvec2 viewPi
   const glm::dvec3 ray = sampler.ray(viewPixel), direction = ray + inverseDepth * sampler.shift();
   const std::optional<glm::dvec2> pixel = sampler.pixel(direction);
   if (!pixel) return std::nullopt;
-  // The cross product of ray and direction, without the difference of nearly parallel vectors.
+  // By the cross product of ray and direction, which avoids the difference of nearly parallel vectors.
   const double angle =
       std::atan2(inverseDepth * glm::length(glm::cross(ray, sampler.shift())), glm::dot(ray, direction));
   const double beyond = angle + kDistanceCost * candidate.distance, cost = kAngleFloor + beyond;

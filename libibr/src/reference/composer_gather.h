@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gather: the colour of a surface is the mean of the photographs that see it best, each read as coarsely as the
-// surface's uncertain depth moves it.
+// The gather: averages the photographs that see a surface best. Each is filtered as coarsely as the uncertainty of the
+// surface's depth requires.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@
 namespace ibr::reference {
 
 struct Gathered {
-  glm::dvec3 colour{0};  // display-encoded, 0 to 1 where gains are 1
+  glm::dvec3 colour{0};  // display-encoded, 0 to 1 if gains are 1
   double variance = 0;   // of the photographs' colours, 8-bit levels², mean over channels
   bool known = false;    // a photograph sees the surface
 };
 
 class Gather {
  public:
-  /// `colours`: photographs of a mean, at least 1; `detail`: texels read a texel that the view asks for. The candidates
-  /// must outlive it.
+  /// `colours`: number of photographs that are averaged, at least 1; `detail`: texels read per texel that the view
+  /// needs. The candidates must outlive the object.
   Gather(const Camera& view, std::span<const Candidate> candidates, std::size_t colours, double detail);
 
-  /// The surface at ρ (along the view's axis) of a pixel, which may be off by a share of itself. Thread-safe.
+  /// Colour of the surface at ρ (along the view's axis) of a pixel; `uncertainty`: relative, of ρ. Thread-safe.
   Gathered at(glm::dvec2 pixel, double inverseDepth, double uncertainty = 0) const;
 
  private:

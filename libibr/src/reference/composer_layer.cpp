@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles are rasterised in homogeneous coordinates: the vertices' (x w, y w, w) in px are the columns of M, and
-// a = M⁻¹ (x, y, 1) interpolates: f / w = Σ a_i f_i. The pixel is inside where no a_i is negative; nothing is clipped.
+// Rasterises triangles in homogeneous coordinates: the vertices' (x w, y w, w) in px are the columns of M, and a = M⁻¹
+// (x, y, 1) interpolates: f / w = Σ a_i f_i. A pixel is inside if no a_i is negative; no clipping.
 #include "reference/composer_layer.h"
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 namespace ibr::reference {
 namespace {
 
-constexpr double kLargestJump = 2;       // steps between neighbours of a depth map that one surface joins
-constexpr double kInsideMargin = -1e-9;  // of the weights: no gap between triangles that share an edge
+constexpr double kLargestJump = 2;       // steps between neighbours of a depth map that form one surface
+constexpr double kInsideMargin = -1e-9;  // relative to the weights; avoids gaps between triangles that share an edge
 
 double trustOf(int confirmations) {
   constexpr std::array kTrust{0.06, 0.25, 0.7, 1.0};
@@ -42,7 +42,7 @@ Box around(const std::vector<glm::dvec3>& polygon, int width, int height) {
 Box boxOf(const std::array<glm::dvec3, 3>& corners, int width, int height) {
   std::vector<glm::dvec3> polygon(corners.begin(), corners.end());
   if (std::ranges::all_of(corners, [](const glm::dvec3& c) { return c.z > 0; })) return around(polygon, width, height);
-  // A corner is behind the view: only the part before it has pixels, the part inside the view's frustum.
+  // A corner is behind the view: clips the triangle to the view's frustum.
   for (const glm::dvec3& plane :
        {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, width), glm::dvec3(0, -1, height)}) {
     std::vector<glm::dvec3> inside;

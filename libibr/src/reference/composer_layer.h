@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph's mesh drawn into the view: the photograph's hypothesis for every pixel of the vote.
+// Draws a photograph's mesh into the view: the photograph's hypothesis for every pixel of the vote.
 #pragma once
 
 #include <glm/gtc/type_precision.hpp>
@@ -12,17 +12,17 @@
 
 namespace ibr::reference {
 
-/// Depth of a photograph, and what other photographs say of it. Three maps of one size.
+/// Depth of a photograph with its confirmation by other photographs. Three maps of one size.
 struct PhotographDepth {
-  ImageF inverseDepth;    // along the axis, 1 / world unit, >= 0: known everywhere
-  Image8 confirmations;   // c: photographs whose depth is the same there; 0 where depth was completed
+  ImageF inverseDepth;    // along the axis, 1 / world unit, >= 0; defined everywhere
+  Image8 confirmations;   // c: number of photographs with the same depth there; 0 where depth was completed
   ImageF consensus;       // a: (c + .25) / (c + v + .5), v photographs that see past it; .1 where completed
   double step = 0;        // ρ that moves a point by 1 px at half the photograph's size over the spacing b, > 0
   double residualPx = 0;  // median reprojection residual, px of the photograph
 };
 
-/// A photograph's surfaces. A vertex lies at point / inverseDepth from the photograph's centre, in its axes: at
-/// infinity where inverseDepth is 0.
+/// Surfaces of a photograph. A vertex lies at point / inverseDepth from the photograph's centre, in its axes; at
+/// infinity if inverseDepth is 0.
 struct HypothesisMesh {
   struct Vertex {
     glm::dvec3 point{0};
@@ -39,13 +39,13 @@ HypothesisMesh hypothesisMesh(const Intrinsics& photograph, const MorphMesh& mes
 /// A pinhole's depth map as a grid of triangles, cut where depth jumps.
 HypothesisMesh hypothesisMesh(const Intrinsics& photograph, const PhotographDepth& depth);
 
-/// What one photograph says of a pixel.
+/// A photograph's hypothesis for a pixel.
 struct Hypothesis {
   double inverseDepth = 0;          // along the view's axis
   double trust = 0, consensus = 0;  // trust 0: no hypothesis
 };
 
-/// Row by row at the view's size; the nearest surface wins. Masked parts of a photograph vote too: their depth was
+/// Row by row at the view's size; the nearest surface wins. Masked parts of a photograph vote, too: their depth was
 /// completed from around the mask.
 std::vector<Hypothesis> drawLayer(const Camera& view, const Candidate& candidate, const HypothesisMesh& mesh);
 

@@ -10,9 +10,9 @@
 namespace ibr::reference {
 namespace {
 
-constexpr double kBorderShare = 0.04;  // of the width, along which a photograph comes and goes
+constexpr double kBorderShare = 0.04;  // of the width, over which a photograph fades at its border
 
-// A channel at a place in px of the map; `around`: a panorama goes around in x.
+// Bilinear sample of a channel at (x, y), px of the map; `around`: x wraps, for panoramas.
 double bilinear(const ImageF& map, std::size_t channel, double x, double y, bool around) {
   x -= 0.5;
   y -= 0.5;
@@ -40,7 +40,7 @@ double focalPx(const Intrinsics& k) {
 
 double alphaAt(const Candidate& candidate, glm::dvec2 pixel) {
   const Intrinsics& k = candidate.camera.intrinsics;
-  constexpr double kFinest = 1;  // texels a pixel
+  constexpr double kFinest = 1;  // texels per pixel
   return trilinear(*candidate.levels, share(k, pixel), kFinest, k.model == CameraModel::equirectangular, false).alpha;
 }
 

@@ -12,26 +12,26 @@
 namespace ibr::reference {
 namespace {
 
-// Fixed: depth maps are compared by them.
-constexpr double kStepTolerance = 2;       // of the tolerance: steps …
+// Constants are fixed, because results for different depth maps are compared.
+constexpr double kStepTolerance = 2;       // tolerance: steps …
 constexpr double kShareTolerance = 0.01;   // … and a share of ρ
 constexpr double kNearness = 0.3;          // u = trust / (kNearness + squared distance in spacings)
-constexpr double kSameSurface = 0.25;      // kernel from which on the lesser hypothesis is no surface of its own
-constexpr double kFullConsensus = 0.9;     // consensus from which on a surface that is present hides all behind it
-constexpr double kCompletedTrust = 0.155;  // trust: a hypothesis below it was completed, not matched; the middle
+constexpr double kSameSurface = 0.25;      // kernel value above which the lesser hypothesis is not a surface of its own
+constexpr double kFullConsensus = 0.9;     // consensus at which a present surface hides all behind it
+constexpr double kCompletedTrust = 0.155;  // trust below which a hypothesis was completed, not matched; the middle
                                            // between no and one confirmation
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
-constexpr double kSureConsensus = 0.5;     // consensus from which on ρ counts as exact; below it …
-constexpr double kUnsure = 0.1;            // … it may be off by up to this share of itself
-constexpr double kOpaque = 0.5;            // opacity from which on a surface counts for depth
-constexpr double kLeastDepth = 1e-6;       // ρ that spreads are taken in relation to, at least
-constexpr double kAloneSpread = 0.05;      // of a hypothesis that no other candidate has one beside
+constexpr double kSureConsensus = 0.5;     // consensus at which ρ counts as exact; below it …
+constexpr double kUnsure = 0.1;            // … maximum relative error of ρ
+constexpr double kOpaque = 0.5;            // minimum opacity of the surface that defines depth
+constexpr double kLeastDepth = 1e-6;       // minimum ρ for relative spreads
+constexpr double kAloneSpread = 0.05;      // relative; for a pixel with a single hypothesis
 constexpr double kStepDeviation = 0.18;    // of a confirmed ρ: steps, and …
-constexpr double kSpreadDeviation = 0.85;  // … of the spread, times 1 + …
+constexpr double kSpreadDeviation = 0.85;  // … factor on the spread, times 1 + …
 constexpr double kColourDeviation = 4;     // … this × the colours' deviation in kColourSpread, …
-constexpr double kMostColours = 2;         // … of which that many count
+constexpr double kMostColours = 2;         // … limited to this
 
-// How much a hypothesis at `there` supports one at `here`.
+// Support of a hypothesis at `here` by one at `there`: 0 to 1.
 double kernel(double here, double there, double step) {
   const double off = (here - there) / toleranceOf(step, here);
   return std::max(0.0, 1 - off * off);
@@ -52,7 +52,7 @@ double marginOf(std::vector<double> support) {
   return (support[0] - support[1]) / support[0];
 }
 
-// How far each is a surface of its own: its share of the largest support, and less the nearer one of more support is.
+// Presence of each hypothesis: its share of the largest support, reduced by the nearness of hypotheses of more support.
 std::vector<double> presences(std::span<const Vote> votes, std::span<const double> support, double step) {
   const double most = *std::ranges::max_element(support);
   std::vector<double> present;
@@ -76,7 +76,7 @@ double spreadAbout(std::span<const Vote> votes, double surface) {
   return std::sqrt(square / sum);
 }
 
-// The mean of the hypotheses around one; its opacity as far as it is present.
+// Mean of the hypotheses around a peak, and its opacity as far as the peak is present.
 Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
   double sum = 0, depth = 0, consensus = 0, completed = 0;
   for (const Vote& vote : votes) {
@@ -124,7 +124,7 @@ Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers) {
   if (votes.empty()) return result;
   const std::vector<double> support = supports(votes, step);
   const std::vector<double> present = presences(votes, support, step);
-  // From front to back. The last surface hides nothing that is known, and shows whole.
+  // From front to back. The last surface hides nothing that is known, and shows in full.
   std::vector<std::size_t> order(votes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::ranges::stable_sort(order,
@@ -151,7 +151,7 @@ Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers) {
   most.resize(std::min(most.size(), layers));
   std::ranges::stable_sort(most, std::ranges::greater(), [](const Shown& one) { return one.surface.inverseDepth; });
   double behind = 0;
-  for (std::size_t l = most.size(); l-- > 0;) {  // of what is there from this one on
+  for (std::size_t l = most.size(); l-- > 0;) {  // share of this surface and all behind it
     behind += most[l].share;
     result.surface[l] = most[l].surface;
     result.surface[l].opacity = most[l].share / behind;

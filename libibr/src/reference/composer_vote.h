@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vote: the hypotheses of a pixel become its surfaces. Pure.
+// The vote: turns the hypotheses of a pixel into its surfaces. Pure functions.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace ibr::reference {
 
-/// Standard deviation of a surface's colours, 8-bit levels, that halves its weight.
+/// Standard deviation of a surface's colours that halves its weight, 8-bit levels.
 inline constexpr double kColourSpread = 15;
 
 /// ρ by which two hypotheses may differ and still be the same surface.
 double toleranceOf(double step, double inverseDepth);
 
-/// Share of itself by which a ρ of that consensus may be off, one standard deviation.
+/// Relative error of a ρ with the given consensus, one standard deviation.
 double uncertaintyOf(double consensus);
 
-/// Weight u of a hypothesis. `distance`: of its photograph, spacings.
+/// Weight u of a hypothesis. `distance`: of its photograph, in spacings.
 double voteWeight(double photographWeight, double trust, double distance);
 
 struct Vote {
@@ -32,32 +32,32 @@ struct Vote {
 /// A surface that colours are gathered for.
 struct Surface {
   double inverseDepth = 0;  // along the view's axis
-  double opacity = 1;       // 0 to 1, of what lies behind; of the last surface 1
-  double uncertainty = 0;   // of ρ, a share of it
-  bool completed = false;   // most of its weight comes from depth that nobody confirmed
+  double opacity = 1;       // 0 to 1, relative to the surfaces behind; 1 for the last one
+  double uncertainty = 0;   // relative, of ρ
+  bool completed = false;   // most of its weight comes from unconfirmed depth
 };
 
 /// The surfaces of a pixel, nearest first.
 struct Surfaces {
   std::array<Surface, kMaxGatherLayers> surface;
-  std::size_t count = 0;  // 0: nothing is known
+  std::size_t count = 0;  // 0: no hypothesis
   bool filled = false;    // a hole of the vote
-  double spread = 0;      // of all hypotheses about the opaque surface: root of their mean square, a share of its ρ
-  double margin = 1;      // the lesser of two differences: of the two largest supports, in the largest; of what the
-                          // last surface and the one after it show of the pixel. 1 where there are no two
+  double spread = 0;      // RMS deviation of all hypotheses from the opaque surface, relative to its ρ
+  double margin = 1;      // the lesser of: relative difference of the two largest supports; difference in
+                          // shown share of the last surface and the next one. 1 if there are no two
 };
 
-/// The nearest surface that hides at least half of what lies behind. Precondition: there is a surface.
+/// The nearest surface of at least half opacity. Precondition: there is a surface.
 const Surface& opaqueSurface(const Surfaces& surfaces);
 
-/// One standard deviation of its ρ. `variance`: of the colours of the surface that counts most, 8-bit levels².
+/// One standard deviation of its ρ. `variance`: of the colours of the surface with most weight, 8-bit levels².
 double deviationOf(const Surfaces& surfaces, bool confirmed, double step, double variance);
 
-/// `votes`: in the order of the candidates; `layers`: most surfaces, at most kMaxGatherLayers.
+/// `votes`: in the order of the candidates; `layers`: maximum number of surfaces, at most kMaxGatherLayers.
 Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers);
 
-/// Gives pixels without a hypothesis one surface, whose ρ is interpolated from around by pull and push. Row by row.
-/// Nothing happens where no pixel has a surface.
+/// Gives pixels without a hypothesis one surface; ρ is interpolated by pull and push. Pixels are row by row. No effect
+/// if no pixel has a surface.
 void fillHoles(std::vector<Surfaces>& pixels, int width, int height);
 
 }  // namespace ibr::reference

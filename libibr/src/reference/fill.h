@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filling by pull and push (shaders/shared/fill.h), in double precision.
+// Hole filling by pull and push (shaders/shared/fill.h), in double precision.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace ibr::reference {
 
-/// A level of the image pyramid, row by row: values, and how much of each is known, 0 to 1. `Value` adds, and scales by
-/// a double.
+/// A level of the image pyramid, row by row: values, and the known share of each, 0 to 1. `Value` supports addition and
+/// scaling by a double.
 template <class Value>
 struct FillLevel {
   FillLevel(int w, int h)
@@ -61,7 +61,7 @@ void push(const FillLevel<Value>& coarse, FillLevel<Value>& fine) {
     }
 }
 
-/// Fills what is not known from around it. False where everything is known, or nothing: nothing happens.
+/// Fills unknown values from around them. Returns false, without a change, if all or no values are known.
 template <class Value>
 bool fill(FillLevel<Value>& finest) {
   const auto isKnown = [](double weight) { return weight > 0; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Double-precision twin of shaders/render/cell.vert.
+// Reference implementation of shaders/render/cell.vert in double precision.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ inline glm::dvec3 morph(const Scene& scene, const Cell& cell, std::size_t point,
     shift += position[i] * (camera.pose.position - eye);
   }
   if (way == Morph::paper) return correction.rotation * direction;
-  // Where X is from the eye, times ρ: X − eye = direction / ρ + shift.
+  // Vector from the eye to the vertex X, times ρ: X − eye = direction / ρ + shift.
   const double inverseDistance = cell.mesh.inverseDistance[point];
   const glm::dvec3 fromPivot = direction + inverseDistance * (shift + (eye - correction.pivot) + correction.shift);
   return correction.rotation * fromPivot + inverseDistance * (correction.pivot - eye);

@@ -14,7 +14,7 @@ int wrapped(int x, int width) {
   return (x % width + width) % width;
 }
 
-Texel bilinear(const Image8& image, glm::dvec2 at, bool around) {  // at: 0 to 1; a panorama goes around in x
+Texel bilinear(const Image8& image, glm::dvec2 at, bool around) {  // at: 0 to 1; x wraps for panoramas
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
   Texel result;
@@ -79,7 +79,7 @@ Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footpri
   const auto fine = std::size_t(lod);
   Texel a = bilinear(levels[fine], at, around);
   if (cubic && fine == 0) {
-    const double alpha = a.alpha;  // a mask's edge does not overshoot
+    const double alpha = a.alpha;  // a mask's edge must not overshoot
     a = bicubic(levels[0], at, around);
     a.alpha = alpha;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Double-precision twin of how photographs are filtered: trilinear, bicubic (Keys 1981), and along a panorama's
-// parallels (shared/panorama.h). Levels are RGBA; places are 0 to 1 over a picture, whose corner is (0, 0). Pure.
+// Reference implementation, in double precision, of photograph filters: trilinear, bicubic (Keys 1981), and along a
+// panorama's parallels (shared/panorama.h). Levels are RGBA; positions are 0 to 1, (0, 0) is the image's corner. Pure.
 #pragma once
 
 #include <algorithm>
@@ -23,17 +23,17 @@ inline double largest(glm::dvec3 v) {
   return std::max({v.x, v.y, v.z});
 }
 
-/// Ranges of a mixture are the larger ones.
+/// Weighted sum; its ranges are the larger ones of both texels.
 inline Texel mixed(const Texel& a, double weightA, const Texel& b, double weightB) {
   return {weightA * a.colour + weightB * b.colour, std::max(a.range, b.range), std::max(a.levelRange, b.levelRange),
           weightA * a.alpha + weightB * b.alpha};
 }
 
-/// A photograph's display-encoded colour whose linear light is multiplied by a gain (shared/cell.h, exposedColour). Not
+/// Multiplies the linear light of a display-encoded colour by a gain (shared/cell.h, exposedColour). The result is not
 /// clamped.
 glm::dvec3 exposedColour(glm::dvec3 colour, glm::dvec3 gain);
 
-/// `footprint`: texels of the finest level between neighbouring pixels; `around`: a panorama goes around in x.
+/// `footprint`: texels of the finest level between neighbouring pixels; `around`: x wraps, for panoramas.
 Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around, bool cubic);
 
 /// `here`: q_i at the pixel; `dx`, `dy`: differences of its unit ray to the neighbouring pixels.

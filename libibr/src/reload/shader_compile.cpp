@@ -60,7 +60,7 @@ CompiledShader compileShader(const std::string& compiler, const std::filesystem:
     result.dependencies = prerequisites(readTextFile(rule, kLargest));
     result.words.resize(bytes.size() / sizeof(std::uint32_t));
     std::memcpy(result.words.data(), bytes.data(), bytes.size());
-    result.text.clear();  // warnings
+    result.text.clear();  // only warnings
   } catch (const Error& error) {
     result.text += error.what();
   }

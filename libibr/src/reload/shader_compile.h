@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One GLSL file to SPIR-V, by a compiler that is another program.
+// Compiles one GLSL file to SPIR-V with an external compiler.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 namespace ibr {
 
 struct CompiledShader {
-  std::vector<std::uint32_t> words;                 // empty: it failed
-  std::string text;                                 // why
-  std::vector<std::filesystem::path> dependencies;  // the file and all that it includes, absolute; of a success only
+  std::vector<std::uint32_t> words;                 // empty: compilation failed
+  std::string text;                                 // reason of the failure
+  std::vector<std::filesystem::path> dependencies;  // the file and its includes, absolute; empty after a failure
 };
 
-/// Compiles `folder`/`file` as the build does, with `folder` to include from. `output` is a path for scratch files, to
-/// which suffixes are added. `goesOn` as runChild asks it. Throws nothing but std::bad_alloc: what goes wrong is in the
-/// text.
+/// Compiles `folder`/`file` as the build does, with include path `folder`. `output`: path of scratch files, to which
+/// suffixes are added. `goesOn`: called as in runChild. Throws nothing but std::bad_alloc: failures are described in
+/// the result's text.
 CompiledShader compileShader(const std::string& compiler, const std::filesystem::path& folder, const std::string& file,
                              const std::filesystem::path& output, const std::function<bool()>& goesOn);
 
-/// The prerequisites of a rule of make, as glslangValidator --depfile writes it: spaces in names follow a backslash.
+/// Prerequisites of a make rule in the format of glslangValidator --depfile: a backslash escapes spaces in names.
 std::vector<std::filesystem::path> prerequisites(std::string_view rule);
 
 }  // namespace ibr

@@ -18,7 +18,7 @@ std::vector<std::string> shaderFiles() {
   return files;
 }
 
-// Why the words cannot be used; empty: they can.
+// Reason why the words cannot be used; empty if they can.
 std::string refusal(std::span<const std::uint32_t> embedded, const CompiledShader& compiled) {
   if (compiled.words.empty()) return compiled.text;
   try {
@@ -40,7 +40,7 @@ struct ShaderReloader::State {
   void say(LogLevel level, const std::string& message) const {
     if (log) log(level, message);
   }
-  /// Returns what was in use; empty: the embedded words.
+  /// Returns the replaced words; empty: the embedded words were in use.
   std::vector<std::uint32_t> use(std::span<const std::uint32_t> embedded, std::vector<std::uint32_t> words) {
     std::vector<std::uint32_t>& kept = replacements.words[embedded.data()];
     kept.swap(words);
@@ -51,14 +51,14 @@ struct ShaderReloader::State {
   ShaderReplacements& replacements;
   LogCallback log;
   ShaderWatch watch;
-  std::map<std::size_t, Failure> failing;                                            // by the shader's number
-  std::vector<std::pair<const EmbeddedShader*, std::vector<std::uint32_t>>> before;  // for takeBack()
+  std::map<std::size_t, Failure> failing;                                            // by index of the shader
+  std::vector<std::pair<const EmbeddedShader*, std::vector<std::uint32_t>>> before;  // replaced words, for takeBack()
 };
 
 ShaderReloader::ShaderReloader(Device& device, ShaderReloadOptions options) {
   constexpr double kLongestSeconds = 10;
   const Stopwatch watch;
-  std::string version;  // whatever it answers: that it can be run is what counts
+  std::string version;  // the text is not used; a successful run shows that the compiler exists
   const auto keepFirst = [&](std::string_view line) {
     if (version.empty()) version = line;
   };

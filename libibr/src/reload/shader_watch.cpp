@@ -77,7 +77,7 @@ std::vector<std::size_t> ShaderWatch::outdated(const Times& now) const {
 void ShaderWatch::look(const std::stop_token& stop) {
   using namespace std::chrono_literals;
   Times now = timesBelow();
-  while (now != times_ && !stop.stop_requested()) {  // not in the middle of an editor's writing
+  while (now != times_ && !stop.stop_requested()) {  // waits until an editor has finished writing
     std::this_thread::sleep_for(30ms);
     Times again = timesBelow();
     if (again == now) break;
@@ -108,7 +108,7 @@ void ShaderWatch::work(const std::stop_token& stop) {
     }
     try {
       look(stop);
-    } catch (const std::exception&) {  // no memory, no thread: what was not compiled now is when it changes again
+    } catch (const std::exception&) {  // no memory or no thread: the file compiles at its next change
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thread that compiles shaders when their files change. It knows nothing of devices.
+// A thread that compiles shaders when their files change. Independent of devices.
 #pragma once
 
 #include <condition_variable>
@@ -20,15 +20,15 @@ namespace ibr {
 
 class ShaderWatch {
  public:
-  /// Throws Error{io} where `folder` is no folder or there is no place for scratch files. Starts with all of `files`,
-  /// which are relative to it.
+  /// Throws Error{io} if `folder` is not a folder or no scratch folder can be made. Starts by compiling all of `files`,
+  /// whose paths are relative to `folder`.
   ShaderWatch(const std::filesystem::path& folder, std::string compiler, std::vector<std::string> files);
   ShaderWatch(const ShaderWatch&) = delete;
   ShaderWatch& operator=(const ShaderWatch&) = delete;
   ~ShaderWatch();
 
-  /// What was compiled since the last call, by the number of the file: the latest of each, those of one change at
-  /// once. Has the thread look at the folder again, unless that was asked for in the last tenth of a second.
+  /// Results since the last call, by index of the file: the latest of each, with all results of one change together.
+  /// Wakes the thread to check the folder, at most every tenth of a second.
   std::map<std::size_t, CompiledShader> take();
 
  private:
@@ -42,20 +42,20 @@ class ShaderWatch {
   std::string compiler_;
   Stopwatch sinceAsked_;
 
-  // The thread's own.
+  // Used by the thread only.
   struct Shader {
     std::string file;
-    std::vector<std::filesystem::path> dependencies;  // empty: not known, or it failed
+    std::vector<std::filesystem::path> dependencies;  // empty: unknown, or compilation failed
   };
   std::vector<Shader> shaders_;
   Times times_;
 
-  std::mutex guard_;  // of:
+  std::mutex guard_;  // protects the members below
   std::condition_variable_any asked_;
   bool ask_ = true;
   std::map<std::size_t, CompiledShader> done_;
 
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // last member: joined before the others are destroyed
 };
 
 }  // namespace ibr

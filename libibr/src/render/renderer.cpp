@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "base/check.h"
 #include "gpu/draw/canvas.h"
@@ -11,17 +12,19 @@
 #include "gpu/draw/scope.h"
 #include "gpu/transfer/submit.h"
 #include "ibr/renderer.h"
+#include "render/clear_targets.h"
+#include "render/exceeded_option.h"
 #include "render/passes/buffer_pass.h"
 #include "render/passes/cell_pass.h"
 #include "render/passes/colour_map_pass.h"
 #include "render/passes/colour_tables.h"
 #include "render/passes/composite_pass.h"
 #include "render/passes/depth_pass.h"
+#include "render/passes/draw_list.h"
 #include "render/passes/fill_pass.h"
 #include "render/passes/gather_pass.h"
 #include "render/passes/hidden_area_pass.h"
 #include "render/passes/overlay_pass.h"
-#include "render/passes/steps.h"
 #include "render/passes/uncertainties.h"
 #include "render/plan/colour_plan.h"
 #include "render/resident/gpu_scene_state.h"
@@ -30,38 +33,38 @@ namespace ibr {
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
-      : scene(&gpuScene.state()),
+      : scene(&stateOf(gpuScene)),
         options(o),
         requirements(withOptions(scene->requirements, o)),
-        canvas(device, scaled(o.largest, canvasScale(o)),
+        canvas(device, scaled(o.maxExtent, canvasScale(o)),
                ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
     const Requirements& needed = requirements;
     checkHiddenArea(o.hiddenArea);
-    if (needed.switchMixing) former.emplace(device, canvas.largest());
+    if (needed.switchMixing) previous.emplace(device, canvas.largest());
     if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
     if (needed.fill) {
       std::vector<VkImageView> sources;
       for (const CanvasSource& source : sourcesOf(canvas, eyesOrNull())) sources.push_back(source.colour);
       fill.emplace(device, canvas.largest(), sources);
     }
-    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kLargestCellCount));
+    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kMaxCellCount));
     cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE,
                   eyes ? eyes->renderPass() : VK_NULL_HANDLE);
     if (needed.hiddenArea)
       hidden.emplace(device, o.hiddenArea, canvas.renderPass(), eyes ? eyes->renderPass() : VK_NULL_HANDLE);
     if (needed.gather) gather.emplace(device, gpuScene, canvas.renderPass(), canvas.largest(), o, needed);
     if (tables) colours.emplace(device, *tables, *cells, canvas, o);
-    composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o,
+    composite.emplace(device, canvas, eyesOrNull(), previous ? &*previous : nullptr, fill ? &*fill : nullptr, o,
                       needed.hiddenArea);
     if (needed.depth) depth.emplace(device, canvas, eyesOrNull(), needed.hiddenArea);
     if (const Scene* known = uncertaintiesFor(o)) uncertainties.emplace(device, *known, *scene);
     const Uncertainties* known = uncertainties ? &*uncertainties : nullptr;
     if (!needed.overlays.empty()) overlays.emplace(device, *cells, canvas.renderPass(), o, needed, known);
     if (needed.buffers) buffers.emplace(device, *cells, *known, canvas, needed);
-    // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
-    // are bound with from here on.
+    // CompositePass binds all images in every frame, even images that the frame does not draw. Every image needs the
+    // layout of its binding from the start.
     submitAndWait(device, [&](VkCommandBuffer commands) {
-      const std::array<const Canvas*, 3> images{&canvas, former ? &*former : nullptr, eyesOrNull()};
+      const std::array<const Canvas*, 3> images{&canvas, previous ? &*previous : nullptr, eyesOrNull()};
       for (const Canvas* image : images) {
         if (!image) continue;
         image->begin(commands, image->largest(), {0, 0, 0, 0});
@@ -76,16 +79,16 @@ struct Renderer::State {
   bool has(Overlay overlay) const {
     return std::ranges::find(requirements.overlays, overlay) != requirements.overlays.end();
   }
-  // The scene whose uncertainties something shows; null: nothing does.
+  // Scene that the uncertainties of ρ are read from; null: no overlay or buffer shows them.
   const Scene* uncertaintiesFor(const RendererOptions& o) const {
-    if (!has(Overlay::confidence)) return o.buffers;
-    check(o.uncertainties, ErrorCode::invalidInput,
-          "renderer: Overlay::confidence needs RendererOptions::uncertainties");
-    return o.uncertainties;
+    if (!has(Overlay::confidence)) return o.bufferScene;
+    check(o.uncertaintyScene, ErrorCode::invalidInput,
+          "renderer: Overlay::confidence needs RendererOptions::uncertaintyScene");
+    return o.uncertaintyScene;
   }
 
-  // What of a plan this renderer can show.
-  bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
+  // Features of a plan that this renderer uses.
+  bool mixes(const FramePlan& plan) const { return previous && plan.previousWeight > 0; }
   bool drawsAtOnce(const FramePlan& plan) const {
     return eyes && !gathers(plan) && plan.views.size() == 2 && plan.settings.overlay == Overlay::none &&
            !isSequence(plan) && (!adapts(plan) || eyesShare(plan)) &&
@@ -99,28 +102,28 @@ struct Renderer::State {
                        plan.settings.colourMapping == ColourMapping::paperRedraw);
   }
   bool hides(const FramePlan& plan) const {
-    return hidden && plan.settings.leaveOutHidden && !cells->isPainters(plan.settings);
+    return hidden && plan.settings.skipHiddenArea && !cells->isPainters(plan.settings);
   }
   bool fills(const FramePlan& plan) const {
-    return fill && plan.settings.lowestTier >= kTierFilled &&
+    return fill && plan.settings.maxTier >= kTierFilled &&
            (plan.settings.overlay == Overlay::none || plan.settings.overlay == Overlay::wireframe);
   }
 
-  // Fills the canvas, or with the first view the one for both eyes, and the former order's.
-  void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+  // Fills the canvas, or with the first view the canvas of both eyes, and the canvas of the previous order.
+  void draw(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view, VkExtent2D extent,
             ScopeTimer* timer) const noexcept;
-  void drawCells(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+  void drawCells(VkCommandBuffer commands, const PlanDraws& draws, Order order, std::size_t view,
                  VkExtent2D extent) const noexcept;
 
-  // Of the picture in the canvas.
+  // Extent of the view's image in the canvas.
   VkExtent2D drawn(const FramePlan& plan, VkExtent2D target) const {
-    return scaled(target, options.largestScale > 0 ? std::min(plan.settings.renderScale, options.largestScale) : 0);
+    return scaled(target, options.maxRenderScale > 0 ? std::min(plan.settings.renderScale, options.maxRenderScale) : 0);
   }
-  // Buffers are drawn at their targets' size, with the canvas's depth.
+  // Buffers are drawn at the size of their targets and use the canvas's depth image, so the canvas must be as large.
   static double canvasScale(const RendererOptions& o) {
-    return o.buffers && o.largestScale > 0 ? std::max(1.0, o.largestScale) : o.largestScale;
+    return o.bufferScene && o.maxRenderScale > 0 ? std::max(1.0, o.maxRenderScale) : o.maxRenderScale;
   }
-  static VkExtent2D scaled(VkExtent2D extent, double scale) {  // 0: as it is
+  static VkExtent2D scaled(VkExtent2D extent, double scale) {  // 0: unscaled
     if (scale == 0) return extent;
     const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
     return {side(extent.width), side(extent.height)};
@@ -130,7 +133,7 @@ struct Renderer::State {
   RendererOptions options;
   Requirements requirements;
   Canvas canvas;
-  std::optional<Canvas> former, eyes;  // the latter for both views at once
+  std::optional<Canvas> previous, eyes;  // eyes: both views in one render pass
   std::optional<FillPass> fill;
   std::optional<ColourTables> tables;
   std::optional<CellPass> cells;
@@ -154,11 +157,18 @@ bool Renderer::supports(VkFormat format) noexcept {
   return CompositePass::supports(format);
 }
 
-void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+bool Renderer::supports(const FramePlan& plan, std::string* why) const {
+  const char* exceeded = exceededOption(plan, state_->options);
+  if (exceeded && why) *why = std::string("RendererOptions::") + exceeded;
+  return !exceeded;
+}
+
+void Renderer::State::draw(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view, VkExtent2D extent,
                            ScopeTimer* timer) const noexcept {
+  const FramePlan& plan = draws.plan;
   if (adapts(plan) && (view == 0 || !eyesShare(plan))) {
     const GpuScope scope(commands, timer, "colour tables");
-    colours->makeTables(commands, plan, view, extent);
+    colours->makeTables(commands, draws, view, extent);
   }
   if (gathers(plan)) {
     const GpuScope scope(commands, timer, "vote");
@@ -171,34 +181,35 @@ void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std:
     if (atOnce) {
       eyes->begin(commands, extent, {0, 0, 0, 0});
       if (hides(plan)) hidden->drawEyes(commands, plan, extent);
-      cells->drawEyes(commands, plan, extent);
+      cells->drawEyes(commands, draws, extent);
       eyes->end(commands);
     } else if (isSequence(plan) && view == 0) {
-      colours->drawSequence(commands, plan, extent);
+      colours->drawSequence(commands, draws, extent);
     } else {
-      drawCells(commands, plan, Order::current, view, extent);
+      drawCells(commands, draws, Order::current, view, extent);
     }
   }
   if (!mixes(plan)) return;
-  const GpuScope scope(commands, timer, "former canvas");
-  drawCells(commands, plan, Order::former, view, extent);
+  const GpuScope scope(commands, timer, "previous canvas");
+  drawCells(commands, draws, Order::previous, view, extent);
 }
 
-void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+void Renderer::State::drawCells(VkCommandBuffer commands, const PlanDraws& draws, Order order, std::size_t view,
                                 VkExtent2D extent) const noexcept {
-  const Canvas& into = order == Order::current ? canvas : *former;
+  const FramePlan& plan = draws.plan;
+  const Canvas& into = order == Order::current ? canvas : *previous;
   into.begin(commands, extent, {0, 0, 0, 0});
   if (hides(plan)) hidden->draw(commands, plan, view, extent);
   if (plan.settings.overlay == Overlay::none)
-    cells->draw(commands, plan, order, view, extent);
+    cells->draw(commands, draws, order, view, extent);
   else
-    overlays->draw(commands, plan, order, view, extent);
+    overlays->draw(commands, draws, order, view, extent);
   if (gathers(plan)) {
-    const std::uint32_t steps = stepsOf(*scene, plan, order, view).count;
+    const std::uint32_t items = draws.list(order, view).count;
     if (plan.settings.overlay == Overlay::none)
-      gather->draw(commands, plan, view, extent, steps);
+      gather->draw(commands, plan, view, extent, items);
     else
-      gather->drawOverlay(commands, plan, view, extent, steps);
+      gather->drawOverlay(commands, plan, view, extent, items);
   }
   into.end(commands);
 }
@@ -206,21 +217,22 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan,
 void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
                       ScopeTimer* timer) const noexcept {
   const State& s = *state_;
-  assert(!s.isSequence(plan) || s.options.colour == ColourSupport::all);
-  assert(plan.settings.overlay == Overlay::none || (s.has(plan.settings.overlay) && !s.isSequence(plan)));
-  assert(plan.settings.composition == Composition::cells || s.gather);
-  assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
-  s.cells->update(commandBuffer, plan);
+  if (!supports(plan)) {
+    for (const Target& target : targets) clearTarget(commandBuffer, target, plan.settings.background);
+    return;
+  }
+  assert(targets.size() == plan.views.size());
+  const PlanDraws draws(*s.scene, plan);
+  s.cells->update(commandBuffer, draws);
   const bool atOnce = s.drawsAtOnce(plan);
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
     const VkExtent2D extent = s.drawn(plan, target.extent);
     const std::size_t source = atOnce ? kFromEyes + view : kFromCanvas;
     assert(!target.depth || s.depth);
-    assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
-    s.draw(commandBuffer, plan, view, extent, timer);
+    s.draw(commandBuffer, draws, view, extent, timer);
     if (s.fills(plan)) {
       const GpuScope scope(commandBuffer, timer, "fill");
       s.fill->record(commandBuffer, extent, source);
@@ -228,11 +240,11 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
     if (target.depth) {
       const GpuScope scope(commandBuffer, timer, "depth");
       const bool hasDepth = plan.settings.order == DrawOrder::ours && plan.settings.overlay != Overlay::overlap;
-      const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
-      s.depth->record(commandBuffer, source, steps, plan.nearDistance, extent, target.extent, *target.depth);
+      const std::uint32_t items = hasDepth ? draws.list(Order::current, view).count : 0;
+      s.depth->record(commandBuffer, source, items, plan.nearDistance, extent, target.extent, *target.depth);
     }
     const GpuScope scope(commandBuffer, timer, "composite");
-    s.composite->record(commandBuffer, source, plan, view, extent, s.mixes(plan) ? float(plan.formerWeight) : 0.0f,
+    s.composite->record(commandBuffer, source, plan, view, extent, s.mixes(plan) ? float(plan.previousWeight) : 0.0f,
                         s.fills(plan), target);
   }
 }
@@ -240,36 +252,43 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
 void Renderer::recordBuffers(VkCommandBuffer commandBuffer, const FramePlan& plan, std::size_t view,
                              const BufferTargets& targets) const noexcept {
   const State& s = *state_;
-  assert(s.buffers && view < plan.views.size() && plan.views.size() <= s.options.views);
-  assert(targets.extent.width <= s.options.largest.width && targets.extent.height <= s.options.largest.height);
-  s.cells->update(commandBuffer, plan);
+  if (!s.buffers || !supports(plan)) {
+    clearTargets(commandBuffer, targets);
+    return;
+  }
+  assert(view < plan.views.size());
+  assert(targets.extent.width <= s.options.maxExtent.width && targets.extent.height <= s.options.maxExtent.height);
+  const PlanDraws draws(*s.scene, plan);
+  s.cells->update(commandBuffer, draws);
   const bool gathers = s.gathers(plan);
   if (gathers) {
     s.gather->update(commandBuffer, plan, view, targets.extent);
     s.gather->vote(commandBuffer, plan, view, targets.extent);
   }
-  s.buffers->record(commandBuffer, plan, view, targets, gathers ? &*s.gather : nullptr);
+  s.buffers->record(commandBuffer, draws, view, targets, gathers ? &*s.gather : nullptr);
 }
 
 Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   const State& s = *state_;
+  const PlanDraws draws(*s.scene, plan);
   Counters counters;
   counters.pipelines = s.cells->pipelineCount() + s.composite->pipelineCount();
   counters.workingBytes = s.canvas.allocatedBytes();
-  counters.bytes = {.canvases = s.canvas.bytes() + (s.former ? s.former->bytes() : 0) + (s.eyes ? s.eyes->bytes() : 0),
-                    .fill = s.fill ? s.fill->bytes() : 0,
-                    .colours = s.colours ? s.colours->bytes() : 0,
-                    .parameters = s.cells->parameterBytes(),
-                    .noise = s.cells->noiseBytes(),
-                    .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0,
-                    .hiddenArea = s.hidden ? s.hidden->bytes() : 0,
-                    .gather = s.gather ? s.gather->bytes() : 0};
+  counters.bytes = {
+      .canvases = s.canvas.bytes() + (s.previous ? s.previous->bytes() : 0) + (s.eyes ? s.eyes->bytes() : 0),
+      .fill = s.fill ? s.fill->bytes() : 0,
+      .colours = s.colours ? s.colours->bytes() : 0,
+      .parameters = s.cells->parameterBytes(),
+      .noise = s.cells->noiseBytes(),
+      .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0,
+      .hiddenArea = s.hidden ? s.hidden->bytes() : 0,
+      .gather = s.gather ? s.gather->bytes() : 0};
   const auto drawn = [&](std::size_t view) {
     const Intrinsics& k = plan.views[view].intrinsics;
     return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
   };
   if (s.eyes) counters.workingBytes += s.eyes->allocatedBytes();
-  if (s.former) counters.workingBytes += s.former->allocatedBytes();
+  if (s.previous) counters.workingBytes += s.previous->allocatedBytes();
   if (s.depth) counters.pipelines += s.depth->pipelineCount();
   if (s.uncertainties) counters.workingBytes += s.uncertainties->allocatedBytes();
   if (s.hidden) {
@@ -289,7 +308,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.colours) {
     counters.pipelines += s.colours->pipelineCount();
     counters.workingBytes += s.colours->imageBytes();
-    s.colours->count(plan, drawn(0), counters);
+    s.colours->count(draws, drawn(0), counters);
   }
   const auto countHidden = [&](std::uint32_t triangles) {
     counters.draws += triangles > 0;
@@ -298,29 +317,29 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
     if (s.fills(plan)) counters.dispatches += FillPass::dispatchCount(drawn(view));
     if (s.gathers(plan)) {
-      ++counters.passes;  // the depths of the candidates
+      ++counters.passes;  // depths of the candidates
       counters.draws += std::uint32_t(plan.photographs.size());
       counters.triangles += GatherPass::triangleCount(*s.scene, plan);
       counters.dispatches += GatherPass::dispatchCount(plan, drawn(view));
     }
-    ++counters.passes;  // the composition, a triangle
+    ++counters.passes;  // the composition draws one triangle
     ++counters.draws;
     ++counters.triangles;
-    for (const Order order : {Order::current, Order::former}) {
-      if (order == Order::former && !s.mixes(plan)) continue;
-      if (order == Order::current && view == 1 && s.drawsAtOnce(plan)) continue;  // with the first
+    for (const Order order : {Order::current, Order::previous}) {
+      if (order == Order::previous && !s.mixes(plan)) continue;
+      if (order == Order::current && view == 1 && s.drawsAtOnce(plan)) continue;  // drawn together with view 0
       ++counters.passes;
       const bool both = order == Order::current && s.drawsAtOnce(plan);
-      if (s.gathers(plan)) {  // a triangle over the canvas
+      if (s.gathers(plan)) {  // one triangle over the canvas
         ++counters.draws;
         ++counters.triangles;
       }
       if (s.hides(plan)) countHidden(s.hidden->triangleCount(view) + (both ? s.hidden->triangleCount(1) : 0));
-      const Steps steps = stepsOf(*s.scene, plan, order, view);
-      for (const Step& step : steps.all()) {
-        if (step.hidden) continue;
+      const DrawList& list = draws.list(order, view);
+      for (const DrawItem& item : list.all()) {
+        if (item.hidden) continue;
         ++counters.draws;
-        counters.triangles += step.mesh->indices.count / 3;
+        counters.triangles += item.mesh->indices.count / 3;
       }
     }
   }

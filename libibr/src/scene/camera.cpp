@@ -20,7 +20,7 @@ bool finite(glm::dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Scaled first, so that neither long nor short vectors leave the range of double when squared.
+// Scales first, so that squares of neither long nor short vectors leave the range of double.
 glm::dvec3 unit(glm::dvec3 v) {
   return glm::normalize(v / std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
 }
@@ -31,7 +31,7 @@ glm::dvec3 direction(const Intrinsics& k, glm::dvec2 pixel) {
     const double latitude = (0.5 - pixel.y / k.height) * kPi;
     return {std::sin(longitude) * std::cos(latitude), std::sin(latitude), -std::cos(longitude) * std::cos(latitude)};
   }
-  constexpr double kSideways = 1e300;  // what a quotient beyond the range of double stands for
+  constexpr double kSideways = 1e300;  // replaces a quotient beyond the range of double
   return unit({std::clamp((pixel.x - k.cx) / k.fx, -kSideways, kSideways),
                std::clamp((k.cy - pixel.y) / k.fy, -kSideways, kSideways), -1.0});
 }
@@ -50,7 +50,7 @@ Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
 Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down) {
   const double steepest = std::tan(89.95 / 180.0 * kPi);
   const bool inFront = std::abs(left) < steepest && std::abs(right) < steepest && std::abs(up) < steepest &&
-                       std::abs(down) < steepest;  // not so for NaN
+                       std::abs(down) < steepest;  // false for NaN
   const double fx = width / (right - left), fy = height / (up - down);
   check(width >= 1 && height >= 1 && inFront && left < right && down < up && std::isfinite(fx) && std::isfinite(fy),
         ErrorCode::invalidInput, "no pinhole has {}x{} px and edges at the tangents left {}, right {}, up {}, down {}",
@@ -71,7 +71,7 @@ glm::dvec3 unproject(const Intrinsics& k, glm::dvec2 pixel) {
 std::optional<glm::dvec2> project(const Intrinsics& k, glm::dvec3 d) {
   if (!finite(d) || d == glm::dvec3(0.0)) return std::nullopt;
   if (k.model == CameraModel::equirectangular) {
-    // atan2 rather than asin: exact near the poles. Scaled, since hypot may overflow.
+    // atan2 instead of asin: exact near the poles. Scaled first, since hypot may overflow.
     d = unit(d);
     return glm::dvec2((std::atan2(d.x, -d.z) / (2.0 * kPi) + 0.5) * k.width,
                       (0.5 - std::atan2(d.y, std::hypot(d.x, d.z)) / kPi) * k.height);

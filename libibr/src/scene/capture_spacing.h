@@ -7,8 +7,8 @@
 
 namespace ibr {
 
-/// b: median over the cameras of the distance to the nearest one at another place, world units; 1 where all are at one
-/// place. Places less than 1e-6 of the cameras' extent apart are the same.
+/// b: median distance from a camera to the nearest one at another capture site, world units; 1 if all are at one site.
+/// Positions less than 1e-6 of the cameras' extent apart are one site.
 double captureSpacing(std::span<const Camera> cameras);
 
 }  // namespace ibr

@@ -40,7 +40,7 @@ GltfDocument::GltfDocument(const fs::path& file)
         children_.insert(&element("nodes", node["children"].at(c)).raw());
 }
 
-// A .glb is a header and two chunks, the JSON text and the first buffer; it tells itself by its first four bytes.
+// A .glb is a header and two chunks, the JSON text and the first buffer; its first four bytes identify it.
 nlohmann::json GltfDocument::parse(const fs::path& file) {
   const std::vector<std::byte> bytes = readFile(file);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF 2.0 document and the buffers beside it, or a .glb with both in one file. Nothing in them is trusted: every
-// number is checked where it is read, every file reference stays inside the document's folder, every accessor inside
-// its buffer. Faults are JsonFaults, files that cannot be read Error{io}.
+// A glTF 2.0 document and the buffers beside it, or a .glb with both in one file. All input is untrusted: every number
+// is checked when read. File references must stay inside the document's folder, accessors inside their buffer. Faults
+// are JsonFaults, unreadable files Error{io}.
 #pragma once
 
 #include <filesystem>
@@ -30,17 +30,17 @@ class GltfDocument {
   /// A file inside the folder, relative to it.
   std::filesystem::path reference(const JsonValue& uri) const;
 
-  /// The elements of an accessor, without the gaps of a stride.
+  /// Elements of an accessor, packed (without the gaps of a stride).
   struct Accessor {
     JsonValue json;
     std::size_t count, components, componentBytes;
     std::vector<std::byte> bytes;
 
-    float value(std::size_t element, std::size_t component) const;  // where components are floats
-    std::uint32_t index(std::size_t element) const;                 // of all components in turn, whole numbers
+    float value(std::size_t element, std::size_t component) const;  // for float components
+    std::uint32_t index(std::size_t element) const;                 // integer; counts components across elements
   };
-  /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` those allowed, of kFloat and so on. The last buffer is
-  /// kept, so that accessors are best read buffer by buffer; not to be called from several threads.
+  /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` are the allowed ones, kFloat and so on. The last buffer is
+  /// cached, so read accessors buffer by buffer. Not thread-safe.
   static constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
   Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes);
 
@@ -53,7 +53,7 @@ class GltfDocument {
   nlohmann::json json_;
   std::set<const nlohmann::json*> children_;  // nodes that have a parent
   std::vector<std::byte> buffer_;
-  const nlohmann::json* bufferJson_ = nullptr;  // whose contents buffer_ has
+  const nlohmann::json* bufferJson_ = nullptr;  // owner of buffer_'s contents
 };
 
 }  // namespace ibr

@@ -27,7 +27,7 @@ glm::dquat quaternion(const JsonValue& value) {
   const glm::dquat q(value.at(3).number(), value.at(0).number(), value.at(1).number(), value.at(2).number());
   const double length = glm::length(q);
   if (!(std::abs(length - 1.0) <= 1e-3)) value.fault(fmt::format("has length {}, not 1", length));
-  // Left alone where it is exact, so that what is written comes back bit for bit.
+  // An exact unit quaternion stays unchanged, so that saved values load bit for bit.
   return std::abs(length - 1.0) <= 1e-15 ? q : q / length;
 }
 

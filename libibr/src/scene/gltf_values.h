@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of glTF documents that the readers of scenes and of harmonised models share, and where their faults go.
+// Values of glTF documents that the readers of scenes and of harmonised models share, and the collection of faults.
 #pragma once
 
 #include <filesystem>
@@ -16,40 +16,40 @@
 
 namespace ibr {
 
-// Each is a JsonFault where the value is not what the name says.
+// Each throws JsonFault if the value does not fit the function's name.
 double positive(const JsonValue& value);
 double within(const JsonValue& value, double low, double high);
 glm::dvec3 vector3(const JsonValue& value);
 glm::dquat quaternion(const JsonValue& value);  // of length 1, normalised within 1e-3
 Intrinsics intrinsicsOf(const JsonValue& json);
 
-/// Versions of a document that are read, and what to do about an older one.
+/// Supported versions of a document, and the remedy for an older one.
 struct ReadVersions {
   int oldest = 1, newest = 1;
   const char* remedy = "";
 };
-/// A member "version" outside of `read` is a fault.
+/// Throws JsonFault for a member "version" outside of `read`.
 void checkVersion(const JsonValue& json, const ReadVersions& read);
-/// The content of the document's extension of that name, its version checked.
+/// Content of the document's extension `name`, after a check of its version.
 JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read);
 
-/// Name and camera of a list's entry with members "node" and "camera".
+/// Name and camera of a list entry with members "node" and "camera".
 struct NamedCamera {
   std::string name;
   Camera camera;
 };
 NamedCamera namedCamera(const GltfDocument& document, const JsonValue& entry);
 
-/// The file itself, or of a folder the file of that name in it.
+/// Returns `path` if it is a file, or for a folder the file `name` in it.
 std::filesystem::path documentFile(const std::filesystem::path& path, const char* name);
 
-/// Calls steps; a fault is thrown as an Error that names the file, or kept where faults are collected.
+/// Runs steps; a fault is thrown as an Error with the file's name, or stored if faults are collected.
 class FaultSink {
  public:
   FaultSink(std::filesystem::path file, std::vector<Fault>* faults, std::size_t limit)
       : file_(std::move(file)), faults_(faults), limit_(limit) {}
 
-  /// Whether there was none.
+  /// Returns true if the step had no fault.
   template <class Step>
   bool run(Step&& step) {
     try {
@@ -77,8 +77,8 @@ class FaultSink {
   std::size_t limit_;
 };
 
-/// Reads a list's entries, each of which has a "node" and a name of its own. Where one of them cannot be read, the list
-/// is at fault, since its `dependents` refer to it. `what`: an entry. `items` is empty before.
+/// Reads a list's entries, each of which has a "node" and a unique name. If an entry cannot be read, the list has a
+/// fault, since its `dependents` refer to entries. `what`: an entry. `items` must be empty.
 template <class Item, class Read>
 void readNamed(const JsonValue& list, const char* what, const char* dependents, std::vector<Item>& items,
                FaultSink& sink, Read&& read) {
@@ -92,20 +92,20 @@ void readNamed(const JsonValue& list, const char* what, const char* dependents, 
   if (items.size() != list.size()) list.fault(fmt::format("has faults, so {} were not looked at", dependents));
 }
 
-/// What `readAll` makes of a file that has no faults. Throws Error, which names the file and its first fault.
+/// Loads a document without faults by `readAll`. Throws Error with the file and its first fault.
 template <class Content>
 Content loadDocument(const std::filesystem::path& file,
                      Content (*readAll)(const std::filesystem::path& file, FaultSink& sink)) {
   FaultSink sink(file, nullptr, 0);
   Content content;
   sink.run([&] { content = readAll(file, sink); });
-  // readAll has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
+  // readAll has made all these checks; this one protects renderers against a gap in them.
   if (const std::vector<Fault> faults = validate(content, 1); !faults.empty())
     fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
   return content;
 }
 
-/// The faults of a file and of those it refers to.
+/// Returns the faults of a file and of the files that it refers to.
 template <class Content>
 std::vector<Fault> faultsOfDocument(const std::filesystem::path& file, std::size_t limit,
                                     Content (*readAll)(const std::filesystem::path& file, FaultSink& sink),

@@ -18,14 +18,14 @@ namespace {
 
 using Json = GltfWriter::Json;
 
-// Names files by their contents, nothing more.
+// Hash of a file's contents, used in its name only.
 std::uint64_t hashOf(std::span<const std::byte> bytes) {
   Hash hash;
   hash.add(bytes);
   return hash.value();
 }
 
-// Whether addBuffer may have named a file so.
+// True if addBuffer may have made the file name.
 bool isBufferName(const std::string& name) {
   constexpr std::size_t kDigits = 16, kEnd = 4;  // of the hash; of ".bin"
   if (name.size() < kDigits + kEnd + 1 || !name.ends_with(".bin") || name[name.size() - kDigits - kEnd - 1] != '-')
@@ -34,7 +34,7 @@ bool isBufferName(const std::string& name) {
 }
 
 Json cameraOf(const Intrinsics& k, const std::string& name) {
-  constexpr double kNear = 0.01;  // glTF demands one; it means nothing here
+  constexpr double kNear = 0.01;  // required by glTF, unused here
   return {{"name", name},
           {"type", "perspective"},
           {"perspective",
@@ -43,7 +43,7 @@ Json cameraOf(const Intrinsics& k, const std::string& name) {
             {"znear", kNear}}}};
 }
 
-// Of the outermost `levels` every entry has a line, the extension's lists too; what lies deeper stands in one line.
+// Prints each entry of the outermost `levels`, and of the extension's lists, on a line; deeper ones share a line.
 void print(const Json& value, int levels, std::string& text) {
   if (levels == 0 || !value.is_structured() || value.empty()) {
     text += value.dump();
@@ -103,7 +103,7 @@ void GltfWriter::addBounds(std::size_t accessor, std::span<const glm::vec3> posi
 
 std::size_t GltfWriter::addCameraNode(const std::string& name, const Camera& camera) {
   glm::dquat q = camera.pose.rotation;
-  // Left alone where it is a unit quaternion already, so that saving what was loaded changes no bit.
+  // A unit quaternion stays unchanged, so that saving a loaded scene changes no bit.
   if (const double length = glm::length(q); std::abs(length - 1.0) > 1e-15) q = q / length;
   Json json{{"name", name}, {"translation", triple(camera.pose.position)}, {"rotation", {q.x, q.y, q.z, q.w}}};
   if (camera.intrinsics.model == CameraModel::pinhole)

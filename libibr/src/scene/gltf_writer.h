@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grows a glTF 2.0 document with buffers beside it: what the writers of scenes and of harmonised models share.
+// Builds a glTF 2.0 document with buffers beside it, for the writers of scenes and of harmonised models.
 #pragma once
 
 #include <cstddef>
@@ -24,37 +24,37 @@ class GltfWriter {
   static constexpr int kVertices = 34962, kIndices = 34963;  // buffer view targets
   static constexpr int kPoints = 0, kTriangles = 4;          // primitive modes
 
-  /// Buffers are written below `folder` at once.
+  /// Buffers are written below `folder` immediately.
   explicit GltfWriter(std::filesystem::path folder);
 
-  /// Index of the new entry of a top-level list.
+  /// Adds an entry to a top-level list and returns its index.
   std::size_t add(const char* list, Json entry);
   Json& entry(const char* list, std::size_t index) { return lists_[list][index]; }
 
-  /// Writes subfolder/NAME-HASH.bin, HASH that of the contents: a file is never overwritten by other contents.
+  /// Writes subfolder/NAME-HASH.bin. HASH is that of the contents, so a file is never overwritten by other contents.
   std::size_t addBuffer(const std::string& subfolder, const std::string& name, std::span<const std::byte> bytes);
 
   struct Array {
     std::size_t buffer, offset, bytes;
   };
-  /// `stride`: bytes from one element to the next, a multiple of 4; 0: they are packed.
+  /// `stride`: bytes from one element to the next, a multiple of 4; 0: packed.
   std::size_t addAccessor(Array array, std::size_t count, int component, const char* type, int target = 0,
                           std::size_t stride = 0);
 
-  /// The smallest and largest of the positions that an accessor holds.
+  /// Adds minimum and maximum of the positions of an accessor.
   void addBounds(std::size_t accessor, std::span<const glm::vec3> positions);
 
-  /// A node with the pose and, for a pinhole, a camera. The exact intrinsics belong into an extension: intrinsicsJson.
+  /// A node with the pose and, for a pinhole, a camera. Exact intrinsics go into the extension: intrinsicsJson.
   std::size_t addCameraNode(const std::string& name, const Camera& camera);
   static Json intrinsicsJson(const Intrinsics& intrinsics);
 
   static Json triple(glm::dvec3 v) { return {v.x, v.y, v.z}; }
 
-  /// The document's text; lists and the extension's lists have a line for each entry.
+  /// Text of the document; lists and the extension's lists have one line per entry.
   std::string document(const char* extensionName, Json extension);
 
-  /// Removes the files in a subfolder that are named as addBuffer names them and that this document does not use: those
-  /// of what was saved there before.
+  /// Removes the files in a subfolder that have names as from addBuffer and that this document does not use: leftovers
+  /// of an earlier save.
   void removeStaleBuffers(const std::string& subfolder) const;
 
  private:
@@ -63,13 +63,13 @@ class GltfWriter {
   std::set<std::filesystem::path> buffers_;
 };
 
-/// What texts and file names must be to stand in a document in `folder`; `what` and `field` are for the message. Throw
-/// Error{invalidInput}.
+/// Check that texts and file names can be stored in a document in `folder`; `what` and `field` are for the message.
+/// Throw Error{invalidInput}.
 void demandUtf8(const std::string& text, const std::filesystem::path& folder, const char* what,
                 const std::string& field);
 void demandInside(const std::filesystem::path& file, const std::filesystem::path& folder, const char* what,
                   const std::string& field);
-/// "" or JSON text.
+/// Requires "" or JSON text.
 void demandJson(const std::string& text, const std::filesystem::path& folder, const char* what,
                 const std::string& field);
 

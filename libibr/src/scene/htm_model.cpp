@@ -35,8 +35,8 @@ void checkSurface(const HtmSurface& surface, std::size_t cameras, const std::str
 std::vector<Fault> validate(const HtmModel& model, std::size_t limit) {
   Faults faults(limit);
   const std::size_t cameras = model.cameras.size();
-  if (cameras < 1 || cameras > kLargestHtmCameraCount)
-    faults.add("cameras", "are {}, not 1 to {}", cameras, kLargestHtmCameraCount);
+  if (cameras < 1 || cameras > kMaxHtmCameraCount)
+    faults.add("cameras", "are {}, not 1 to {}", cameras, kMaxHtmCameraCount);
   std::set<std::string> names;
   for (std::size_t i = 0; i < cameras && !faults.full(); ++i) {
     const std::string at = fmt::format("cameras[{}]", i);

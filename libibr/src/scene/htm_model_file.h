@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file of a harmonised model: names that reader and writer share. The form:
+// File format of a harmonised model; names that reader and writer share.
 //
-//   model.gltf     nodes     one a camera (pose), one a surface (mesh, at the middle of its extent)
-//                  meshes    the optimised surface and, where it is kept, the one it was made from: POSITION relative
-//                  to
-//                            the node, _MEMBERS the set of cameras as four numbers of 16 bits, the lowest first
+//   model.gltf     nodes     one per camera (pose), one per surface (mesh, at the middle of its extent)
+//                  meshes    the optimised surface and, if stored, the original surface: POSITION relative to the
+//                            node,
+//                            _MEMBERS the set of cameras as four numbers of 16 bits, the lowest first
 //                  extensions.IBR_harmonised_texture   the rest (schema: IBR_harmonised_texture.schema.json)
-//   meshes/*.bin   a buffer a surface and one for the complements, an accessor VEC2 in the order of
+//   meshes/*.bin   one buffer per surface and one for the complements, an accessor VEC2 in the order of
 //                  HtmModel::complementIndex; names end in a hash of the contents
 #pragma once
 

@@ -100,7 +100,7 @@ class HtmModelReader {
   GltfDocument gltf_;
 };
 
-// Everything that can be read; surfaces are left out where cameras are at fault, since they refer to them.
+// Reads as much as possible; skips surfaces if cameras have faults, since surfaces refer to them.
 HtmModel readAll(const fs::path& file, FaultSink& sink) {
   HtmModelReader reader(file);
   HtmModel model;
@@ -108,8 +108,8 @@ HtmModel readAll(const fs::path& file, FaultSink& sink) {
   const bool whole = sink.run([&] {
     const JsonValue extension = reader.extension(), cameras = extension["cameras"];
     if (extension.has("settings")) model.settings = extension["settings"].raw().dump();
-    if (cameras.size() < 1 || cameras.size() > kLargestHtmCameraCount)
-      cameras.fault(fmt::format("has {} elements, not 1 to {}", cameras.size(), kLargestHtmCameraCount));
+    if (cameras.size() < 1 || cameras.size() > kMaxHtmCameraCount)
+      cameras.fault(fmt::format("has {} elements, not 1 to {}", cameras.size(), kMaxHtmCameraCount));
     readNamed(cameras, "camera", "surfaces", model.cameras, sink,
               [&](const JsonValue& entry) { return reader.camera(entry); });
   });

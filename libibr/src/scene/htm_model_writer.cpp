@@ -26,7 +26,7 @@ struct Placed {
   std::vector<glm::vec3> offsets;
 };
 
-// Origin and offsets on one grid, so that their sum is exact and a model that was loaded is saved as it was.
+// Origin and offsets lie on one grid, so that their sum is exact and a loaded model is saved unchanged.
 Placed place(const std::vector<glm::dvec3>& positions) {
   glm::dvec3 low = positions[0], high = positions[0];
   for (const glm::dvec3& p : positions) {
@@ -43,7 +43,7 @@ Placed place(const std::vector<glm::dvec3>& positions) {
   return result;
 }
 
-// Arrays one after another, each aligned to 4 bytes.
+// Concatenates arrays, each aligned to 4 bytes.
 class Buffer {
  public:
   template <class T>

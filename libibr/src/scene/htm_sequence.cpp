@@ -45,7 +45,7 @@ HtmFrame loadHtmFrame(const fs::path& model, const HtmPictureSource& pictures) {
 }
 
 struct HtmSequence::State {
-  // What became of a frame; neither: nothing yet.
+  // State of a frame: loaded, failed, or neither yet.
   struct Entry {
     std::shared_ptr<const HtmFrame> frame;
     std::exception_ptr error;
@@ -67,7 +67,7 @@ struct HtmSequence::State {
     thread.join();
   }
 
-  // How many frames after the current one; nullopt where it does not come.
+  // Number of frames from the current one to `frame`; nullopt if the sequence does not reach it.
   std::optional<std::size_t> stepsTo(std::size_t frame) const {
     if (frame >= current) return frame - current;
     if (!options.loop) return std::nullopt;
@@ -92,7 +92,7 @@ struct HtmSequence::State {
     return sum;
   }
 
-  // The next one to be loaded.
+  // The next frame to load.
   std::optional<std::size_t> due() const {
     if (!started) return std::nullopt;
     if (!entries.contains(current)) return current;
@@ -112,7 +112,7 @@ struct HtmSequence::State {
     return std::nullopt;
   }
 
-  // Frames further ahead go first.
+  // Removes the frames furthest ahead first.
   void makeRoomFor(std::size_t frame) {
     while (!entries.empty() && keptBytes() + largest > options.budgetBytes &&
            stepsTo(furthest()->first) > stepsTo(frame))
@@ -143,7 +143,7 @@ struct HtmSequence::State {
       Entry entry = load(*frame);
       lock.lock();
       largest = std::max(largest, entry.bytes);
-      // The current frame may have changed meanwhile.
+      // The current frame may have changed during the load.
       if (const auto steps = stepsTo(*frame); steps && *steps <= options.ahead) {
         entries[*frame] = std::move(entry);
         dropBeyondBudget();
@@ -152,7 +152,7 @@ struct HtmSequence::State {
     }
   }
 
-  // A frame larger than all before may take more than was set aside for it.
+  // A frame larger than all earlier ones may exceed the reserved memory.
   void dropBeyondBudget() {
     while (entries.size() > 1 && keptBytes() > options.budgetBytes) entries.erase(furthest());
   }
@@ -179,12 +179,12 @@ struct HtmSequence::State {
   HtmPictureSource pictures;
   HtmSequenceOptions options;
 
-  std::mutex calls;  // held by a call that asks for a frame
+  std::mutex calls;  // held during calls that request a frame
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::map<std::size_t, Entry> entries;
   std::size_t current = 0, loads = 0;
-  std::uint64_t largest = 0;  // bytes of a frame so far
+  std::uint64_t largest = 0;  // maximum size of a frame so far, bytes
   bool started = false, stopping = false;
   std::thread thread;
 };

@@ -25,8 +25,8 @@ std::string escaped(std::string_view key) {
   return result;
 }
 
-// Builds the document from the parser's events. (The parser's own callbacks would do, but take time quadratic in the
-// length of a list.)
+// Builds the document from the parser's events. The parser's own callbacks would take time quadratic in the length of a
+// list.
 class Builder {
  public:
   explicit Builder(Json& document) : document_(&document) {}
@@ -37,7 +37,7 @@ class Builder {
   bool number_unsigned(Json::number_unsigned_t value) { return add(value); }
   bool number_float(Json::number_float_t value, const std::string&) { return add(value); }
   bool string(std::string& value) { return add(std::move(value)); }
-  bool binary(Json::binary_t&) { return false; }  // JSON text has none
+  bool binary(Json::binary_t&) { return false; }  // not part of JSON text
   bool start_object(std::size_t) { return open(Json::object()); }
   bool start_array(std::size_t) { return open(Json::array()); }
   bool end_object() { return close(); }
@@ -81,7 +81,7 @@ class Builder {
     levels_.pop_back();
     return true;
   }
-  // Of what is being read.
+  // Pointer to the value that is being read.
   std::string pointer() const {
     std::string result;
     for (std::size_t i = 0; i < levels_.size(); ++i) {
@@ -101,7 +101,7 @@ class Builder {
   std::size_t values_ = 0;
 };
 
-// Appends the pointer of `wanted` below `from`; false where it is not there.
+// Appends the pointer of `wanted` below `from`; returns false if it is not there.
 bool findPointer(const Json& from, const Json* wanted, std::string& pointer) {
   if (&from == wanted) return true;
   const std::size_t length = pointer.size();
@@ -121,7 +121,7 @@ bool findPointer(const Json& from, const Json* wanted, std::string& pointer) {
   return false;
 }
 
-// A value for a message: a list or an object might be the whole document.
+// Text of a value for a message; summarises lists and objects, which might be the whole document.
 std::string shown(const Json& value) {
   if (value.is_structured()) return fmt::format("an {} of {}", value.type_name(), value.size());
   std::string text = value.dump();

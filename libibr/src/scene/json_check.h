@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON read with care: every value is fetched by a getter that checks its kind and range and names its place.
+// Checked access to JSON: every getter checks kind and range, and reports the value's location.
 #pragma once
 
 #include <cstddef>
@@ -22,16 +22,16 @@ class JsonFault : public std::runtime_error {
   std::string pointer_;
 };
 
-/// Parses a text of at most 64 levels and 2^25 values in which no object has a key twice. Throws JsonFault, with the
-/// line and column of a syntax error in the message. The same in every locale with a decimal point of one character.
+/// Parses a text of at most 64 levels and 2^25 values without duplicate keys in objects. Throws JsonFault, with line
+/// and column of a syntax error in the message. The same in every locale with a decimal point of one character.
 nlohmann::json parseJson(std::string_view text);
 
-/// A value and where it stands. Getters throw JsonFault. Cheap to copy; the document must outlive it.
+/// A value and its location. Getters throw JsonFault. Cheap to copy; the document must outlive it.
 class JsonValue {
  public:
   explicit JsonValue(const nlohmann::json& document) : JsonValue(document, document) {}
 
-  std::string pointer() const;  // found by a search through the document: for messages
+  std::string pointer() const;  // for messages; searches the document
   const nlohmann::json& raw() const { return *value_; }
   [[noreturn]] void fault(const std::string& message) const { throw JsonFault(pointer(), message); }
 
@@ -40,7 +40,7 @@ class JsonValue {
   JsonValue at(std::size_t index) const;                            // element of an array
   std::size_t size() const;                                         // of an array
   double number() const;                                            // finite
-  std::int64_t integer(std::int64_t low, std::int64_t high) const;  // 3.0 is none
+  std::int64_t integer(std::int64_t low, std::int64_t high) const;  // 3.0 is a fault
   std::size_t index(std::size_t count) const;                       // 0 … count − 1
   std::string string() const;
 

@@ -105,7 +105,7 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
     put(bytes, layout.position(), p, positions[p]);
     if (layout.hasPlanes) put(bytes, layout.planes(), p, mesh.planes[p]);
     if (layout.hasEvidence) {
-      put(bytes, layout.confirmations(), p, std::uint32_t(mesh.confirmations[p]));  // and the padding
+      put(bytes, layout.confirmations(), p, std::uint32_t(mesh.confirmations[p]));  // includes the padding
       put(bytes, layout.consensus(), p, mesh.consensus[p]);
     }
   }
@@ -125,7 +125,7 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
 }
 
 MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout, std::span<const glm::ivec2> sizes) {
-  constexpr std::size_t kMost = std::size_t(1) << 32;  // so that no product overflows
+  constexpr std::size_t kMost = std::size_t(1) << 32;  // prevents overflow of products
   check(layout.members <= 4 && std::max({layout.points, layout.tier0, layout.tier1}) <= kMost, ErrorCode::invalidInput,
         "mesh buffer: {} members, {} points, {} and {} triangles", layout.members, layout.points, layout.tier0,
         layout.tier1);

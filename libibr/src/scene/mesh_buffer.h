@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// A morphing mesh as the bytes of one buffer file: what scene.gltf points into, and what an interrupted build keeps.
+// Stores a morphing mesh as the bytes of one buffer file, for scene.gltf and for the cache of an interrupted build.
 //
-// Arrays one after another, little-endian, each aligned to 4 bytes:
-//   TEXCOORD_i    member by member: 2 floats a point, match / picture size
-//   _RATIO        d floats a point
-//   _INVERSE_DISTANCE, _UNCERTAINTY   a float a point
-//   POSITION      3 floats a point, relative to the members' mean position; for display
-//   ecc           a float a triangle
-//   indices       3 a triangle, tier 0 first; 16 bits up to 65,535 points, else 32
-//   _PLANES       4 of 16 bits a point, where the mesh has them
-//   _CONFIRMATIONS  a byte a point and three of padding, since glTF aligns vertex attributes; where the mesh has
+// Consecutive arrays, little-endian, each aligned to 4 bytes:
+//   TEXCOORD_i    member by member: 2 floats per point, match / image size
+//   _RATIO        d floats per point
+//   _INVERSE_DISTANCE, _UNCERTAINTY   one float per point
+//   POSITION      3 floats per point, relative to the members' mean position; for display
+//   ecc           one float per triangle
+//   indices       3 per triangle, tier 0 first; 16 bits up to 65,535 points, else 32
+//   _PLANES       4 of 16 bits per point, if the mesh has planes
+//   _CONFIRMATIONS  one byte per point and three of padding, since glTF aligns vertex attributes; if the mesh has
 //                   evidence
-//   _CONSENSUS    a float a point, where the mesh has evidence
+//   _CONSENSUS    one float per point, if the mesh has evidence
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 
 namespace ibr {
 
-/// Numbers that fix where everything lies.
+/// Numbers that determine all offsets.
 struct MeshLayout {
   std::size_t members = 0, points = 0, tier0 = 0, tier1 = 0;
   bool hasPlanes = false, hasEvidence = false;
@@ -58,13 +58,13 @@ struct MeshLayout {
 
 MeshLayout layoutOf(const MorphMesh& mesh);
 
-/// The grid that matches are stored on: 2⁻⁹ px, 2⁻⁷ px in pictures with a side beyond 16384 px. On it a match survives
-/// the way through float texture coordinates exactly.
+/// Grid of stored matches: 2⁻⁹ px, or 2⁻⁷ px for images with a side over 16384 px. A match on the grid survives the
+/// conversion to float texture coordinates and back exactly.
 float storedMatch(float pixel, int side);
 float textureCoordinate(float pixel, int side);
 float matchFromTexture(float coordinate, int side);
 
-/// Whether the planes of a point ascend and are filled up with 0.
+/// True if the planes of a point ascend and end in zeros.
 inline bool isPlaneSet(const glm::u16vec4& set) {
   for (int k = 1; k < 4; ++k)
     if (set[k] != 0 && set[k] <= set[k - 1]) return false;
@@ -73,16 +73,16 @@ inline bool isPlaneSet(const glm::u16vec4& set) {
   return true;
 }
 
-/// Where a cell's vertices are drawn by viewers that do not know the extension, relative to `displayOrigin`. A point at
-/// infinity stands at 1000 times the cell's longest edge (1000 where that is 0).
+/// Positions of a cell's vertices in viewers without support for the extension, relative to `displayOrigin`. A point at
+/// infinity is at 1000 times the cell's longest edge (at 1000 if that edge is 0).
 glm::dvec3 displayOrigin(const Scene& scene, const Cell& cell);
 std::vector<glm::vec3> displayPositions(const Scene& scene, const Cell& cell);
 
-/// Matches are rounded to the grid. Precondition: validate(scene) is empty.
+/// Rounds matches to the grid. Precondition: validate(scene) is empty.
 std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell);
 
-/// The inverse for bytes that encodeMesh made; `sizes`: width and height of the members' pictures. Indices are checked,
-/// values are not. Throws Error{invalidInput} where the number of bytes is not that of the layout.
+/// The inverse of encodeMesh; `sizes`: width and height of the members' images. Checks indices, but not values. Throws
+/// Error{invalidInput} if the number of bytes does not match the layout.
 MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout, std::span<const glm::ivec2> sizes);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a view's pixel and inverse depth to where a photograph sees the same point, ray by ray.
+// Maps a view's pixel and inverse depth to a photograph's pixel of the same point, ray by ray.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -12,8 +12,8 @@
 
 namespace ibr {
 
-/// Both are pinholes. The point at inverse depth w (along the view's axis, 0 = at infinity) of a pixel lies in the
-/// direction ray(pixel) from the view and ray(pixel) + w·shift() from the photograph, in the photograph's axes.
+/// Both are pinholes. A pixel's point at inverse depth w (along the view's axis, 0 = at infinity) lies in direction
+/// ray(pixel) from the view. From the photograph: ray(pixel) + w·shift(). Both are in the photograph's axes.
 class Reprojection {
  public:
   Reprojection(const Camera& view, const Camera& photograph)
@@ -28,7 +28,7 @@ class Reprojection {
   }
   const glm::dvec3& shift() const { return shift_; }
 
-  /// Of a direction in the photograph's axes. Precondition: direction.z < 0, that is before the photograph.
+  /// Pixel of a direction in the photograph's axes. Precondition: direction.z < 0, in front of the photograph.
   glm::dvec2 pixel(const glm::dvec3& direction) const {
     return {photograph_.cx - photograph_.fx * direction.x / direction.z,
             photograph_.cy + photograph_.fy * direction.y / direction.z};

@@ -123,9 +123,8 @@ void checkCell(const Cell& cell, std::size_t nodes, std::size_t least, std::size
 
 void checkExposure(const Node& node, const std::string& at, Faults& faults) {
   for (int c = 0; c < 3; ++c)
-    if (!(node.gain[c] >= 1 / kLargestGain && node.gain[c] <= kLargestGain))
-      faults.add(fmt::format("{}.gain[{}]", at, c), "{} is not within 1/{} to {}", node.gain[c], kLargestGain,
-                 kLargestGain);
+    if (!(node.gain[c] >= 1 / kMaxGain && node.gain[c] <= kMaxGain))
+      faults.add(fmt::format("{}.gain[{}]", at, c), "{} is not within 1/{} to {}", node.gain[c], kMaxGain, kMaxGain);
   const CaptureFacts& capture = node.capture;
   for (const auto& [name, value] : kCaptureNumbers)
     if (!(capture.*value >= 0) || !std::isfinite(capture.*value))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with data that came from elsewhere, for validate().
+// Checks of untrusted data, for validate().
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ inline bool finite(glm::dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// Far beyond any place on or about the Earth, and products of a few lengths stay finite, also in single precision.
+/// World units. Beyond any place on Earth; products of a few lengths stay finite in single precision.
 inline constexpr double kWorldRadius = 1e12;
 
 inline bool withinWorld(glm::dvec3 v) {
@@ -42,7 +42,7 @@ class Faults {
   std::vector<Fault> list_;
 };
 
-/// Faults of sizes, intrinsics and pose; `at` is the field that holds the camera.
+/// Adds faults of size, intrinsics and pose; `at` is the field that holds the camera.
 void checkCamera(const Camera& camera, const std::string& at, Faults& faults);
 
 }  // namespace ibr

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene's file: names that reader and writer share. The form is that of INTERFACE §2:
+// File format of a scene; names that reader and writer share.
 //
-//   scene.gltf   nodes     one a photograph (camera and pose), one a cell (mesh, at the members' mean position)
-//                meshes    one a cell: a primitive a tier that is not empty; POINTS where no triangle is
-//                extensions.IBR_image_graph   what glTF has no words for (schema: IBR_image_graph.schema.json)
-//   cells/*.bin  a buffer a cell (scene/mesh_buffer.h); the name ends in a hash of the contents, so that a file is
+//   scene.gltf   nodes     one per photograph (camera and pose), one per cell (mesh, at the members' mean position)
+//                meshes    one per cell: a primitive per tier that is not empty; POINTS for a cell without triangles
+//                extensions.IBR_image_graph   data beyond glTF (schema: IBR_image_graph.schema.json)
+//   cells/*.bin  one buffer per cell (scene/mesh_buffer.h); the name ends in a hash of the contents, so that a file is
 //                never overwritten by other contents
 //   depth/*.ktx2 a photograph's inverse depth and consensus (image/depth_texture.h), written by the author
 #pragma once
@@ -21,9 +21,9 @@ namespace ibr {
 
 inline constexpr const char* kSceneFileName = "scene.gltf";
 inline constexpr const char* kSceneExtension = "IBR_image_graph";
-inline constexpr int kSceneVersion = 2;  // version 1 had no depth of photographs, and is not read
+inline constexpr int kSceneVersion = 2;  // version 1 had no depth of photographs and is not supported
 
-/// Members of a photograph's "capture"; each may be missing.
+/// Members of a photograph's "capture"; each is optional.
 inline constexpr std::array kCaptureNumbers{
     std::pair{"exposureTime", &CaptureFacts::exposureTime}, std::pair{"fNumber", &CaptureFacts::fNumber},
     std::pair{"iso", &CaptureFacts::iso}, std::pair{"focalLength", &CaptureFacts::focalLength},
@@ -32,8 +32,8 @@ inline constexpr std::array kCaptureTexts{std::pair{"maker", &CaptureFacts::make
                                           std::pair{"model", &CaptureFacts::model},
                                           std::pair{"lens", &CaptureFacts::lens}};
 
-/// Relative paths as URIs (RFC 3986) and back. decodeUri gives "" for one that is absolute, has a scheme or is
-/// malformed.
+/// Convert relative paths to URIs (RFC 3986) and back. decodeUri returns "" for a URI that is absolute, has a scheme or
+/// is malformed.
 std::string encodeUri(const std::filesystem::path& relative);
 std::string decodeUri(std::string_view uri);
 

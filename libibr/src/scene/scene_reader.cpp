@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads scene.gltf and the cells' buffers through GltfDocument, which trusts nothing.
+// Reads scene.gltf and the cells' buffers through GltfDocument; all input is untrusted.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -58,7 +58,7 @@ class SceneReader {
     if (entry.has("capture")) node.capture = capture(entry["capture"]);
     if (entry.has("gain")) {
       node.gain = vector3(entry["gain"]);
-      for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kLargestGain, kLargestGain);
+      for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kMaxGain, kMaxGain);
     }
     if (entry.has("mask")) node.maskFile = gltf_.reference(entry["mask"]["uri"]);
     if (entry.has("depth")) {
@@ -103,7 +103,7 @@ class SceneReader {
     return facts;
   }
 
-  // Floats of one attribute, each checked.
+  // Reads one component of a float attribute and checks each value.
   template <class Check>
   static std::vector<float> floats(const Accessor& a, std::size_t component, Check&& holds, const char* what) {
     std::vector<float> values(a.count);
@@ -182,7 +182,7 @@ class SceneReader {
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
     for (std::size_t p = 0; p < points; ++p) {
       const glm::vec3 stored(position.value(p, 0), position.value(p, 1), position.value(p, 2));
-      constexpr float kTolerance = 1e-3f;  // of the distance: floats, and writers that compute in another order
+      constexpr float kTolerance = 1e-3f;  // relative; floats and the order of operations differ
       if (!(glm::distance(stored, derived[p]) <= kTolerance * glm::length(derived[p]) + 1e-6f))
         position.json.fault(
             fmt::format("element {}: ({}, {}, {}) is not what matches, ratios and inverse distance "
@@ -214,7 +214,7 @@ class SceneReader {
   GltfDocument gltf_;
 };
 
-// Everything that can be read; cells are left out where nodes are at fault, since they refer to them.
+// Reads as much as possible; skips cells if nodes have faults, since cells refer to them.
 Scene readAll(const fs::path& file, FaultSink& sink) {
   SceneReader reader(file);
   Scene scene;

@@ -21,7 +21,7 @@ using Json = GltfWriter::Json;
 
 constexpr int kFloat = GltfWriter::kFloat;
 
-// What validate() cannot know: whether the scene's texts can stand in a JSON file, and its files beside it.
+// Checks beyond validate(): texts must be valid in a JSON file, and file names inside the folder.
 void checkTexts(const Scene& scene, const fs::path& folder) {
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     demandUtf8(scene.nodes[n].name, folder, "scene", fmt::format("nodes[{}].name", n));
@@ -145,7 +145,7 @@ class Writer {
     entry["ecc"] = std::move(ecc);
   }
 
-  // The first member's photograph on the mesh, for viewers that do not know the extension.
+  // Puts the first member's photograph on the mesh, for viewers without support for the extension.
   std::optional<std::size_t> materialOf(std::uint32_t node) {
     const Json& photograph = photographs_[node];
     if (!photograph.contains("image")) return std::nullopt;

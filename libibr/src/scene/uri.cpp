@@ -30,7 +30,7 @@ std::string encodeUri(const std::filesystem::path& relative) {
 std::string decodeUri(std::string_view uri) {
   std::string path;
   for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == ':' || uri[i] == '\\') return {};  // a scheme, a drive
+    if (uri[i] == ':' || uri[i] == '\\') return {};  // a scheme or a drive
     if (uri[i] != '%') {
       path += uri[i];
       continue;

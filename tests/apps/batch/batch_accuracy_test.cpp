@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ibr accuracy: what it refuses. What it measures is tested with the library
+// Command lines and inputs that ibr-lab accuracy refuses. The measurement itself is tested with the library
 // (tests/unit/author/eval/accuracy_test.cpp).
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -12,13 +12,13 @@ namespace fs = std::filesystem;
 using namespace ibr::test;
 using Catch::Matchers::Contains;
 
-TEST_CASE("ibr accuracy refuses what makes no sense, and writes nothing then") {
+TEST_CASE("ibr-lab accuracy refuses what makes no sense, and writes nothing then") {
   const TemporaryFolder folder;
   const fs::path out = folder / "exact";
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> words{"accuracy", tinyScene(), "--truth", tinySet().truth};
     words.insert(words.end(), more.begin(), more.end());
-    return runProgram(words);
+    return runLab(words);
   };
   const Outcome noDepth = run({"--exact", out});
   CHECK(noDepth.code == 2);

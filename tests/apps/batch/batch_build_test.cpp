@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
 using test::contentsBelow;
+using test::runLab;
 using test::runProgram;
 
 namespace {
@@ -34,8 +35,8 @@ TEST_CASE("build finds the model, says which, and reports") {
   const auto outcome = runProgram({"build", set.photographs, "-o", folder / "scene", "--json", folder / "report.json"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  CHECK_THAT(outcome.err, Contains("sparse") && Contains("100 %"));
-  CHECK_THAT(outcome.out, Contains("triangles") && Contains("in all"));
+  CHECK_THAT(outcome.err, Contains("sparse") && Contains("matching cells"));
+  CHECK_THAT(outcome.out, Contains("triangles") && Contains("predicted"));
   CHECK(fs::exists(folder / "scene/scene.gltf"));
   const auto report = nlohmann::json::parse(readTextFile(folder / "report.json"));
   for (const char* key :
@@ -49,7 +50,6 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK(!report.at("stages").empty());
 
   SECTION("info advises as build did, in words, as poses and on the drawing") {
-    CHECK_THAT(outcome.out, Contains("advice"));
     const auto info = runProgram({"info", folder / "scene", "--advice", "--svg", folder / "graph.svg", "--advice-poses",
                                   folder / "next.json", "--json", folder / "info.json"});
     INFO(info.err);
@@ -95,7 +95,7 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK(json.at("backdrops").at("known") > 0.3);
     CHECK(json.at("kept") > 1000);
     if (test::deviceIsThere()) {
-      // Predicted is without alignment, so never more; and it must not miss a part.
+      // The prediction excludes alignment padding, so it is a lower bound. It must include every part.
       const auto& memory = json["memory"];
       for (const char* kind : {"positions", "indices", "textures"}) {
         CHECK(memory["measured"][kind] >= memory["predicted"][kind]);
@@ -122,7 +122,7 @@ TEST_CASE("build finds the model, says which, and reports") {
       CHECK(view.at("coverage") == 1.0);
       CHECK(view.at("coverageTier0") > 0.3);
       CHECK(view.at("coverageTier2") > 0);
-      CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));  // null: equal
+      CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));  // null: images are equal
     }
   }
   SECTION("a draft is drawn at once, and the same command without --draft makes the scene of it") {
@@ -233,9 +233,9 @@ TEST_CASE("poses come from transforms.json, too, and points from the photographs
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());
   const Intrinsics k = set.cameras[0].camera.intrinsics;
-  nlohmann::json json{{"fl_x", k.fx}, {"fl_y", k.fy}};  // sizes are those of the pictures
+  nlohmann::json json{{"fl_x", k.fx}, {"fl_y", k.fy}};  // sizes are those of the image files
   for (const auto& [name, camera] : set.cameras) {
-    const glm::dvec3 p = camera.pose.position;  // none of them is turned
+    const glm::dvec3 p = camera.pose.position;  // no camera is rotated
     json["frames"].push_back({{"file_path", "photographs/" + name.substr(0, name.size() - 4)},
                               {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
   }
@@ -296,9 +296,9 @@ TEST_CASE("without poses COLMAP is run, and what it made is kept") {
   CHECK(report.at("cells").size() == 1);
   const std::string calls = readTextFile(folder / "calls");
   CHECK(runProgram(line, environment).code == 0);
-  CHECK(readTextFile(folder / "calls") == calls);  // not run again
+  CHECK(readTextFile(folder / "calls") == calls);  // the cached result was used
 
-  // Ctrl-C ends it, and the same command goes on.
+  // Ctrl-C ends the program; the same command resumes the work.
   fs::remove_all(folder / "scene");
   writeFile(folder / "SLEEP-mapper", std::string_view(""));
   const auto stopped =
@@ -344,7 +344,7 @@ TEST_CASE("a dry run says what building takes, and makes nothing") {
 
 TEST_CASE("many photographs take no more memory than was said") {
   test::TemporaryFolder folder;
-  REQUIRE(runProgram({"synth", "court", "-o", folder / "court", "--photographs", "80", "--size", "96x72"}).code == 0);
+  REQUIRE(runLab({"synth", "court", "-o", folder / "court", "--photographs", "80", "--size", "96x72"}).code == 0);
   const auto built = runProgram({"build", folder / "court/images", "-o", folder / "scene", "--json", "-"});
   INFO(built.err);
   REQUIRE(built.code == 0);
@@ -358,7 +358,7 @@ TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   const test::TinySet set = test::makeTinySet(folder.path());
   const std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene"};
   test::Outcome stopped;
-  // On a busy machine the signal may come after the end; then once more.
+  // On a busy machine the signal may arrive after the end of the program; the test then repeats the attempt.
   for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
     fs::remove_all(folder / "scene");
     stopped = runProgram(line, {.interruptWhen = [](const std::string& err) { return Contains("%").match(err); }});
@@ -373,7 +373,7 @@ TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   }
   CHECK(runProgram(line).code == 0);
   CHECK(runProgram({"validate", folder / "scene"}).code == 0);
-  // What an interrupted build made is what one in a single go makes.
+  // A resumed build has the same result as an uninterrupted build.
   CHECK(runProgram({"build", set.photographs, "-o", folder / "whole"}).code == 0);
   CHECK(contentsBelow(folder / "scene") == contentsBelow(folder / "whole"));
 }

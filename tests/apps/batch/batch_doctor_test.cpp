@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Folders with one trouble each, as a user asks about them.
+// `ibr doctor` on folders with one problem each.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 
 struct Diagnosis {
   int code;
-  std::string text;  // of the findings
+  std::string text;  // text of the findings
   std::set<std::string> subjects;
   std::string err;
 };
@@ -198,7 +198,7 @@ TEST_CASE("info writes all else that is asked before poses to add, of which ther
   CHECK(runProgram(words).code == 2);
   CHECK((fs::exists(svg) && fs::exists(json)));
 
-  Scene far = loadScene(test::tinyScene());  // all is so far away that a step shows nothing new
+  Scene far = loadScene(test::tinyScene());  // so far away that a person's step shows nothing new
   for (Cell& cell : far.cells) {
     std::ranges::fill(cell.mesh.inverseDistance, 0.0f);
     for (auto& ratio : cell.mesh.ratio) std::ranges::fill(ratio, 1.0f);
@@ -237,7 +237,7 @@ TEST_CASE("doctor reads what the camera wrote down: exposure and zoom") {
 
 TEST_CASE("doctor calls a photograph blurred beside those of its size that look like it, and no other") {
   test::TemporaryFolder folder;
-  // Grain of a strength, over a slope from left to right or from top to bottom.
+  // Grain of a given strength over a gradient, from left to right or from top to bottom.
   const auto shoot = [&](const std::string& name, int grain, bool down, int width, std::uint32_t exposure = 0) {
     Image8 picture(width, width * 3 / 4, 3);
     std::uint32_t state = std::uint32_t(std::hash<std::string>()(name));
@@ -254,9 +254,9 @@ TEST_CASE("doctor calls a photograph blurred beside those of its size that look 
   };
   for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_a.jpg", 40, false, 240 + 8 * (i % 2));
   for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_b.jpg", 40, i == 2, 240 + 8 * (i % 2));
-  shoot("p2_b.jpg", 4, true, 240);  // plain, as nothing else that looks this way
+  shoot("p2_b.jpg", 4, true, 240);  // without detail, but no other photograph has the same direction
   CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
-  shoot("p3_b.jpg", 4, false, 320);  // plain, and what looks like it has another size
+  shoot("p3_b.jpg", 4, false, 320);  // without detail, but the similar photograph has another size
   for (const char* name : {"q0.jpg", "q1.jpg", "q2.jpg"}) shoot(name, 40, true, 320);
   CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
   shoot("p4_b.jpg", 4, false, 240, 4);
@@ -323,7 +323,7 @@ TEST_CASE("doctor of a machine says what is missing there") {
   CHECK(without.code == 5);
   CHECK(without.subjects.contains("device"));
 
-  // What this process may have, not the machine.
+  // Memory limit of this process, which is smaller than the machine's memory.
   const auto limited =
       runProgram({"-c", "ulimit -v 1500000; exec \"$0\" doctor --json -", IBR_PROGRAM}, {.program = "/bin/sh"});
   CHECK_THAT(limited.out, Contains("of 1.4 GiB of memory free"));
@@ -346,7 +346,7 @@ TEST_CASE("doctor asks programs for their version, and believes no other answer"
   CHECK_THAT(machine.text,
              Contains("COLMAP is there, but asked for its version, it ended with 127: colmap: error while "
                       "loading shared libraries: libx.so.1."));
-  // One that says something else, and one that never ends its sentence.
+  // A program with another answer, and a program whose output never ends.
   stands("colmap", "echo hello");
   stands("ffmpeg", "tr '\\0' f </dev/zero");
   machine = doctor({}, bare);

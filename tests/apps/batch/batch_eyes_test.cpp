@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// render with cameras unlike the poses': two eyes, another focal length.
+// `ibr render` with cameras that differ from the poses file: two eyes, another focal length.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -50,7 +50,7 @@ TEST_CASE("--stereo makes the two eyes, and eyes that are given are taken as the
   CHECK(!(readImage(folder / "made/view_l.png") == readImage(folder / "made/view_r.png")));
   CHECK(!fs::exists(folder / "made/view.png"));
 
-  // Off-centre: the picture moves under its frame, and shows the same place.
+  // Off-centre principal points shift the image inside its frame; the surfaces stay at the same positions.
   left.intrinsics.cx += 16;
   right.intrinsics.cx -= 16;
   test::writeColmapModel(folder / "skewed", {{"view_l.jpg", left}, {"view_r.jpg", right}});
@@ -64,7 +64,7 @@ TEST_CASE("--stereo makes the two eyes, and eyes that are given are taken as the
 TEST_CASE("--stereo: a picture of one eye stands for both, and both come back to the last byte") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
-  // As headsets have them: off-centre, canted, a pixel not quite square, and no round number anywhere.
+  // Typical headset cameras: off-centre, canted, pixels not quite square, arbitrary numbers.
   Camera left = between(), right = between();
   left.pose = {left.pose.position - glm::dvec3(0.0317, 0, 0.0011), glm::angleAxis(0.0523, glm::dvec3(0, 1, 0))};
   right.pose = {right.pose.position + glm::dvec3(0.0317, 0, 0.0011), glm::angleAxis(-0.0417, glm::dvec3(0, 1, 0))};
@@ -82,7 +82,7 @@ TEST_CASE("--stereo: a picture of one eye stands for both, and both come back to
       CHECK((readFile(folder / "given" / name) == readFile(folder / "again" / name)));
     fs::remove_all(folder / "again");
   }
-  // Without --stereo, or of another name, it is one view.
+  // Without --stereo, or with another name, the file is a single view.
   REQUIRE(render(folder / "given/shot_l.png", folder / "alone", {}).code == 0);
   CHECK(!fs::exists(folder / "alone/shot_r.png"));
   fs::copy_file(folder / "given/shot_l.png", folder / "given/shot.png");

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
 using nlohmann::json;
+using test::runLab;
 using test::runProgram;
 
 namespace {
@@ -28,7 +29,7 @@ test::BumpyOptions bodyOptions() {
   return options;
 }
 
-// Files of the body, the model that the program makes of them, and views of the truth between the cameras.
+// Files of the body, the model that the program builds from them, and true views between the cameras.
 struct Built {
   test::TemporaryFolder folder;
   fs::path files = folder / "files", model = folder / "model", truth = folder / "truth";
@@ -52,7 +53,7 @@ struct Built {
   Built() {
     test::writeHtmFiles(test::bumpyModel(bodyOptions()), files);
     test::BumpyOptions all = bodyOptions();
-    all.cameras *= 2;  // each second one stands between two of the model
+    all.cameras *= 2;  // every second view lies between two cameras of the model
     test::BumpyModel views = test::bumpyModel(all);
     views.model.cameras = {views.model.cameras[1], views.model.cameras[5]};
     views.pictures = {views.pictures[1], views.pictures[5]};
@@ -102,7 +103,7 @@ TEST_CASE("htm build makes a model and says what it did") {
   for (const char* file :
        {"original.ply", "reduced-by-shape.ply", "reduced-by-texture.ply", "refined.ply", "stages.png"})
     CHECK(fs::exists(once.folder / "stages" / file));
-  // A second time it is the same.
+  // A second build has the same result.
   test::TemporaryFolder other;
   REQUIRE(runProgram(once.arguments(other / "model")).code == 0);
   CHECK(test::contentsBelow(other / "model") == test::contentsBelow(once.model));
@@ -119,7 +120,7 @@ TEST_CASE("htm build says what is wrong and writes nothing") {
   CHECK_THAT(unknown.err, Contains("nobody.png"));
   CHECK(run({"--mean-difference", "300"}).code == 1);
   CHECK(run({"--smoothness", "nan"}).code == 1);
-  CHECK(run({"--most-faces", "0"}).code == 1);
+  CHECK(run({"--max-faces", "0"}).code == 1);
   CHECK(run({"--soft", "0"}).code == 1);
   CHECK(run({"--measure", "ssd"}).code == 1);
   auto arguments = once.arguments(folder / "model");
@@ -136,7 +137,7 @@ TEST_CASE("htm build says what is wrong and writes nothing") {
   const auto bare = runProgram({"htm", "build"});
   CHECK(bare.code == 1);
   CHECK_THAT(bare.err, Contains("ibr htm build --help"));
-  const auto help = runProgram({"htm", "build", "--help"});
+  const auto help = runProgram({"htm", "build", "--help-all"});
   CHECK(help.code == 0);
   for (const char* option : {"--mesh", "--model", "--images", "--masks", "--exclude", "--max-size", "--stages",
                              "--faces", "--adjust", "--measure", "--smoothness", "--rounds", "--no-reject", "--json"})
@@ -192,7 +193,7 @@ TEST_CASE("htm eval leaves each photograph out") {
   REQUIRE(one.at("views").size() == 1);
   CHECK(one["views"][0]["name"] == "camera2.png");
   checkScores(one["views"][0]);
-  // What is left out is not seen: worse than with it.
+  // The held-out photograph does not contribute, so its score is lower than with the photograph.
   const auto truth = json::parse(
       runProgram({"htm", "eval", once.model, "--truth", once.truth, "--views", "between0.png", "--json", "-"}).out);
   CHECK(report["views"][0]["htm"]["psnr"] < truth["views"][0]["htm"]["psnr"]);
@@ -201,8 +202,7 @@ TEST_CASE("htm eval leaves each photograph out") {
 TEST_CASE("With its defaults harmonising does no worse than blending, with masks and without") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
-  REQUIRE(runProgram({"synth", "moving", "-o", folder / "frames", "--frames", "1", "--size", "256x256", "-q"}).code ==
-          0);
+  REQUIRE(runLab({"synth", "moving", "-o", folder / "frames", "--frames", "1", "--size", "256x256", "-q"}).code == 0);
   const fs::path frame = folder / "frames/frame0000";
   for (const bool masked : {true, false}) {
     INFO(masked);
@@ -218,7 +218,7 @@ TEST_CASE("With its defaults harmonising does no worse than blending, with masks
       const double htm = mean.at("htm").at(figure), blended = mean.at("vdtbm").at(figure);
       CHECK(htm > blended - 0.2);
     }
-    // Without masks a photograph's own outline must not say what counts when it is left out.
+    // A held-out photograph without a mask must not contribute its own outline to the covered pixels.
     const auto left = runProgram({"htm", "eval", folder / "model", "--leave-one-out", "--keep-mesh", "--json", "-"});
     REQUIRE(left.code == 0);
     const json htm = json::parse(left.out).at("mean").at("htm");
@@ -234,7 +234,7 @@ TEST_CASE("htm eval says what it needs") {
   CHECK(runProgram({"htm", "eval", once.model, "--leave-one-out", "--truth", once.truth}).code == 1);
   CHECK(runProgram({"htm", "eval", once.model, "--truth", once.truth, "--keep-mesh"}).code == 1);
   CHECK(runProgram({"htm", "eval", once.folder / "none", "--leave-one-out"}).code == 2);
-  const auto help = runProgram({"htm", "eval", "--help"});
+  const auto help = runProgram({"htm", "eval", "--help-all"});
   CHECK(help.code == 0);
   for (const char* option : {"--truth", "--leave-one-out", "--keep-mesh", "--poses", "--views", "--gamma", "--json"})
     CHECK_THAT(help.out, Contains(option));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr htm` on a small body made in code, with the validation layer watching.
+// `ibr htm` on a small generated body, with the validation layer.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-// A model's folder, as `ibr htm build` would leave it.
+// Writes a model's folder as `ibr htm build` does.
 void writeBumpy(const fs::path& folder, bool withSource) {
   test::BumpyModel bumpy = test::bumpyModel();
   fs::create_directories(folder);

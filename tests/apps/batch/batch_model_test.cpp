@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr info` and `ibr validate` of harmonised models.
+// `ibr info` and `ibr validate` on harmonised models.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr optimise` and `ibr build --optimise` as a user calls them.
+// Command lines of `ibr optimise` and `ibr build --optimise`.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -145,7 +145,7 @@ TEST_CASE("ibr optimise: Ctrl-C leaves whole files, and the same command goes on
       "optimise", folder / "scene", "-o", folder / "out", "--threads",           "1", "--method",
       "cpu",      "--decay",        "1",  "--json",       folder / "report.json"};
   Outcome stopped;
-  // On a busy machine the signal may come after the end; then once more.
+  // On a busy machine the signal may arrive after the end of the program; the test then repeats the attempt.
   const auto oneIsKept = [&](const std::string&) {
     const fs::path kept = folder / "out/.optimise";
     return fs::exists(kept) && !fs::is_empty(kept);
@@ -194,7 +194,7 @@ TEST_CASE("ibr optimise refuses what makes no sense") {
   CHECK_THAT(itself.err, Contains("overwrite"));
   CHECK(runProgram({"build", tinySet().photographs, "-o", out, "--optimise=magic"}).code == 1);
   CHECK(!fs::exists(out));
-  const Outcome help = runProgram({"optimise", "--help"});
+  const Outcome help = runProgram({"optimise", "--help-all"});
   CHECK(help.code == 0);
   CHECK_THAT(help.out, Contains("Examples:") && Contains("--pictures") && Contains("--definition"));
 }

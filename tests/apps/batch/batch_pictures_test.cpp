@@ -22,8 +22,8 @@ using test::runProgram;
 TEST_CASE("compare: figures, tolerance and difference picture") {
   test::TemporaryFolder folder;
   Image8 a(20, 20, 3, 100), b = a;
-  b.pixel(3, 4)[1] = 110;    // 1 of 400 pixels by 10 levels
-  b.pixel(19, 19)[2] = 103;  // another by 3
+  b.pixel(3, 4)[1] = 110;    // 1 of 400 pixels differs by 10 levels
+  b.pixel(19, 19)[2] = 103;  // another pixel differs by 3 levels
   writeImage(folder / "a.png", a);
   writeImage(folder / "b.png", b);
   const auto compare = [&](std::vector<std::string> more) {
@@ -92,7 +92,7 @@ TEST_CASE("info writes depth of each photograph, what confirms it and consensus,
     for (const char* what : {".depth.png", ".confirmations.png", ".consensus.png"})
       CHECK(readImage(name + what).width == maps.inverseDepth.width);
   }
-  // What is no scene, or has no depth, is refused.
+  // A file that is no scene, and a scene without depth, are refused.
   const std::string picture = folder / "depth" / (scene.nodes[0].name + ".depth.png");
   CHECK(test::runProgram({"info", picture, "--depth", folder / "again"}).code != 0);
   Scene bare = scene;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands inside pictures, and pictures made again from it.
+// Metadata inside rendered images, and images rendered again from their metadata.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -49,7 +49,7 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
                             Contains("--mute 0") && !Contains("--overlay") && !Contains("--solo"));
 
   const auto other = test::runProgram({"render", test::tinyScene(), "--poses", picture, "-o", folder / "c"});
-  CHECK(other.code == 0);  // the view is the picture's, settings are the command's
+  CHECK(other.code == 0);  // the view comes from the image, settings from the command
   CHECK(readFile(picture) != readFile(folder / "c/frame_0000.png"));
   const auto larger =
       test::runProgram({"render", test::tinyScene(), "--poses", picture, "--size", "32x32", "-o", folder / "d"});

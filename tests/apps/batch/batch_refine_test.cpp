@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr synth noise`, `ibr refine`, and builds that refine poses.
+// `ibr-lab synth noise`, `ibr refine`, and builds that refine poses.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +17,7 @@
 
 using namespace ibr;
 using nlohmann::json;
+using test::runLab;
 using test::runProgram;
 
 namespace {
@@ -27,19 +28,19 @@ json reportOf(const test::Outcome& run) {
   return json::parse(run.out.substr(run.out.find("{\n")));
 }
 
-// Photographs of one wall of the court: those of others share no point with them.
+// Photographs of one wall of the synthetic scene "court". Photographs of other walls share no point with them.
 struct Wall {
   explicit Wall(const test::TemporaryFolder& folder)
       : photographs(folder / "court/images"), exact(folder / "court/sparse"), noisy(folder / "noisy") {
-    REQUIRE(runProgram(
-                {"synth", "court", "-o", folder / "court", "--photographs", "16", "--views", "0", "--size", "320x240"})
-                .code == 0);
-    REQUIRE(runProgram(noise(noisy)).code == 0);
+    REQUIRE(
+        runLab({"synth", "court", "-o", folder / "court", "--photographs", "16", "--views", "0", "--size", "320x240"})
+            .code == 0);
+    REQUIRE(runLab(noise(noisy)).code == 0);
   }
   std::vector<std::string> noise(const std::string& to) const {
     return {"synth", "noise", "--model", exact, "--pixels", "2", "--track-pixels", "0.3", "-o", to, "--json", "-"};
   }
-  // With noisy poses.
+  // Command line that uses the noisy poses.
   std::vector<std::string> line(std::vector<std::string> words) const {
     words.insert(words.end(), {"--model", noisy, "--json", "-", "--exclude"});
     for (int i = 4; i < 16; ++i) words.push_back(fmt::format("photo{:04}.jpg", i));
@@ -54,7 +55,7 @@ TEST_CASE("noise that is planted into poses is refined away, by builds as by ibr
   test::TemporaryFolder folder;
   const Wall wall(folder);
   const std::string refined = folder / "refined", scene = folder / "scene";
-  const json planted = reportOf(runProgram(wall.noise(folder / "again")));
+  const json planted = reportOf(runLab(wall.noise(folder / "again")));
   CHECK(planted["errors"]["photographs"] == 16);
   CHECK(planted["errors"]["turnPx"] > 2);
   for (const char* file : {"cameras.txt", "images.txt", "points3D.txt"})
@@ -78,7 +79,7 @@ TEST_CASE("noise that is planted into poses is refined away, by builds as by ibr
   CHECK(built["refinement"] == report["refinement"]);
   for (const auto& entry : std::filesystem::directory_iterator(scene)) {
     const std::string name = entry.path().filename().string();
-    CHECK((name[0] != '.' || name == ".refined" || name == ".build"));  // cells of both rounds are gone
+    CHECK((name[0] != '.' || name == ".refined" || name == ".build"));  // cached cells of both rounds are deleted
   }
   const json asRefined =
       reportOf(runProgram({"build", wall.photographs, "--model", refined, "-o", scene, "--json", "-"}));
@@ -91,7 +92,7 @@ TEST_CASE("noise that is planted into poses is refined away, by builds as by ibr
   CHECK(off["cells"][0]["ecc"] != built["cells"][0]["ecc"]);
   const json same = reportOf(runProgram(
       {"build", wall.photographs, "--model", wall.exact, "-o", scene, "--refine-poses", "auto", "--json", "-"}));
-  CHECK_FALSE(same.contains("refinement"));  // exact poses are not estimates
+  CHECK_FALSE(same.contains("refinement"));  // exact poses are not marked as estimates
 }
 
 TEST_CASE("what is left out takes no part in refining the others' poses, and is resected among them") {
@@ -107,7 +108,7 @@ TEST_CASE("what is left out takes no part in refining the others' poses, and is 
   CHECK(refined["views"].size() == 2);
   CHECK(refined["posesRefined"] == 2);
   CHECK(refined["mean"]["psnrCovered"] > off["mean"]["psnrCovered"].get<double>() + 3);
-  CHECK(leftOut("auto")["mean"] == refined["mean"]);  // kept from before
+  CHECK(leftOut("auto")["mean"] == refined["mean"]);  // cached result of the previous run
   CHECK(leftOut("auto")["posesRefined"] == 2);
 }
 
@@ -115,8 +116,9 @@ TEST_CASE("poses that points confirm are kept, with the cells that were matched"
   test::TemporaryFolder folder;
   const Wall wall(folder);
   const std::string loose = folder / "loose", scene = folder / "scene";
-  REQUIRE(runProgram({"synth", "noise", "--model", wall.exact, "--pixels", "0", "--track-pixels", "0.3", "-o", loose})
-              .code == 0);
+  REQUIRE(
+      runLab({"synth", "noise", "--model", wall.exact, "--pixels", "0", "--track-pixels", "0.3", "-o", loose}).code ==
+      0);
   std::vector<std::string> line{"build",          wall.photographs, "--model", loose, "-o",       scene,
                                 "--refine-poses", "auto",           "--json",  "-",   "--exclude"};
   for (int i = 4; i < 16; ++i) line.push_back(fmt::format("photo{:04}.jpg", i));
@@ -140,7 +142,7 @@ TEST_CASE("refining overwrites no model, minds masks, and what is left out stays
   const json built =
       reportOf(runProgram(wall.line({"build", wall.photographs, "-o", folder / "scene", "--refine-poses", "auto"})));
   CHECK(built["unused"].empty());
-  // Half of each photograph is masked.
+  // Masks half of each photograph.
   std::filesystem::create_directories(folder / "masks");
   Image8 mask(320, 240, 1, 255);
   std::fill(mask.values.begin(), mask.values.begin() + 320 * 120, std::uint8_t(0));
@@ -158,7 +160,7 @@ TEST_CASE("refining overwrites no model, minds masks, and what is left out stays
 TEST_CASE("noise is planted into a COLMAP model, and nothing else") {
   test::TemporaryFolder folder;
   const std::string out = folder / "noisy";
-  CHECK(runProgram({"synth", "noise", "-o", out}).code == 1);
-  CHECK(runProgram({"synth", "planes", "--model", out, "-o", out}).code == 1);
-  CHECK(runProgram({"synth", "noise", "--model", folder / "none", "-o", out}).code == 2);
+  CHECK(runLab({"synth", "noise", "-o", out}).code == 1);
+  CHECK(runLab({"synth", "planes", "--model", out, "-o", out}).code == 1);
+  CHECK(runLab({"synth", "noise", "--model", folder / "none", "-o", out}).code == 2);
 }

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-// What a second run of the same command may leave different: how long it took.
+// Files below a folder without build.json, whose times differ between equal runs.
 std::map<std::string, std::string> modelsBelow(const fs::path& folder) {
   std::map<std::string, std::string> files = test::contentsBelow(folder);
   std::erase_if(files, [](const auto& file) { return file.first.ends_with("build.json"); });
@@ -75,13 +75,13 @@ TEST_CASE("htm sequence goes on where it was stopped", "[sequence]") {
   const auto stopped = test::runProgram(
       command, {.interruptWhen = [](const std::string& err) { return err.find("frame0000: ") != std::string::npos; }});
   CHECK(stopped.code == 130);
-  CHECK_THAT(stopped.err, Contains("goes on with the others"));
+  CHECK_THAT(stopped.err, Contains("run the same command again"));
   for (const auto& entry : fs::directory_iterator(folder / "stopped")) {
     INFO(entry.path());
-    CHECK(entry.path().filename().string().starts_with("frame"));  // no index, nothing half-made
+    CHECK(entry.path().filename().string().starts_with("frame"));  // no sequence index, no partial frame
     CHECK(test::runProgram({"validate", entry.path()}).code == 0);
   }
-  fs::create_directories(folder / "stopped/.frame0001.part/images");  // as a program leaves it that was killed
+  fs::create_directories(folder / "stopped/.frame0001.part/images");  // partial frame of a killed program
   writeFile(folder / "stopped/.frame0001.part/images/old.png", "");
   const Kept kept = keptOf(test::runProgram(command));
   CHECK(kept.front());

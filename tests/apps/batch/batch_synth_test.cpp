@@ -12,6 +12,7 @@
 namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
+using test::runLab;
 using test::runProgram;
 
 namespace {
@@ -29,8 +30,8 @@ TEST_CASE("synth makes scenes that every command reads, and truth that eval comp
   for (const std::string kind : {"planes", "room-pano", "room-mixed"}) {
     test::TemporaryFolder folder;
     const std::string scene = folder / "scene";
-    const auto made = runProgram({"synth", kind, "-o", scene, "--size", kind == "planes" ? "320x240" : "512x256",
-                                  "--members", "3", "--views", "3", "--json", "-"});
+    const auto made = runLab({"synth", kind, "-o", scene, "--size", kind == "planes" ? "320x240" : "512x256",
+                              "--members", "3", "--views", "3", "--json", "-"});
     INFO(kind << ": " << made.err);
     REQUIRE(made.code == 0);
     const auto report = nlohmann::json::parse(made.out);
@@ -52,8 +53,8 @@ TEST_CASE("synth makes scenes that every command reads, and truth that eval comp
 TEST_CASE("a grid of photographs, a walk through it within a budget, and what formats cost") {
   test::TemporaryFolder folder;
   const std::string scene = folder / "scene";
-  const auto made = runProgram({"synth", "grid", "-o", scene, "--side", "5", "--size", "128x96", "--texture", "bc7",
-                                "--views", "2", "--json", "-"});
+  const auto made = runLab({"synth", "grid", "-o", scene, "--side", "5", "--size", "128x96", "--texture", "bc7",
+                            "--views", "2", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
   const auto report = nlohmann::json::parse(made.out);
@@ -64,7 +65,7 @@ TEST_CASE("a grid of photographs, a walk through it within a budget, and what fo
   if (!test::deviceIsThere()) return;
   const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--tiers", "2", "--json", "-"});
   REQUIRE(eval.code == 0);
-  CHECK(nlohmann::json::parse(eval.out).at("mean").at("psnrCovered") > 23);  // of 128×96 px, magnified
+  CHECK(nlohmann::json::parse(eval.out).at("mean").at("psnrCovered") > 23);  // magnified photographs of 128×96 px
 
   const auto walked = [&](const std::string& budget) {
     const auto outcome = runProgram(
@@ -80,7 +81,7 @@ TEST_CASE("a grid of photographs, a walk through it within a budget, and what fo
     CHECK(walk.at("failed") == 0);
     return walk;
   };
-  CHECK(walked("1G").at("streamedBytes") == 0);  // all of it fits
+  CHECK(walked("1G").at("streamedBytes") == 0);  // the whole scene fits
   CHECK(walked("300K").at("streamedBytes") > 0);
   CHECK(runProgram({"bench", scene, "--walk", scene + "/walk.json", "--vram-budget", "1K"}).code == 4);
 
@@ -103,8 +104,8 @@ TEST_CASE("a grid of photographs, a walk through it within a budget, and what fo
 TEST_CASE("the same seed makes the same files, another one others") {
   test::TemporaryFolder folder;
   const auto synth = [&](const std::string& name, const std::string& seed) {
-    REQUIRE(runProgram({"synth", "room-pano", "-o", folder / name, "--size", "64x32", "--members", "2", "--views", "1",
-                        "--seed", seed, "-q"})
+    REQUIRE(runLab({"synth", "room-pano", "-o", folder / name, "--size", "64x32", "--members", "2", "--views", "1",
+                    "--seed", seed, "-q"})
                 .code == 0);
     return contentsBelow(folder / name);
   };
@@ -115,13 +116,13 @@ TEST_CASE("the same seed makes the same files, another one others") {
 }
 
 TEST_CASE("synth refuses what it does not know") {
-  CHECK(runProgram({"synth"}).code == 1);
-  CHECK(runProgram({"synth", "planes"}).code == 1);
-  const auto unknown = runProgram({"synth", "castle", "-o", "x"});
+  CHECK(runLab({"synth"}).code == 1);
+  CHECK(runLab({"synth", "planes"}).code == 1);
+  const auto unknown = runLab({"synth", "castle", "-o", "x"});
   CHECK(unknown.code == 1);
   CHECK_THAT(unknown.err, Contains("castle") && Contains("room-pano"));
-  CHECK(runProgram({"synth", "planes", "-o", "x", "--members", "5"}).code == 1);
-  CHECK(runProgram({"synth", "planes", "-o", "/proc/none/scene", "--size", "32x24", "--views", "0"}).code == 2);
+  CHECK(runLab({"synth", "planes", "-o", "x", "--members", "5"}).code == 1);
+  CHECK(runLab({"synth", "planes", "-o", "/proc/none/scene", "--size", "32x24", "--views", "0"}).code == 2);
 }
 
 TEST_CASE("build reads panoramas.json; one alone makes no cell") {
@@ -145,7 +146,7 @@ TEST_CASE("synth moving writes frames as ibr htm build takes them") {
   const test::TemporaryFolder folder;
   const std::vector<std::string> arguments{
       "synth", "moving", "-o", (folder / "a").string(), "--frames", "2", "--views", "1", "--size", "48x40", "-q"};
-  REQUIRE(runProgram(arguments).code == 0);
+  REQUIRE(runLab(arguments).code == 0);
   const auto files = contentsBelow(folder / "a");
   CHECK(files.size() == 2 * (2 + 3 + 2 * 8 + 3 + 2));
   for (const std::string frame : {"frame0000/", "frame0001/"}) {
@@ -163,8 +164,8 @@ TEST_CASE("synth moving writes frames as ibr htm build takes them") {
 TEST_CASE("synth court writes photographs that build makes a scene from") {
   const test::TemporaryFolder folder;
   const std::string court = folder / "court";
-  const auto made = runProgram(
-      {"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "--json", "-"});
+  const auto made =
+      runLab({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
   const auto report = nlohmann::json::parse(made.out);
@@ -179,8 +180,8 @@ TEST_CASE("synth court writes photographs that build makes a scene from") {
   CHECK(scene.at("dropped").empty());
   CHECK(scene.at("cells").size() >= 1);
   const auto before = contentsBelow(court);
-  REQUIRE(runProgram({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "-q",
-                      "--threads", "1"})
+  REQUIRE(runLab({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "-q",
+                  "--threads", "1"})
               .code == 0);
   CHECK((contentsBelow(court) == before));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr tradeoff` as a user calls it.
+// Command lines of `ibr tradeoff`.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-// Presets, two more values of blend, and two builds of which one is the same.
+// Presets, two more values of the blend knob, and two builds with the same content.
 std::vector<std::string> tradeoffOfTiny(const fs::path& output) {
   return {"tradeoff", tinyScene(),
           "--truth",  tinySet().truth,
@@ -53,7 +53,7 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
   const std::string text = readTextFile(out / "tradeoff.json");
   const Json report = Json::parse(text);
 
-  // Against the truth: what eval says.
+  // Scores against the truth equal those of `ibr eval`.
   for (const char* preset : {"fast", "balanced"}) {
     const Outcome eval =
         runProgram({"eval", tinyScene(), "--truth", tinySet().truth, "--preset", preset, "-q", "--json", "-"});
@@ -62,12 +62,12 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
     for (const char* figure : {"psnr", "ssim", "flip"}) CHECK(row.at("truth").at(figure) == mean.at(figure));
     CHECK(row.at("holes").get<double>() == Approx(1 - mean.at("coverage").get<double>()).margin(1e-12));
   }
-  // Against the reference: it is itself.
+  // Scores of the reference preset against itself.
   const Json& reference = settingOf(report, "preset reference");
   CHECK(reference.at("reference").at("psnr").is_null());
   CHECK(reference.at("reference").at("flip") == 0);
   CHECK(reference.at("truth").at("flip") > 0);
-  // Against the twin.
+  // Comparison with the reference implementation.
   REQUIRE(report.at("implementation").size() == 1);
   CHECK(report["implementation"][0].at("compared") > 0.3);
   CHECK(report["implementation"][0].at("beyondBound") == 0);
@@ -94,7 +94,7 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
 
   const Outcome more = runProgram(tradeoffOfTiny(out));
   CHECK_THAT(more.err, Contains("measured before"));
-  CHECK(readTextFile(out / "tradeoff.json") == text);  // raw times and all
+  CHECK(readTextFile(out / "tradeoff.json") == text);  // cached file, raw times included
 }
 
 TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what was kept") {
@@ -111,7 +111,7 @@ TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what w
   for (const char* setting : {"eyeColours shared", "eyeColours own"}) {
     const Json& eyes = settingOf(report, setting).at("eyes");
     CHECK(eyes.at("seenByBoth") > 0.3);
-    CHECK(eyes.at("difference") > 0);  // they stand beside each other
+    CHECK(eyes.at("difference") > 0);  // the eyes have different positions
     CHECK(eyes.at("difference") < 10);
     CHECK(eyes.at("difference95") >= eyes.at("difference"));
     CHECK(eyes == settingOf(report, setting).at("views")[0].at("eyes"));
@@ -126,13 +126,13 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   const TemporaryFolder folder;
   const fs::path out = folder / "report", kept = out / "tradeoff.kept.jsonl";
   std::vector<std::string> line = tradeoffOfTiny(out);
-  *std::ranges::find(line, "2") = "40";  // rounds: there is time to interrupt
+  *std::ranges::find(line, "2") = "40";  // enough rounds to interrupt the program
   const auto linesKept = [&] {
     const std::string text = fs::exists(kept) ? readTextFile(kept) : "";
     return std::ranges::count(text, '\n');
   };
   Outcome stopped;
-  // On a busy machine the signal may come after the end; then once more.
+  // On a busy machine the signal may arrive after the end of the program; the test then repeats the attempt.
   for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
     fs::remove_all(out);
     stopped = runProgram(line, {.interruptWhen = [&](const std::string&) { return linesKept() >= 13; }});
@@ -149,7 +149,7 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
     for (std::string each; std::getline(lines, each);) count += each.find(what) != std::string::npos;
     return count;
   };
-  CHECK(linesWith("\"prediction\"") == 10);  // settings: pictures come first
+  CHECK(linesWith("\"prediction\"") == 10);  // settings: images come first
   CHECK(linesWith("\"times\"") >= 2);        // rounds
   const Outcome resumed = runProgram(line);
   INFO(resumed.err);
@@ -161,12 +161,12 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   CHECK(settingOf(Json::parse(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
 }
 
-TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr sweep measured") {
+TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr-lab sweep measured") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const Outcome swept =
-      runProgram({"sweep", tinyScene(), "--truth", tinySet().truth, "-o", folder / "swept", "--method", "cpu",
-                  "--instances", "16", "--radius", "1", "5", "--decay", "0.5", "--threshold", "0.005", "-q"});
+      runLab({"sweep", tinyScene(), "--truth", tinySet().truth, "-o", folder / "swept", "--method", "cpu",
+              "--instances", "16", "--radius", "1", "5", "--decay", "0.5", "--threshold", "0.005", "-q"});
   INFO(swept.err);
   REQUIRE(swept.code == 0);
   const Json sweep = Json::parse(readTextFile(folder / "swept" / "sweep.json"));
@@ -184,7 +184,7 @@ TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr sweep measu
       continue;
     }
     ++drawn;
-    // As they are told where one points at a mark.
+    // The tooltip of each mark shows the exact numbers.
     for (const Json& y : {row.at("scores").at("psnrCovered"), row.at("ecc")})
       CHECK_THAT(svg, Contains(fmt::format("<title>{}: {:.4g}, {:.4g}</title>", name, row.at("seconds").get<double>(),
                                            y.get<double>())));
@@ -204,5 +204,5 @@ TEST_CASE("ibr tradeoff refuses what it cannot measure") {
   writeFile(folder / "sweep.json", std::string_view("{\"settings\":[{}]}"));
   const Outcome sweep = runProgram({"tradeoff", tinyScene(), "--sweep", folder / "sweep.json", "-o", folder / "x"});
   CHECK(sweep.code == 3);
-  CHECK_THAT(sweep.err, Contains("no report of ibr sweep"));
+  CHECK_THAT(sweep.err, Contains("no report of ibr-lab sweep"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr htm render` and `ibr render` of 3D video and of a model, with the validation layer watching.
+// `ibr htm render` and `ibr render` of 3D video and of a model, with the validation layer.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
@@ -18,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-// Three frames, ten a second; made once.
+// A video of three frames at ten frames a second, made once.
 const fs::path& video() {
   static const test::TemporaryFolder folder;
   static const fs::path made = [] {
@@ -31,7 +31,7 @@ const fs::path& video() {
   return made;
 }
 
-// A camera that stands still for a time.
+// Writes the path of a camera that does not move between two times.
 void writePath(const fs::path& file, double fps, double from, double to) {
   json keys = json::array();
   for (const double time : {from, to})
@@ -49,7 +49,7 @@ json render(std::vector<std::string> arguments) {
   return json::parse(outcome.out);
 }
 
-// Pictures by name, without the texts inside, which tell times and settings.
+// Rendered images by name, without their metadata texts, which contain times and settings.
 std::map<std::string, std::string> drawnBelow(const fs::path& folder) {
   auto files = test::contentsBelow(folder);
   for (auto& [unused, png] : files)
@@ -78,7 +78,7 @@ using Frames = std::vector<int>;
 TEST_CASE("a picture of a video is that of its frame's model", "[video]") {
   if (!test::deviceIsThere()) return;
   const test::TemporaryFolder folder;
-  writePath(folder / "path.json", 10, 0, 0.4);  // round the end
+  writePath(folder / "path.json", 10, 0, 0.4);  // longer than the video, so that it repeats
   const json report = render({"render", video(), "--poses", folder / "path.json", "-o", folder / "played"});
   CHECK(framesOf(report) == Frames{0, 1, 2, 0, 1});
   REQUIRE(report.at("frames").size() == 5);
@@ -92,7 +92,7 @@ TEST_CASE("a picture of a video is that of its frame's model", "[video]") {
   CHECK(played.at("frame_0000.png") != played.at("frame_0001.png"));
   CHECK(played.at("frame_0000.png") == played.at("frame_0003.png"));
 
-  writePath(folder / "leaps.json", 5, 0, 0.8);  // back as well
+  writePath(folder / "leaps.json", 5, 0, 0.8);  // skips frames in both directions
   CHECK(framesOf(render({"render", video(), "--poses", folder / "leaps.json", "-o", folder / "leapt"})) ==
         Frames{0, 2, 1, 0, 2});
   const auto leapt = drawnBelow(folder / "leapt");
@@ -141,7 +141,7 @@ TEST_CASE("poses without times show a frame each", "[video]") {
 TEST_CASE("weights go on from frame to frame", "[video]") {
   if (!test::deviceIsThere()) return;
   const test::TemporaryFolder folder;
-  // From one side to the other at once, then nothing moves.
+  // The camera jumps to the other side at once, then does not move.
   json keys = json::array();
   const double half = std::sqrt(0.5);
   keys.push_back({{"time", 0}, {"position", {0, 1, 2.6}}, {"rotation", {0, 0, 0, 1}}, {"fovY", 0.8}});
@@ -155,7 +155,7 @@ TEST_CASE("weights go on from frame to frame", "[video]") {
   const auto atOnce = pictures(video(), "0"), slowly = pictures(video(), "5");
   CHECK(slowly.at("frame_0000.png") == atOnce.at("frame_0000.png"));
   CHECK(slowly.at("frame_0001.png") != atOnce.at("frame_0001.png"));
-  // The same frame twice is a model alone, which goes on as well.
+  // A video of two equal frames is treated like a single model, and weights adapt over time.
   fs::copy(video(), folder / "twice", fs::copy_options::recursive);
   writeFile(folder / "twice/sequence.json", R"({"version":1,"fps":10,"frames":["frame0001","frame0001"]})");
   CHECK(pictures(folder / "twice", "5") == pictures(video() / "frame0001", "5"));
@@ -181,7 +181,7 @@ TEST_CASE("a broken video names what is missing", "[video]") {
   fs::remove(folder / "video/sequence.json");
   refused(2, "video");
   if (!test::deviceIsThere()) return;
-  // One that is played later: pictures up to it are there.
+  // The missing frame is played later, so earlier images exist.
   writeFile(folder / "video/sequence.json", R"({"version":1,"fps":10,"frames":["frame0000","nothing"]})");
   refused(2, "video/nothing");
   CHECK(fs::exists(folder / "out/frame_0000.png"));
@@ -205,7 +205,7 @@ TEST_CASE("render refuses options of another kind of thing", "[video]") {
   }
   refused(video() / "frame0000", {"--time", "0"});
   fs::create_directories(folder / "scene");
-  writeFile(folder / "scene/scene.gltf", "");  // its kind is in its name
+  writeFile(folder / "scene/scene.gltf", "");  // the name determines the kind
   for (const auto& options :
        std::vector<std::vector<std::string>>{{"--smooth", "1"}, {"--time", "0"}, {"--gamma", "20"}})
     refused(folder / "scene", options);

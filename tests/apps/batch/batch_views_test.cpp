@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// render and eval on a tiny scene, with the validation layer watching.
+// `ibr render` and `ibr eval` on a tiny scene, with the validation layer.
 #include <catch2/catch.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -110,7 +110,7 @@ TEST_CASE("render takes transforms.json") {
   const Intrinsics k = test::tinySet().cameras[0].camera.intrinsics;
   nlohmann::json json{{"w", k.width}, {"h", k.height}, {"fl_x", k.fx}, {"fl_y", k.fy}};
   for (const auto& [name, camera] : test::tinySet().cameras) {
-    const glm::dvec3 p = camera.pose.position;  // none of them is turned
+    const glm::dvec3 p = camera.pose.position;  // no camera is rotated
     json["frames"].push_back({{"file_path", "./" + name},
                               {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
   }
@@ -148,7 +148,7 @@ TEST_CASE("render takes a camera path") {
     REQUIRE(tiers.size() == 4);
     CHECK(tiers[0] + tiers[1] + tiers[2] + tiers[3] == Approx(view.at("coverage").get<double>()));
     CHECK(tiers[0] > 0.3);
-    CHECK(tiers[1] == 0);  // what a filter rejected is not drawn
+    CHECK(tiers[1] == 0);  // rejected triangles are not drawn
     CHECK(view.at("coverage") > 0.8);
   }
   CHECK(readImage(folder / "out/frame_0002.png").width == 64);
@@ -193,7 +193,7 @@ TEST_CASE("eval reports the keys that were promised, and pictures") {
     CHECK(view["flip"] < 0.05);
     CHECK(view["coverageTier0"].get<double>() + view["coverageTier2"].get<double>() <=
           view["coverage"].get<double>() + 1e-12);
-    // At its own pose a photograph comes back, whole: null says that it is equal.
+    // At its own pose a photograph is reproduced completely. null: images are equal.
     CHECK((view["psnr"].is_null() || view["psnr"] > 40));
     CHECK((view["psnrCovered"].is_null() || view["psnrCovered"] > 40));
     CHECK(view["coverage"] == 1.0);
@@ -221,7 +221,7 @@ TEST_CASE("eval of a view between the photographs finds it near the truth") {
   CHECK(view.at("psnrCovered") > view.at("psnr"));
   CHECK(view.at("ssimCovered") > 0.8);
   CHECK(view.at("detailCorrelation") > 0.7);
-  CHECK(view.at("msSsim").is_null());  // of 144 rows
+  CHECK(view.at("msSsim").is_null());  // undefined for 144 rows
 }
 
 TEST_CASE("what is asked for wins over a preset, wherever it stands") {
@@ -245,7 +245,7 @@ TEST_CASE("eval --seams tells colours from geometry") {
   REQUIRE(outcome.code == 0);
   const auto mean = nlohmann::json::parse(outcome.out).at("mean");
   CHECK(mean.at("deltaE") > 0);
-  CHECK(mean.at("deltaE") < 10);  // one exposure
+  CHECK(mean.at("deltaE") < 10);  // all photographs have one exposure
   CHECK(mean.contains("seam"));
   CHECK(mean.contains("seamDeltaE"));
   for (const char* figure : {"misalignedPx", "misaligned95Px", "uncorrectedPx", "uncorrected95Px"})
@@ -264,7 +264,7 @@ TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   CHECK(nlohmann::json::parse(some.out).at("views").size() == 1);
   CHECK(test::runProgram({"eval", test::tinyScene(), "--truth", set.photographs, "--views", "none.png"}).code == 3);
 
-  // A truth folder as data sets have them: images/ beside cameras.txt, and a picture that is missing.
+  // A truth folder as data sets have them: images/ beside cameras.txt, with one image missing.
   test::writeColmapModel(folder / "truth", {{"0.png", set.cameras[0].camera}, {"gone.png", set.cameras[1].camera}});
   fs::create_directories(folder / "truth/images");
   fs::copy_file(set.photographs / "a/0.png", folder / "truth/images/0.png");
@@ -361,7 +361,7 @@ TEST_CASE("walk: what flickers, pops and rivals is told") {
     REQUIRE(outcome.code == 0);
     return nlohmann::json::parse(outcome.out);
   };
-  // With all that changes from frame to frame by itself: mixtures, exposure, colour tables.
+  // Enables all state that changes over frames: cross-fades, exposure, colour tables.
   const auto report = walked({"--colour", "ours", "--blend", "dither", "--pop"});
   CHECK(report.at("flicker") == 0);
   CHECK(report.at("medianFlipStep") > 0);
@@ -374,7 +374,7 @@ TEST_CASE("walk: what flickers, pops and rivals is told") {
   CHECK(eyes.at("sameCell") > 0.9);
   CHECK(eyes.at("difference") < 6);
   CHECK(eyes.at("difference95") >= eyes.at("difference"));
-  // Eyes in one place see the same.
+  // Two eyes at the same position see the same image.
   const auto one = walked({"--stereo", "--ipd", "1e-9"}).at("eyes");
   CHECK(one.at("sameCell") == 1.0);
   CHECK(one.at("difference") < 1e-3);
@@ -386,7 +386,7 @@ TEST_CASE("a budget for the device's memory is kept, and what it costs is said")
   REQUIRE(info.code == 0);
   const auto memory = nlohmann::json::parse(info.out).at("memory").at("measured");
   const auto meshes = memory.at("positions").get<std::uint64_t>() + memory.at("indices").get<std::uint64_t>() +
-                      memory.at("depth").get<std::uint64_t>();  // whole at any time, as depth is
+                      memory.at("depth").get<std::uint64_t>();  // meshes and depth are always resident
   const auto textures = memory.at("textures").get<std::uint64_t>();
   const auto psnrWithin = [&](std::uint64_t budget, test::Outcome& outcome) {
     outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().photographs, "--json", "-",

@@ -11,7 +11,7 @@ using namespace ibr::app;
 
 namespace {
 
-// Two halves of 4 × 2 pixels, each of one grey.
+// An image of 4 × 2 pixels whose halves have one grey level each.
 Image8 halves(int left, int right) {
   Image8 image(4, 2, 3);
   for (int y = 0; y < 2; ++y)
@@ -20,7 +20,7 @@ Image8 halves(int left, int right) {
   return image;
 }
 
-// The left half from the best cell, the right half from the next.
+// Surface buffer: the left half shows the best cell, the right half the second.
 ImageF twoCells() {
   ImageF surface(4, 2, 4);
   for (int y = 0; y < 2; ++y)
@@ -36,7 +36,7 @@ TEST_CASE("a seam is what cells step by beyond the truth's own step") {
   CHECK(found.levels == Approx(20));
   CHECK(found.deltaE ==
         Approx(deltaE(picture.pixel(1, 0), picture.pixel(2, 0)) - deltaE(truth.pixel(1, 0), truth.pixel(2, 0))));
-  CHECK(found.deltaE == Approx(8).margin(1));  // 2.55 levels of grey are about a unit of L*
+  CHECK(found.deltaE == Approx(8).margin(1));  // 2.55 grey levels are about one unit of L*
   CHECK(seamStep(truth, twoCells(), truth).levels == 0);
   CHECK(seamStep(truth, twoCells(), truth).deltaE == 0);
 }

@@ -23,7 +23,7 @@ ImageF row(std::vector<float> values) {
 }  // namespace
 
 TEST_CASE("depth is right within a pixel of parallax, and the sky does not count") {
-  // 100 px · .5 units: one px is .02 of inverse depth.
+  // 100 px · 0.5 units: one px of parallax is 0.02 of inverse depth.
   const DepthScores scores = depthScores(row({0.5f, 0.519f, 0.53f, 0.47f, -1, 3}), row({2, 2, 2, 2, 2, 0}), {100, 0.5});
   CHECK(scores.right == Approx(2.0 / 5));
   CHECK(scores.tooNear == Approx(1.0 / 5));
@@ -61,11 +61,11 @@ TEST_CASE("deviations hold what confirmed depth is off by, in inverse depth") {
   };
   const ImageF truth = row({4, 4, 4, 4, 0, 4});
   set(0, 4, kTierAgrees, 0);              // exact
-  set(1, 1 / 0.26f, kTierAgrees, 0.02f);  // off by half a deviation
-  set(2, 1 / 0.28f, kTierAgrees, 0.02f);  // by one and a half
-  set(3, kInfinity, kTierAgrees, 0.1f);   // by two and a half
+  set(1, 1 / 0.26f, kTierAgrees, 0.02f);  // error of half a standard deviation
+  set(2, 1 / 0.28f, kTierAgrees, 0.02f);  // error of 1.5 standard deviations
+  set(3, kInfinity, kTierAgrees, 0.1f);   // error of 2.5 standard deviations
   set(4, 4, kTierAgrees, 1);              // sky in the truth
-  set(5, 4, kTierCompleted, 1);           // nobody confirms it
+  set(5, 4, kTierCompleted, 1);           // unconfirmed depth
   CHECK(deviationScores(buffers, truth).one == Approx(2.0 / 4));
   CHECK(deviationScores(buffers, truth).two == Approx(3.0 / 4));
   set(0, kInfinity, -1, kInfinity);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses with one trouble each: it is found, and no other.
+// Pose sets with one problem each: doctor finds this problem and no other.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -18,7 +18,7 @@ std::vector<Camera> row(std::vector<double> places) {
   return cameras;
 }
 
-// Points on a wall, 5 away.
+// Points on a wall at a distance of 5.
 std::vector<glm::dvec3> wall(double from, double to) {
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 60; ++i)
@@ -76,7 +76,7 @@ TEST_CASE("a pose that its points do not fit is doubtful; where no pose fits, al
       for (TrackObservation& seen : track.observations)
         if (seen.image == image) seen.pixel.x += px;
   };
-  for (std::uint32_t i = 0; i < 5; ++i) shift(i, 0.02);  // as all poses are, a little
+  for (std::uint32_t i = 0; i < 5; ++i) shift(i, 0.02);  // a small error in all poses
   CHECK(found(model) == "");
   shift(3, 2);
   CHECK(found(model) == "warning: The pose of 003.png is doubtful: its points are off by 2.0 px.\n");

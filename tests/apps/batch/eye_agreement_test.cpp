@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eyes before a wall whose colours depend on the place alone.
+// Two eyes in front of a wall whose colours depend only on the surface position.
 #include "batch/evaluate/eye_agreement.h"
 
 #include <catch2/catch.hpp>
@@ -10,13 +10,13 @@ using namespace ibr::app;
 
 namespace {
 
-constexpr double kWall = 4;  // its distance
+constexpr double kWall = 4;  // distance of the wall
 
 Camera eyeAt(double x) {
   return {pinholeFromFov(96, 72, 0.9), {{x, 0, 0}, {1, 0, 0, 0}}};
 }
 
-// What an eye sees of a wall at z = −kWall: smooth in the world's x and y, `lighter` by so many levels.
+// Image of a wall at z = −kWall: smooth in the world's x and y. `lighter`: added 8-bit levels.
 SceneRenderer::Picture wallFrom(const Camera& eye, double lighter = 0) {
   const Intrinsics& lens = eye.intrinsics;
   SceneRenderer::Picture picture{.image = Image8(lens.width, lens.height, 4, 255), .buffers = FrameBuffers{}};
@@ -40,7 +40,7 @@ TEST_CASE("eyes that see one wall agree, and what lies beyond the other's pictur
   const double columns = 0.2 * left.intrinsics.fx / kWall;  // disparity, px
   CHECK(found.seenByBoth == Approx(1 - columns / 96).margin(0.03));
   CHECK(found.sameCell == 1);
-  CHECK(found.difference < 0.5);  // levels are whole, places between pixels
+  CHECK(found.difference < 0.5);  // levels are integers, and positions lie between pixels
   CHECK(found.difference95 < 1.5);
 }
 

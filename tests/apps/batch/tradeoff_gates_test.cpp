@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of `ibr tradeoff` and its gates, on figures made by hand.
+// Settings of `ibr tradeoff` and its gates, on handmade figures.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -27,7 +27,7 @@ TradeoffRow rowOf(const std::string& name, double milliseconds, double flip, std
   return row;
 }
 
-// As they should be: each dearer and nearer than the one before.
+// Presets in the correct order: each is more expensive and more accurate than the previous one.
 std::vector<TradeoffRow> presets() {
   return {rowOf("fast", 10, 0.10, 4), rowOf("balanced", 20, 0.08, 8), rowOf("accurate", 30, 0.07, 12),
           rowOf("reference", 60, 0.0695, 40)};
@@ -78,7 +78,7 @@ TEST_CASE("presets rise in time and fall in error, accurate is nearly reference"
   CHECK_FALSE(gateOf(gates, "presets rise in time").holds);
   CHECK_FALSE(gateOf(gates, "presets fall in error").holds);
   rows = presets();
-  rows[2] = rowOf("accurate", 30, 0.075, 12);  // 22.5 dB of 23.05 dB
+  rows[2] = rowOf("accurate", 30, 0.075, 12);  // 22.5 dB against 23.05 dB
   gates = presetGates(rows);
   CHECK_FALSE(gateOf(gates, "accurate has 99 % of the PSNR of reference").holds);
   CHECK(gateOf(gates, "presets fall in error").holds);
@@ -99,7 +99,7 @@ TEST_CASE("fast shows no more than a quarter worse than balanced; presets that d
     rows[2] = rowOf("accurate", 15, 0.07, draws);
     return gateOf(presetGates(rows), "presets rise in time").holds;
   };
-  CHECK(rise(8));  // as many as balanced
+  CHECK(rise(8));  // as many as preset balanced
   CHECK_FALSE(rise(9));
 }
 
@@ -149,7 +149,7 @@ TEST_CASE("what is kept of pictures comes back") {
   row.measured = {1, 2, 3};
   row.workingBytes = 77;
   readPicture(nlohmann::ordered_json::parse(pictureJson(row).dump()), back);
-  CHECK(pictureJson(back).dump() == pictureJson(row).dump());  // NaN is null there
+  CHECK(pictureJson(back).dump() == pictureJson(row).dump());  // NaN becomes null
   CHECK(back.deviceMs.empty());
   CHECK_THROWS_AS(readPicture({{"views", 1}}, back), nlohmann::json::exception);
 }

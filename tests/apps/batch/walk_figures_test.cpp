@@ -19,10 +19,10 @@ TEST_CASE("a walk's pop is the largest FLIP step while cells are switched") {
   frames[1].flicker = 0;
   frames[4].flicker = 3;
   frames[4].name = "frame_0004";
-  frames[5].flicker = 3;  // the first of the worst is reported
+  frames[5].flicker = 3;  // the first of equally bad frames is reported
   frames[2].eyes = EyeAgreement{0.5, 1, 2, 4};
   frames[3].eyes = EyeAgreement{0.7, 0.5, 4, 8};
-  frames[5].eyes = EyeAgreement{};  // nothing that both see
+  frames[5].eyes = EyeAgreement{};  // no surface is visible to both eyes
   const WalkSummary summary = summaryOf(frames);
   CHECK(summary.switches == 1);
   CHECK(summary.medianStep == 3);

@@ -20,7 +20,7 @@ Node nodeAt(glm::dvec3 position, glm::dquat rotation = {1, 0, 0, 0}) {
   return node;
 }
 
-// Nodes in a row, given in a shuffled order.
+// Nodes in a row, in shuffled order.
 Scene row(int count) {
   Scene scene;
   for (int i = 0; i < count; ++i) scene.nodes.push_back(nodeAt({(i * 7 % count) * 1.0, 0, 0}));
@@ -49,8 +49,8 @@ TEST_CASE("a row is walked from one end to the other, a tenth of a step beyond b
   CHECK(std::max(begin, end) == Approx(8.1).margin(0.05));
   for (std::size_t i = 1; i < views.size(); ++i) {
     const double step = views[i].camera.pose.position.x - views[i - 1].camera.pose.position.x;
-    CHECK(step * (end - begin) > 0);                         // never back
-    CHECK(std::abs(step) < 3 * std::abs(end - begin) / 59);  // and without leaps
+    CHECK(step * (end - begin) > 0);                         // never backwards
+    CHECK(std::abs(step) < 3 * std::abs(end - begin) / 59);  // no jumps
     CHECK(glm::dot(viewAxis(views[i].camera.pose), glm::dvec3(0, 0, -1)) > 0.999);
   }
 }
@@ -66,7 +66,7 @@ TEST_CASE("a grid is toured without long ways") {
   double length = 0;
   for (std::size_t i = 1; i < views.size(); ++i)
     length += glm::distance(views[i].camera.pose.position, views[i - 1].camera.pose.position);
-  CHECK(length < 1.3 * 29);  // 29 steps of 1 are the shortest tour
+  CHECK(length < 1.3 * 29);  // the shortest tour has 29 steps of length 1
 }
 
 TEST_CASE("the view is a little narrower than the photographs, whatever its shape") {
@@ -138,7 +138,7 @@ TEST_CASE("only photographs of a cell are visited, where there are cells") {
 }
 
 TEST_CASE("the walk leads through the middle of cells") {
-  // Two rows of photographs, joined to triangles: the walk keeps between the rows.
+  // Two rows of photographs, joined to triangles: the walk stays between the rows.
   Scene scene;
   for (int i = 0; i < 12; ++i) scene.nodes.push_back(nodeAt({double(i / 2), double(i % 2), 0}));
   for (std::uint32_t i = 0; i + 2 < 12; ++i) scene.cells.push_back(cellOf({i, i + 1, i + 2}, 0.81));
@@ -147,7 +147,7 @@ TEST_CASE("the walk leads through the middle of cells") {
     CHECK(view.camera.pose.position.y > 0.2);
     CHECK(view.camera.pose.position.y < 0.8);
   }
-  CHECK(views.front().camera.pose.position.x < 0);  // and slightly beyond both ends
+  CHECK(views.front().camera.pose.position.x < 0);  // ends slightly beyond both ends of the rows
   CHECK(views.front().camera.pose.position.x > -0.3);
   CHECK(views.back().camera.pose.position.x > 5);
   CHECK(views.back().camera.pose.position.x < 5.3);
@@ -181,7 +181,7 @@ TEST_CASE("degenerate scenes give a path or an error, never NaN") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> anywhere(-1, 1);
   std::vector<Scene> scenes{row(1), row(2)};
-  Scene same;  // one place, many directions
+  Scene same;  // one position, many directions
   for (int i = 0; i < 4; ++i) same.nodes.push_back(nodeAt({1e6, 1, 1}, glm::angleAxis(i * 1.57, glm::dvec3(0, 1, 0))));
   scenes.push_back(same);
   for (int n = 2; n < 12; ++n) {

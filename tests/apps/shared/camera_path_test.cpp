@@ -22,7 +22,7 @@ double angleBetween(glm::dquat a, glm::dquat b) {
   return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b))));
 }
 
-// Irregular in time, place and turn.
+// A path irregular in time, position and rotation.
 CameraPath bentPath() {
   return {64,
           48,
@@ -69,7 +69,7 @@ TEST_CASE("even keys on a straight line give even motion") {
   for (int i = 0; i < 5; ++i) path.keys.push_back({double(i), {2.0 * i, 1.0 * i, -3.0 * i}, turnedY(0.1 * i), 1.0});
   for (double t = 0; t <= 4; t += 0.13)
     CHECK(glm::distance(cameraAt(path, t).pose.position, glm::dvec3(2, 1, -3) * t) < 1e-12);
-  // Also where the keys stand unevenly in time: the tangents know the time.
+  // Also with irregular key times, because the tangents account for time.
   path.keys.erase(path.keys.begin() + 1);
   for (double t = 0; t <= 4; t += 0.13)
     CHECK(glm::distance(cameraAt(path, t).pose.position, glm::dvec3(2, 1, -3) * t) < 1e-12);
@@ -104,13 +104,13 @@ TEST_CASE("the field of view stays between those of its keys") {
 TEST_CASE("frames go from the first key to the last") {
   CameraPath path = bentPath();
   const auto views = frames(path);
-  REQUIRE(views.size() == 76);  // 3 s at 25 a second, both ends
+  REQUIRE(views.size() == 76);  // 3 s at 25 frames a second, both ends included
   CHECK(views.front().name == "frame_0000");
   CHECK(views.back().name == "frame_0075");
   CHECK(glm::distance(views.back().camera.pose.position, path.keys.back().position) < 1e-9);
   path.keys.resize(1);
   CHECK(frames(path).size() == 1);
-  // Before the first and after the last key the camera stands still.
+  // Before the first key and after the last, the camera does not move.
   CHECK(cameraAt(bentPath(), -5).pose.position == bentPath().keys.front().position);
   CHECK(glm::distance(cameraAt(bentPath(), 50).pose.position, bentPath().keys.back().position) < 1e-12);
 }

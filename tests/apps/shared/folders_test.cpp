@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The user's folders, as the environment and user-dirs.dirs say.
+// The user's folders, from the environment and from user-dirs.dirs.
 #include "shared/cli/folders.h"
 
 #include <catch2/catch.hpp>
@@ -17,7 +17,7 @@ using namespace ibr::test;
 
 namespace {
 
-// The variables as they are given while it lives; those without a value are unset.
+// Sets environment variables for its lifetime; variables without a value are unset.
 class Environment {
  public:
   explicit Environment(const std::map<std::string, std::optional<std::string>>& values) {

@@ -90,7 +90,7 @@ TEST_CASE("photographs to add are numbered, troubles drawn between or about thei
   const Scene scene = sceneOf(cameras);
   CaptureAdvice advice;
   advice.views = {{test::lookingAlong({1.5, 0, 0}, {0, 1, 0}), {1, 2}, 0.5, "halfway between <1> and 2"},
-                  {test::lookingAlong({9, 4, 0}, {0, 1, 0}), {3}, 0.4, "far off"}};  // the drawing grows
+                  {test::lookingAlong({9, 4, 0}, {0, 1, 0}), {3}, 0.4, "far off"}};  // extends the drawing
   advice.advice = {{AdviceKind::wide, Severity::warning, "1.jpg & 2.jpg are too far apart", "", {1, 2}, 0.5},
                    {AdviceKind::blurred, Severity::warning, "3.jpg is not sharp", "", {3}, 0.2},
                    {AdviceKind::row, Severity::hint, "a row", "", {}, 0}};

@@ -29,12 +29,12 @@ double heightOf(const Navigation& state) {
   return std::asin(std::clamp(glm::dot(viewAxis(state.pose), state.up), -1.0, 1.0));
 }
 
-// How much the picture's right is out of the horizon.
+// Sine of the roll: deviation of the image's right axis from the horizon.
 double rollOf(const Navigation& state) {
   return glm::dot(state.pose.rotation * glm::dvec3(1, 0, 0), state.up);
 }
 
-// Held keys and an even turn for `seconds`, then nothing for half a second.
+// Navigates with keys held and an even turn for `seconds`, then without input for half a second.
 Navigation flown(Navigation state, double seconds, int rate, glm::dvec3 move, glm::dvec2 lookPerSecond) {
   const int steps = int(std::lround(seconds * rate));
   const double dt = 1.0 / rate;
@@ -74,14 +74,14 @@ TEST_CASE("flying: axes, speeds, smooth beginning and an end") {
     };
     const glm::dvec3 right = start.pose.rotation * glm::dvec3(1, 0, 0),
                      back = start.pose.rotation * glm::dvec3(0, 0, 1);
-    const double way = 3 - 0.1;  // at unit speed, less what inertia took
+    const double way = 3 - 0.1;  // at unit speed, minus the start-up by inertia
     CHECK(glm::length(moved({.move = {1, 0, 0}}) - way * right) < 1e-3);
     CHECK(glm::length(moved({.move = {0, 0, -1}}) + way * back) < 1e-3);
     CHECK(glm::length(moved({.move = {0, 1, 0}}) - way * up) < 1e-3);
     CHECK(glm::length(moved({.move = {0, 0, -1}, .fast = true})) == Approx(4 * way));
     CHECK(glm::length(moved({.move = {0, 0, -1}, .slow = true})) == Approx(way / 4));
-    CHECK(glm::length(moved({.move = {1, 0, -1}})) == Approx(way));   // no faster across
-    CHECK(glm::length(moved({.move = {100, 0, 0}})) == Approx(way));  // nor with a broken stick
+    CHECK(glm::length(moved({.move = {1, 0, -1}})) == Approx(way));   // diagonal motion is not faster
+    CHECK(glm::length(moved({.move = {100, 0, 0}})) == Approx(way));  // out-of-range input is clamped
     CHECK(glm::length(moved({.move = {0.5, 0, 0}})) == Approx(way / 2));
   }
   Navigation state = standing();
@@ -144,7 +144,7 @@ TEST_CASE("a view that is rolled keeps its roll, and one that looks straight up 
     const glm::dvec3 before = viewAxis(steep.pose);
     navigate(steep, {.look = {10, 0}});
     CHECK(glm::length(viewAxis(steep.pose) - before) < 1e-3);
-    navigate(steep, {.look = {0, height > 0 ? -50.0 : 50.0}});  // further: stays
+    navigate(steep, {.look = {0, height > 0 ? -50.0 : 50.0}});  // further input does not change the view
     CHECK(glm::length(viewAxis(steep.pose) - before) < 1e-3);
     navigate(steep, {.look = {0, height > 0 ? 60.0 : -60.0}});
     CHECK(std::abs(heightOf(steep)) == Approx(std::abs(glm::radians(height)) - 0.1).margin(1e-6));
@@ -163,7 +163,7 @@ TEST_CASE("an orbit keeps the centre's distance and its pixel") {
       REQUIRE(centre);
       Navigation free = state;
       navigate(free, {.orbit = {50, 20}});
-      CHECK(free.pose.position == state.pose.position);  // no centre, no orbit
+      CHECK(free.pose.position == state.pose.position);  // without a centre there is no orbit
       state.centre = centre;
       const double distance = glm::distance(*centre, state.pose.position);
       const auto seen = [&] {
@@ -171,7 +171,7 @@ TEST_CASE("an orbit keeps the centre's distance and its pixel") {
       };
       const glm::dvec3 right = state.pose.rotation * glm::dvec3(1, 0, 0), start = state.pose.position;
       navigate(state, {.orbit = {30, 0}});
-      CHECK(glm::dot(state.pose.position - start, right) < -0.1);  // the world is pulled to the right
+      CHECK(glm::dot(state.pose.position - start, right) < -0.1);  // the drag pulls the world to the right
       navigate(state, {.orbit = {0, 30}});
       CHECK(glm::dot(state.pose.position - start, up) > 0.1);
       for (int i = 0; i < 500; ++i) {
@@ -224,7 +224,7 @@ TEST_CASE("a flight is eased, ends exactly, and hands end it") {
   flyTo(state, goal, 0.7, 0);
   CHECK((state.pose.position == goal.position && !state.flight));
   flyTo(state, start.pose, 1, 10);
-  navigate(state, {.seconds = 0.5, .wheel = 1});  // the speed may be changed on the way
+  navigate(state, {.seconds = 0.5, .wheel = 1});  // the speed may change during the flight
   CHECK(state.flight);
   CHECK_THROWS_AS(flyTo(state, goal, 1, std::nan("")), Error);
   CHECK_THROWS_AS(flyTo(state, goal, 1, -1), Error);
@@ -235,7 +235,7 @@ TEST_CASE("no time, much time, and input that is no number") {
   navigate(state, {.seconds = 0, .move = {1, 1, 1}});
   CHECK(state.pose.position == glm::dvec3(0));
   navigate(state, {.seconds = 1e9, .move = {1, 0, 0}});
-  CHECK(glm::length(state.pose.position) < 1.01);  // the machine slept; the camera did not go
+  CHECK(glm::length(state.pose.position) < 1.01);  // after the machine slept, the camera has not moved far
   const Navigation before = state;
   const double nan = std::nan("");
   const NavigationInput wrong[] = {

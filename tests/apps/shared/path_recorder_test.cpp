@@ -27,7 +27,7 @@ std::vector<double> timesOf(const CameraPath& path) {
   return times;
 }
 
-// A bent way with uneven steps.
+// A curved path with uneven steps.
 CameraPath bent() {
   CameraPath path = empty();
   double time = 1;
@@ -85,7 +85,7 @@ TEST_CASE("what would be no path is refused, and the path is as before") {
   };
   refused([&] { putKey(path, keyAt(nan, {})); });
   refused([&] { putKey(path, keyAt(1e9, {})); });
-  refused([&] { putKey(path, keyAt(50000, {})); });  // a million frames and more
+  refused([&] { putKey(path, keyAt(50000, {})); });  // over a million frames
   refused([&] { putKey(path, keyAt(9, {nan, 0, 0})); });
   refused([&] { putKey(path, {9, {}, {nan, 0, 0, 0}, 0.8}); });
   refused([&] { putKey(path, {9, {}, {0, 0, 0, 0}, 0.8}); });
@@ -110,10 +110,10 @@ TEST_CASE("a key behind the last is as much later as the way takes") {
   CHECK(appendKey(path, {{0, 0, 0}, still}, 1, 2) == 0);
   CHECK(appendKey(path, {{3, 0, 0}, still}, 1, 2) == 1);
   CHECK(path.keys[1].time == Approx(1.5));
-  appendKey(path, {{3, 0, 0}, still}, 1, 2);  // nowhere: a frame
+  appendKey(path, {{3, 0, 0}, still}, 1, 2);  // without motion: one frame
   CHECK(path.keys[2].time == Approx(1.5 + 1.0 / 30));
   appendKey(path, {{3, 0, 0}, glm::angleAxis(0.5, glm::dvec3(0, 1, 0))}, 1, 2);
-  CHECK(path.keys[3].time - path.keys[2].time == Approx(1.5));  // half a radian as long as the step
+  CHECK(path.keys[3].time - path.keys[2].time == Approx(1.5));  // half a radian takes as long as the step
 }
 
 TEST_CASE("re-timed, the camera goes at one speed from key to key") {
@@ -177,7 +177,7 @@ TEST_CASE("what was recorded is played exactly as it was shown") {
     REQUIRE(shown[i].camera.pose.rotation == played[i].camera.pose.rotation);
     REQUIRE(shown[i].camera.intrinsics == played[i].camera.intrinsics);
   }
-  for (const CameraKey& key : path.keys) {  // and a key is its view, to the last bit
+  for (const CameraKey& key : path.keys) {  // the camera at a key equals the key's view bit for bit
     const Camera camera = cameraAt(read, key.time);
     CHECK(camera.pose.position == key.position);
     CHECK(camera.pose.rotation == key.rotation);

@@ -85,12 +85,12 @@ TEST_CASE("a plot has its points, its names, the usual setting and the joined fr
                                             {0, 30, "none", false},
                                             {5, kNan, "failed", false}})},
                                   {"a note"});
-  CHECK(count(svg, "<path class=\"s0\"") == 1 + 3);  // the legend's, and those that can be shown
+  CHECK(count(svg, "<path class=\"s0\"") == 1 + 3);  // one in the legend, and the three points that can be shown
   CHECK(count(svg, "class=\"usual\"") == 2);
   CHECK(count(svg, "class=\"front\"") == 1);
   const std::size_t front = svg.find("d=\"", svg.find("class=\"front\""));
   const std::string path = svg.substr(front, svg.find('"', front + 3) - front);
-  CHECK(count(path, "M") + count(path, "L") == 2);  // R 20 is beaten
+  CHECK(count(path, "M") + count(path, "L") == 2);  // R 20 is not on the front
   for (const char* part : {"time and worth", ">s<", ">dB<", "a note", ">R 1<", "cpu R 20: 20, 25", ">default<"})
     CHECK_THAT(svg, Contains(part));
   CHECK_THAT(svg, !Contains("failed") && !Contains("nan") && !Contains("inf"));

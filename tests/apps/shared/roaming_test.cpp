@@ -36,14 +36,14 @@ TEST_CASE("bounds: inside nothing changes, outside the nearest point of the boun
       const glm::dvec3 to = at + step, kept = keptWithin(bounds, at, to);
       const double rounding = 1e-15 * std::max(1.0, far) + 1e-12;
       REQUIRE(distanceTo(bounds, kept) <= 0.3 + 4 * rounding);
-      REQUIRE(glm::distance(kept, to) <= glm::length(step) + 4 * rounding);  // no further than it went
+      REQUIRE(glm::distance(kept, to) <= glm::length(step) + 4 * rounding);  // no further than the requested step
       if (distanceTo(bounds, to) <= 0.3) REQUIRE(kept == to);
       at = kept;
     }
     const glm::dvec3 below = keptWithin(bounds, origin, origin + glm::dvec3(0.4, -7, 0));
     CHECK(glm::distance(below, origin + glm::dvec3(0.4, -0.3, 0)) < 1e-9);
 
-    // Outside already: in is free, out is not, and nothing leaps.
+    // From outside, motion inwards is free, motion outwards is stopped, and nothing jumps.
     const glm::dvec3 outside = origin + glm::dvec3(0, -2, 0);
     CHECK(keptWithin(bounds, outside, outside + glm::dvec3(0, 0.1, 0)) == outside + glm::dvec3(0, 0.1, 0));
     CHECK(glm::distance(keptWithin(bounds, outside, outside - glm::dvec3(0, 0.1, 0)), outside) < 1e-9);
@@ -86,7 +86,7 @@ TEST_CASE("the nearest camera by place and direction, and those after and before
   cameras[3].rotation = glm::angleAxis(3.0, glm::dvec3(0, 1, 0));
   const glm::dquat ahead(1, 0, 0, 0);
   CHECK(*nearestCamera(cameras, {{2.1, 0, 0}, ahead}) == 2);
-  CHECK(*nearestCamera(cameras, {{2.9, 0, 0}, ahead}) == 2);   // 3 is nearer, and looks back
+  CHECK(*nearestCamera(cameras, {{2.9, 0, 0}, ahead}) == 2);   // camera 3 is nearer, but looks backwards
   CHECK(*nearestCamera(cameras, {{2.9, 0, 0}, -ahead}) == 2);  // a quaternion and its negative are one rotation
   CHECK(*nearestCamera(cameras, {{2.1, 0, 0}, cameras[3].rotation}) == 3);
   CHECK(*nextCamera(cameras, cameras[2], 1) == 3);
@@ -98,7 +98,7 @@ TEST_CASE("the nearest camera by place and direction, and those after and before
   CHECK(*nextCamera(cameras, {{1.2, 0, 0}, ahead}, -1) == 1);
   CHECK(*nextCamera(cameras, {{1.2, 0, 0}, ahead}, 2) == 2);
   CHECK(*nextCamera(cameras, {{1.2, 0, 0}, ahead}, 0) == 1);
-  cameras[3] = cameras[2];  // twice the same: going on does not stick
+  cameras[3] = cameras[2];  // two equal cameras: the next one is still reached
   CHECK(*nextCamera(cameras, cameras[3], 1) == 4);
   CHECK(*nextCamera(cameras, cameras[3], -1) == 1);
   CHECK(!nearestCamera({}, {}));

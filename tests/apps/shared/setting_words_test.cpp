@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// CLI11 takes them from the last to the first.
+// Parses words in reverse, the order that CLI11 expects.
 void parse(CLI::App& app, std::vector<std::string> words) {
   std::ranges::reverse(words);
   app.parse(words);
@@ -36,7 +36,7 @@ TEST_CASE("a scene's settings come back from their words") {
   gpuScene.blocks = BlockTextures::decode;
   gpuScene.filter = TextureFilter::bicubic;
   RenderSettings settings = preset(Preset::reference, DeviceKind::software);
-  settings.lowestTier = kTierAgrees;
+  settings.maxTier = kTierAgrees;
   settings.morph = Morph::paper;
   settings.alignCells = true;
   settings.composition = Composition::hybrid;
@@ -70,7 +70,7 @@ TEST_CASE("a scene's settings come back from their words") {
   CHECK(again.colourPeriod == settings.colourPeriod);
   CHECK(again.colourMapping == settings.colourMapping);
   CHECK(gpuSceneAgain.budgetBytes == gpuScene.budgetBytes);
-  // Each of them is said, so that none is left to what happens to be the default.
+  // Every setting is written, so that none depends on a default.
   const Json plain = settingsJson({}, {}), other = settingsJson(settings, gpuScene);
   for (const auto& [key, value] : other.items()) {
     INFO(key);
@@ -88,21 +88,21 @@ TEST_CASE("settings start as the device's preset balanced or as a command's own 
   CHECK((settings == preset(Preset::balanced, here)));
   CHECK(givenWords(plain).empty());
   parse(plain, {"--tiers", "2", "--preset", "accurate"});
-  CHECK(settings.lowestTier == kTierCompleted);
+  CHECK(settings.maxTier == kTierCompleted);
   CHECK(settings.maxCells == preset(Preset::accurate, here).maxCells);
   CHECK(givenWords(plain) == std::vector<std::string>{"--preset", "accurate", "--tiers", "2"});
-  // A kind that is named is taken on any device.
+  // A preset with a device kind is accepted on every device.
   for (const auto& [word, kind] : {std::pair{"-software", DeviceKind::software}, {"-hardware", DeviceKind::hardware}})
     for (const auto& [name, chosen] : kPresets) {
       parse(plain, {"--preset", std::string(name) + word});
       CHECK((settings == preset(chosen, kind)));
-      const bool isSame = chosen == Preset::fast || chosen == Preset::reference;  // on all devices
+      const bool isSame = chosen == Preset::fast || chosen == Preset::reference;  // equal on all devices
       CHECK(presetName(chosen, kind) == name + std::string(isSame ? "" : word));
     }
   for (const char* none : {"best", "fast-", "-software", "balanced-gpu"})
     CHECK_THROWS_AS(parse(plain, {"--preset", none}), CLI::ValidationError);
 
-  // What is the cells' alone is meant of cells, unless a composition is named.
+  // Options of cells select the composition `cells`, unless a composition is given.
   using Words = std::vector<std::string>;
   for (const Words& words : {Words{"--order", "paper"},
                              {"--colour", "paper-redraw"},

@@ -23,14 +23,14 @@ TEST_CASE("a folder that is typed is completed as far as all that begin so go on
   CHECK(completedFolder(in + "lanterns/") == in + "lanterns/inner/");
   CHECK(completedFolder(in + "none") == in + "none");
   CHECK(completedFolder(in + "none/at all") == in + "none/at all");
-  CHECK(completedFolder(in) == in);  // they have nothing in common
+  CHECK(completedFolder(in) == in);  // no common prefix
   CHECK(completedFolder(in + ".") == in + ".hidden/");
   CHECK(completedFolder(in + "H") == in + "Hö");
 }
 
 TEST_CASE("letters of several bytes are not cut where folders begin to differ") {
   ibr::test::TemporaryFolder folder;
-  for (const char* name : {"aä", "aö"}) fs::create_directories(folder / name);  // the first bytes of both are the same
+  for (const char* name : {"aä", "aö"}) fs::create_directories(folder / name);  // the first bytes of both are equal
   CHECK(completedFolder(folder / "a") == folder / "a");
 }
 

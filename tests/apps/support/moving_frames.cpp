@@ -11,8 +11,9 @@ namespace ibr::test {
 const std::filesystem::path& movingFrames() {
   static const TemporaryFolder folder;
   static const std::filesystem::path frames = [] {
-    REQUIRE(runProgram({"synth", "moving", "-o", folder / "frames", "--frames", "3", "--views", "1", "--size", "96x96"})
-                .code == 0);
+    REQUIRE(
+        runLab({"synth", "moving", "-o", folder / "frames", "--frames", "3", "--views", "1", "--size", "96x96"}).code ==
+        0);
     return std::filesystem::path(folder / "frames");
   }();
   return frames;

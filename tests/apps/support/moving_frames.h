@@ -8,10 +8,10 @@
 
 namespace ibr::test {
 
-/// What `ibr synth moving` writes: three frames of 96 × 96 px; made once.
+/// Output of `ibr-lab synth moving`: three frames of 96 × 96 px, made once.
 const std::filesystem::path& movingFrames();
 
-/// `ibr htm sequence` with few faces, which reports as JSON.
+/// Command line of `ibr htm sequence` with few faces and a JSON report.
 std::vector<std::string> sequenceCommand(const std::filesystem::path& frames, const std::filesystem::path& output,
                                          const std::vector<std::string>& options = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a program, `ibr` for one, as a user does.
+// Runs a program, by default `ibr`, as a user does.
 #pragma once
 
 #include <chrono>
@@ -11,38 +11,38 @@
 namespace ibr::test {
 
 struct Outcome {
-  int code = -1;  // exit code, or 128 + the signal that ended it
+  int code = -1;  // exit code, or 128 plus the signal that ended the program
   std::string out, err;
 };
 
 struct RunOptions {
-  std::string program;                   // file; empty: that of `ibr`
+  std::string program;                   // path of the executable; empty: `ibr`
   std::vector<std::string> environment;  // NAME=value
-  std::string out;                       // file that stdout goes to instead
+  std::string out;                       // file that receives stdout instead of `Outcome::out`
   bool terminal = false;                 // stderr is a terminal
-  /// Called with what stderr has so far; once it answers true, the program gets SIGINT.
+  /// Called with stderr so far. Once the function returns true, the program gets SIGINT.
   std::function<bool(const std::string& err)> interruptWhen;
 };
 
-/// A program while it runs, for who has something to do meanwhile.
+/// A running program, for tests that act while the program runs.
 class RunningProgram {
  public:
   explicit RunningProgram(const std::vector<std::string>& arguments, const RunOptions& options = {});
-  /// Kills it where it still runs.
+  /// Kills the program if it still runs.
   ~RunningProgram();
   RunningProgram(const RunningProgram&) = delete;
   RunningProgram& operator=(const RunningProgram&) = delete;
 
-  /// Waits for what it says, a tenth of a second at most; false once it has closed stdout and stderr.
+  /// Waits at most 0.1 s for output. Returns false after the program has closed stdout and stderr.
   bool read();
-  /// Waits until `come` answers true, which is asked again and again; false where the program ends before.
+  /// Waits until `come` returns true, calling it repeatedly. Returns false if the program ends first.
   bool runsUntil(const std::function<bool()>& come);
   /// Sends SIGINT.
   void interrupt();
-  /// What it has said so far.
+  /// Output so far.
   const std::string& out() const { return outcome_.out; }
   const std::string& err() const { return outcome_.err; }
-  /// Waits for its end. As all that waits here, it fails the test two minutes after the start.
+  /// Waits for the program's end. Like all waits of this class, fails the test two minutes after the start.
   Outcome finish();
 
  private:
@@ -53,10 +53,12 @@ class RunningProgram {
   Outcome outcome_;
 };
 
-/// stdin is empty. Fails the test after two minutes.
+/// Runs a program with empty stdin. Fails the test after two minutes.
 Outcome runProgram(const std::vector<std::string>& arguments, const RunOptions& options = {});
+/// Runs `ibr-lab` in the same way.
+Outcome runLab(const std::vector<std::string>& arguments, RunOptions options = {});
 
-/// A Vulkan device that `ibr` can use is there. Where IBR_REQUIRE_DEVICE is set, a missing one fails the test.
+/// Returns whether `ibr` can use a Vulkan device. If IBR_REQUIRE_DEVICE is set, a missing device fails the test.
 bool deviceIsThere();
 
 }  // namespace ibr::test

@@ -32,7 +32,7 @@ void writeModel(const fs::path& folder, const std::vector<NamedCamera>& cameras,
     const auto& [name, camera] = cameras[i];
     const Intrinsics& k = camera.intrinsics;
     cameraLines += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
-    // World to camera, in axes x right, y down, z forward: half a turn about x from ours.
+    // World to camera, axes x right, y down, z forward: half a turn about x relative to ibr's axes.
     const glm::dquat q = glm::dquat(0, 1, 0, 0) * glm::conjugate(camera.pose.rotation);
     const glm::dvec3 t = -(q * camera.pose.position);
     imageLines += fmt::format("{} {} {} {} {} {} {} {} {} {}\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1, name);
@@ -76,7 +76,7 @@ SyntheticOptions beforeWall(const std::vector<glm::dvec3>& positions) {
   return options;
 }
 
-// Photographs and their model, with the vertices of the made scene's cells for tracks.
+// Writes photographs and their model. Vertices of the generated scene's cells become the model's tracks.
 std::vector<NamedCamera> writePhotographs(const fs::path& folder, const SyntheticScene& made,
                                           const std::vector<std::string>& names) {
   std::vector<NamedCamera> cameras;

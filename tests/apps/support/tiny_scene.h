@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph set of three small pictures, as a user would bring it, and the scene that `ibr build` makes of it.
+// A set of three small photographs as a user provides it, and the scene that `ibr build` makes from the set.
 #pragma once
 
 #include <filesystem>
@@ -15,26 +15,26 @@ struct NamedCamera {
   Camera camera;
 };
 
-/// A COLMAP text model; without points where there are no tracks.
+/// Writes a COLMAP text model. Without tracks, the model has no points.
 void writeColmapModel(const std::filesystem::path& folder, const std::vector<NamedCamera>& cameras);
 
 struct TinySet {
   std::filesystem::path photographs;  // a/0.png, a/1.png, b/2.png, and sparse/ with the model
   std::vector<NamedCamera> cameras;
-  std::filesystem::path truth;  // images/between.png and sparse/: a view between the photographs, as it really looks
+  std::filesystem::path truth;  // images/between.png and sparse/: a generated view between the photographs
 };
 
 /// Writes the set below `folder`.
 TinySet makeTinySet(const std::filesystem::path& folder);
 
-/// Five photographs side by side, row0.png … row4.png, and sparse/ with the model, in `folder`.
+/// Writes five photographs side by side, row0.png … row4.png, and sparse/ with the model, into `folder`.
 std::vector<NamedCamera> makeRow(const std::filesystem::path& folder);
 
-/// A scene made of the tiny set, built once by the program; it lives as long as the test program.
+/// Scene built from the tiny set, once, by the program. The scene exists until the test program ends.
 const std::filesystem::path& tinyScene();
 const TinySet& tinySet();
 
-/// The folder that both are in.
+/// Folder of both.
 const std::filesystem::path& tinyFolder();
 
 }  // namespace ibr::test

@@ -13,10 +13,12 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "support/skipped.h"
+
 namespace ibr::test {
 namespace {
 
-// Runs until this program ends. `keep` is a descriptor that stays open in it, or −1.
+// Starts a program that is killed with this process. `keep`: a descriptor that stays open in the program, or −1.
 pid_t start(std::vector<std::string> words, int keep) {
   const pid_t child = ::fork();
   if (child != 0) return child;
@@ -34,12 +36,12 @@ pid_t start(std::vector<std::string> words, int keep) {
 
 std::string outputOf(std::vector<std::string> words);
 
-// GLFW waits for a window for ever whose manager comes between its making and its showing.
+// Waits for the window manager. GLFW hangs if the manager starts between creating and showing a window.
 void waitForManager() {
   for (int tries = 0; tries < 100; ++tries, sleepFor(0.1)) try {
       outputOf({"sh", "-c", "xdotool get_desktop 2>/dev/null"});
       return;
-    } catch (const std::runtime_error&) {  // not yet
+    } catch (const std::runtime_error&) {  // not yet running
     }
 }
 
@@ -95,12 +97,12 @@ std::string visibleWindow() {
   for (int tries = 0; tries < 300; ++tries, sleepFor(0.1)) try {
       const std::string found = outputOf({"xdotool", "search", "--onlyvisible", "--name", "(^| )ibr$"});
       if (!found.empty()) return found.substr(0, found.find('\n'));
-    } catch (const std::runtime_error&) {  // none yet
+    } catch (const std::runtime_error&) {  // no window yet
     }
   throw std::runtime_error("no window came");
 }
 
-// The window manager may not be there yet.
+// Activates a window; retries while the window manager is starting.
 void activate(const std::string& window) {
   for (int tries = 0;; ++tries, sleepFor(0.1)) try {
       outputOf({"xdotool", "windowactivate", "--sync", window});
@@ -124,8 +126,7 @@ bool displayIsThere() {
     return !display.number.empty();
   }();
   if (!answer && std::getenv("IBR_REQUIRE_DEVICE")) FAIL("no display: Xvfb, openbox or xdotool is missing");
-  if (!answer) WARN("no display: skipped");
-  return answer;
+  return answer || skipCase("no display");
 }
 
 std::string xdotool(const std::vector<std::string>& arguments) {
@@ -147,7 +148,7 @@ Hands::Hands(std::function<void(const std::string&)> act)
         if (!window.empty()) try {
             activate(window);
             xdotool({"key", "ctrl+q"});
-          } catch (const std::exception&) {  // it has closed already
+          } catch (const std::exception&) {  // the program has already ended
           }
       }) {}
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A display without a screen (Xvfb, with openbox as its window manager), and hands that type and move the mouse in it
+// A virtual display (Xvfb, with the window manager openbox), and simulated input on the display: keys and mouse
 // (xdotool).
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace ibr::test {
 
-/// Starts the display once for this program and sets DISPLAY; false where the programs for it are missing. Where
+/// Starts the display once for this process and sets DISPLAY. Returns false if the needed programs are missing; if
 /// IBR_REQUIRE_DEVICE is set, that fails the test.
 bool displayIsThere();
 
-/// xdotool ARGUMENTS; what it printed. Fails the test where it fails.
+/// Runs xdotool with the arguments and returns its output. Fails the test if xdotool fails.
 std::string xdotool(const std::vector<std::string>& arguments);
 
-/// Does something to a window while another thread runs its program: waits for the window, gives it the keyboard, then
-/// calls `act` with its number. Whatever happens, the window is told to close after that; the destructor waits.
+/// Acts on a window while another thread runs its program: waits for the window, focuses the window, then calls `act`
+/// with its number. Afterwards, also after exceptions, closes the window. The destructor waits.
 class Hands {
  public:
   explicit Hands(std::function<void(const std::string& window)> act);

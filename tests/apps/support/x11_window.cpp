@@ -19,7 +19,7 @@ struct Closer {
   void operator()(XImage* image) const { XDestroyImage(image); }
 };
 
-// Windows come and go, and change their size: no reason to end the program, as Xlib would.
+// Opens the display. Errors are ignored, because windows may disappear or be resized; Xlib would end the program.
 std::unique_ptr<Display, Closer> openDisplay() {
   XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
   std::unique_ptr<Display, Closer> display(XOpenDisplay(nullptr));
@@ -27,7 +27,7 @@ std::unique_ptr<Display, Closer> openDisplay() {
   return display;
 }
 
-// Who drags: a window that nobody sees, which owns the selection and answers what the target asks.
+// Source of a drag: an invisible window that owns the selection and answers the target's requests.
 class DragSource {
  public:
   DragSource(Display* display, Window target, const std::vector<std::filesystem::path>& paths)
@@ -104,7 +104,7 @@ class DragSource {
   std::string text_;
 };
 
-// Where desktops say it.
+// Sets the resolution in the X resources, where desktops store it.
 void setDpi(int dotsPerInch) {
   const auto display = openDisplay();
   const std::string text = "Xft.dpi:\t" + std::to_string(dotsPerInch) + "\n";
@@ -112,8 +112,8 @@ void setDpi(int dotsPerInch) {
                   reinterpret_cast<const unsigned char*>(text.data()), int(text.size()));
 }
 
-// One answer of the window: programs send the question on to the root window, where window managers hear it
-// (Extended Window Manager Hints, "_NET_WM_PING").
+// Waits for one answer of the window: programs forward the message to the root window, where window managers receive
+// the message (Extended Window Manager Hints, "_NET_WM_PING").
 void ping(Display* display, Window window, long stamp) {
   using Clock = std::chrono::steady_clock;
   const Atom protocols = XInternAtom(display, "WM_PROTOCOLS", False),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What xdotool cannot: a window's pixels, its frames (by the protocol _NET_WM_PING), and things dropped onto it (XDND).
+// X11 operations that xdotool lacks: reading a window's pixels, waiting for frames (_NET_WM_PING), drops (XDND).
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 
 namespace ibr::test {
 
-/// What a window shows, RGB; nothing while it cannot be read, as when it changes its size. `window` is its number, as
-/// xdotool has it.
+/// Pixels of a window, RGB. Empty while the window cannot be read, for example during a resize. `window`: the number
+/// from xdotool.
 Image8 pixelsOf(const std::string& window);
 
-/// Waits until the window's program has gone `times` times through what has come to it, this call's own question last:
-/// once for what was typed before, and once more for each frame that has been drawn since. Throws std::runtime_error
-/// where no answer comes within two minutes.
+/// Waits until the window's program has processed its event queue `times` times, this call's own message included: once
+/// for earlier input, and once more for each frame drawn afterwards. Throws std::runtime_error after two minutes
+/// without an answer.
 void waitForFrames(const std::string& window, int times);
 
-/// Drags files and folders into the middle of a window and lets go, as file managers do. Throws std::runtime_error
-/// where the window does not take them within ten seconds.
+/// Drags files and folders into the middle of a window and drops them, as file managers do. Throws std::runtime_error
+/// if the window does not accept the drop within ten seconds.
 void dropOnto(const std::string& window, const std::vector<std::filesystem::path>& paths);
 
-/// Programs that are started while this lives take the monitor to have so many dots an inch; 96 before and after.
+/// Sets the monitor resolution (dots an inch) for programs started during its lifetime. Otherwise 96.
 class MonitorDpi {
  public:
   explicit MonitorDpi(int dotsPerInch);

@@ -13,7 +13,7 @@ TEST_CASE("the last frames' times are kept, and the device's come to the frame t
   CHECK(std::isnan(history.of(7).sinceLast));
   for (std::size_t frame = 1; frame <= 200; ++frame) {
     history.add(frame, float(frame));
-    // Two frames later; what is inside another is no pass of its own.
+    // Device times arrive two frames later. Nested scopes are not counted as passes.
     if (frame > 2)
       history.addDevice(frame - 2, {{"canvas", 0, double(frame - 2)}, {"cells", 1, 0.5}, {"composite", 0, 0.25}});
   }
@@ -21,14 +21,14 @@ TEST_CASE("the last frames' times are kept, and the device's come to the frame t
     CHECK(history.of(frame).frame == frame);
     CHECK(history.of(frame).sinceLast == float(frame));
   }
-  CHECK(history.of(80).frame != 80);  // too long ago
+  CHECK(history.of(80).frame != 80);  // older than the history
   REQUIRE(history.of(150).passes.size() == 2);
   CHECK(history.names()[history.of(150).passes[0].first] == "canvas");
   CHECK(history.of(150).passes[0].second == 150.0f);
   CHECK(history.names()[history.of(150).passes[1].first] == "composite");
-  CHECK(history.of(200).passes.empty());  // not there yet
+  CHECK(history.of(200).passes.empty());  // device times not yet available
 
-  history.addDevice(80, {{"late", 0, 1.0}});  // its place is another frame's now
+  history.addDevice(80, {{"late", 0, 1.0}});  // the slot belongs to a later frame
   CHECK(history.of(200).passes.empty());
   CHECK(history.names().size() == 2);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window's images at the pace of the display and at none. What else there is to a window is tested by the viewer's.
+// Swapchain images with and without vertical sync. Other properties of windows are tested with the viewer.
 #include "window/swapchain.h"
 
 #include <array>
@@ -46,8 +46,8 @@ void recordColour(const Swapchain::Frame& frame, const std::array<float, 3>& col
 
 using EventHandle = Handle<VkEvent, vkDestroyEvent>;
 
-// Work in front of all that is submitted after it, which the device does not finish while this lives; but after twenty
-// seconds, so that what waits for it fails its test and does not hang.
+// Blocks the device's queue for all later submissions during its lifetime, but for at most twenty seconds, so that a
+// waiting test fails instead of hanging.
 class Blocked {
  public:
   explicit Blocked(const Device& device) : device_(device) {
@@ -104,7 +104,7 @@ TEST_CASE("a window that waits for nothing gives no frame while the device is bu
   if (!displayIsThere()) return;
   Shown shown(Pace::whenever);
   Swapchain& swapchain = shown.swapchain;
-  // Making the images waits for the device.
+  // Creating the images waits for the device.
   const auto first = swapchain.begin();
   REQUIRE(first);
   swapchain.abandon(*first);
@@ -115,7 +115,7 @@ TEST_CASE("a window that waits for nothing gives no frame while the device is bu
       REQUIRE(frame);
       CHECK(frame->slot == i);
       recordColour(*frame, {1, 0, 0});
-      // Software devices wait for the picture where it is shown.
+      // Software devices wait for the image when it is presented.
       swapchain.keepImages();
       CHECK_FALSE(swapchain.end(*frame));
     }
@@ -180,7 +180,7 @@ TEST_CASE("a window leaves the queue to whoever holds its mutex") {
     return waited;
   };
   std::optional<Swapchain::Frame> frame;
-  CHECK(waits([&] { frame = swapchain.begin(); }));  // makes images
+  CHECK(waits([&] { frame = swapchain.begin(); }));  // creates images
   REQUIRE(frame);
   recordColour(*frame, {0, 1, 0});
   CHECK(waits([&] { swapchain.end(*frame); }));
@@ -191,7 +191,7 @@ TEST_CASE("a window shows the last frame that it took, at every pace") {
   for (const Pace pace : {Pace::refresh, Pace::whenever}) {
     Shown shown(pace);
     const std::array<float, 3> last{0.2f, 0.4f, 0.6f};
-    // Where nothing waits, frames may be dropped, and not one after the other for good.
+    // Without waiting, frames may be dropped, but not all of them.
     int taken = 0;
     for (int tries = 0; taken < 20 && tries < 2000; ++tries) {
       shown.window.handleEvents(0.001);

@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 namespace ibr::test {
 namespace {
 
-// A key goes down and up in frames of their own, acts on what the frame before has shown, and its effect is drawn.
+// A key press and its release take one frame each; then one frame acts on the key and one draws the effect.
 constexpr int kFrames = 5;
 
 }  // namespace
@@ -36,7 +36,7 @@ void waitForPlace(const std::string& window) {
 
 Image8 settledPixels(const std::string& window) {
   Image8 pixels, before;
-  int same = 0;  // times in a row: a busy machine takes its time for a frame
+  int same = 0;  // times in a row, because a busy machine may take long for a frame
   comes([&] {
     sleepFor(0.4);
     waitForFrames(window, kFrames);
@@ -96,7 +96,7 @@ void recordPath() {
 }
 
 void pressAll(const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) act({"key", "--delay", "0", key});  // down and up between two frames
+  for (const std::string& key : keys) act({"key", "--delay", "0", key});  // press and release between two frames
 }
 
 void makeModel(const TemporaryFolder& folder) {

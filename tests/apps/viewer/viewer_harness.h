@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `ibr-viewer`, driven by keys and the mouse as a person would: what its tests share.
+// Drives the program `ibr-viewer` with keys and the mouse. Shared by its tests.
 #pragma once
 
 #include <algorithm>
@@ -24,38 +24,38 @@
 
 namespace ibr::test {
 
-/// Runs the viewer by itself, with validation; it must have no reason to speak.
+/// Runs the viewer without input, with the validation layer. Any message fails the test.
 Outcome view(std::vector<std::string> arguments, std::vector<std::string> environment = {});
 
-/// Whether it comes about before long.
+/// Waits until `what` returns true. Returns false after the time limit.
 bool comes(const std::function<bool()>& what);
 
-/// The last place is on the screen, as the title says.
+/// Waits until the last document is shown, according to the title.
 void waitForPlace(const std::string& window);
 
-/// The window's pixels, once nothing moves in it.
+/// The window's pixels after all motion has ended.
 Image8 settledPixels(const std::string& window);
 
-/// What a person did, and what the viewer says about it when it has closed.
+/// Runs the viewer and calls `act` with its window. Returns the viewer's report, printed on closing.
 nlohmann::json whileViewing(std::vector<std::string> arguments,
                             const std::function<void(const std::string& window)>& act,
                             std::vector<std::string> environment = {});
-/// Whether there are a device and a display.
+/// Returns whether a device and a display are available.
 bool canView();
 glm::dvec3 positionOf(const nlohmann::json& place);
 glm::dquat rotationOf(const nlohmann::json& place);
-/// xdotool ARGUMENTS, and frames in which the program takes notice of them, acts on them and shows it.
+/// Runs xdotool with the arguments, then waits for the frames in which the program acts and shows the result.
 void act(const std::vector<std::string>& arguments);
 void hold(const char* key, double seconds);
 
-/// Two keys of a path, and a picture from the first.
+/// Records two keys of a path, and takes a screenshot at the first.
 void recordPath();
 void pressAll(const std::vector<std::string>& keys);
 
-/// A small harmonised model, `folder`/model.
+/// Writes a small harmonised model to `folder`/model.
 void makeModel(const TemporaryFolder& folder);
 
-/// Of windows of 640×480, where neither the side panel with its hints nor a message lies.
+/// Compares windows of 640×480 px outside the side panel, its hints, and messages.
 bool sameBesidePanel(const Image8& window, const Image8& picture);
 bool hasFfmpeg();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer's panels, by keys and the mouse.
+// The viewer's panels, driven by keys and the mouse.
 #include "viewer_harness.h"
 
 namespace fs = std::filesystem;
@@ -18,9 +18,8 @@ TEST_CASE("keys alone look around, go through the panel, and change a setting th
   CHECK(glm::dot(rotationOf(looked) * glm::dvec3(0, 0, -1), right) > 0.02);
 
   const auto chosen = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
-    pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"});  // the place, pages in two rows, presets
-    for (const char* key : {"w", "k", "bracketright", "l"})
-      hold(key, 0.2);  // are the panel's, which has no use for them
+    pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"});  // the document, two rows of tabs, presets
+    for (const char* key : {"w", "k", "bracketright", "l"}) hold(key, 0.2);  // keys that the focused panel ignores
   })["places"][0];
   CHECK(chosen["settings"] != begin["settings"]);
   CHECK(positionOf(chosen) == positionOf(begin));
@@ -41,7 +40,7 @@ TEST_CASE("what is typed into a slider keeps within its bounds, and the place st
   const json report = whileViewing({tinyScene(), "--size", "500x400"}, [](const std::string& w) {
     for (const char* page : {"1", "2"}) {
       pressAll({page});
-      // Where sliders are, on one page or the other.
+      // Positions of sliders on either tab.
       for (const int y : {154, 177, 223, 310, 333}) {
         act({"mousemove", "--window", w, "270", std::to_string(y)});
         act({"keydown", "ctrl", "click", "1", "keyup", "ctrl"});
@@ -52,7 +51,7 @@ TEST_CASE("what is typed into a slider keeps within its bounds, and the place st
   });
   REQUIRE(report["places"].size() == 1);
   CHECK(report["warnings"].empty());
-  CHECK(report["places"][0]["fovY"] == Approx(glm::radians(10.0)));  // the least that there is
+  CHECK(report["places"][0]["fovY"] == Approx(glm::radians(10.0)));  // the minimum
   CHECK(report["places"][0]["settings"]["extrapolation"] >= 0);
 }
 
@@ -61,7 +60,7 @@ TEST_CASE("presets are measured where the view stands") {
   const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate", "--texture-scale", "0.1"},
                                   [](const std::string& w) {
                                     pressAll({"2"});
-                                    // Where the buttons of the last preset and of what measures stand, more or less.
+                                    // Approximate positions of the buttons of the last preset and of the measurement.
                                     for (int y = 224; y > 195; y -= 6)
                                       act({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
                                     settledPixels(w);
@@ -73,7 +72,7 @@ TEST_CASE("presets are measured where the view stands") {
     CHECK(effects[name]["ms"] > 0);
   }
   CHECK(effects["reference"]["psnr"].is_null());
-  // Textures at a tenth of their detail; so small a scene all presets show whole.
+  // Textures at a tenth of their detail. All presets show this small scene completely.
   CHECK(effects["as set"]["psnr"] > 10);
   CHECK(effects["as set"]["psnr"] < 60);
   CHECK(effects["accurate"]["psnr"].is_null());
@@ -84,7 +83,7 @@ TEST_CASE("cells are muted and shown alone by keys in the list of them") {
   TemporaryFolder folder;
   const auto after = [&](const char* shot, std::vector<std::string> keys) {
     keys.insert(keys.begin(), {"3", "F6", "Down", "Down", "Down", "Down", "space",
-                               "Down"});  // the place, pages in two rows, into the list, the cell
+                               "Down"});  // the document, two rows of tabs, into the list, the cell
     Image8 pixels;
     const json report =
         whileViewing({tinyScene(), "--composition", "cells", "--size", "640x480", "--screenshot", folder / shot},
@@ -102,7 +101,7 @@ TEST_CASE("cells are muted and shown alone by keys in the list of them") {
   CHECK(solo["solo"] == muted["mute"]);  // in one row
   CHECK(solo["mute"] == none);
   CHECK((readImage(folder / "muted.png").values != readImage(folder / "solo.png").values));
-  const json back = after("back.png", {"space", "space"});  // the cell keeps the keys, wherever it stands
+  const json back = after("back.png", {"space", "space"});  // the cell keeps the keyboard focus, wherever its row moves
   CHECK(back["mute"] == none);
   const json all = after("all.png", {"Right", "space", "Escape", "Up", "space"});
   CHECK(all["solo"] == none);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer writes: screenshots, camera paths, videos; and that ibr render draws the same.
+// Files written by the viewer: screenshots, camera paths, videos. `ibr render` draws the same images.
 #include "viewer_harness.h"
 
 namespace fs = std::filesystem;
@@ -84,7 +84,7 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
         sleepFor(0.8);
         pressAll({"k", "ctrl+s", "p", "ctrl+v"});
       });
-  for (const char* field : {"position", "rotation", "fovY"})  // pasted: where it was copied
+  for (const char* field : {"position", "rotation", "fovY"})  // pasted at the copied pose
     CHECK(report["places"][0][field] == begin[field]);
   REQUIRE(fs::exists(folder / "path_0001.json"));
   REQUIRE(fs::exists(folder / "view_0001.png"));
@@ -168,7 +168,7 @@ TEST_CASE("a harmonised model's path becomes pictures with its very settings") {
   const json report = whileViewing(
       {folder / "model", "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string& window) {
         waitForPlace(window);
-        // Settings; the place, pages in two rows, the method: the next of its list.
+        // Settings; the document, two rows of tabs, the method: selects the next one in the list.
         pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down", "space", "F6"});
         recordPath();
         pressAll({"ctrl+m"});
@@ -204,7 +204,7 @@ TEST_CASE("pictures go into the user's folder for them") {
     return help.substr(from, help.find(']', from) - from);
   };
   const RunOptions options{.program = IBR_VIEWER, .environment = environment};
-  CHECK_THAT(folderToldIn(options), Contains(fs::current_path().string()));  // there is no such folder
+  CHECK_THAT(folderToldIn(options), Contains(fs::current_path().string()));  // the folder Pictures does not exist
   fs::create_directories(home / "Pictures");
   CHECK_THAT(folderToldIn(options), Contains((home / "Pictures/ibr").string()));
   fs::create_directories(home / "Meine Bilder");

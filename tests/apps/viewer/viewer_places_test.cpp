@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places in the viewer: opening, closing, several of them, what is made beside it.
+// Documents of the viewer: opening, closing, several at once, and background builds.
 #include "viewer_harness.h"
 
 namespace fs = std::filesystem;
@@ -68,7 +68,7 @@ TEST_CASE("places are closed, by key and by their tab's cross, and nothing of th
   CHECK(byKey["onDevice"] == 1);
   const json byCross = whileViewing(all, [](const std::string& w) {
     sleepFor(1);
-    // Wherever the crosses are: a click closes a tab, chooses one, or does nothing.
+    // The positions of the close buttons are unknown: a click closes a tab, selects a tab, or does nothing.
     for (int x = 250; x < 400; x += 3) act({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
   });
   CHECK(byCross["places"].size() < 3);
@@ -122,7 +122,7 @@ TEST_CASE("a folder is typed, completed and opened by keys alone") {
         pressAll({"Return"});
         pressAll({"ctrl+o", "ctrl+a"});
         write((folder / "other").string());
-        pressAll({"Escape", "bracketright"});  // not opened; keys are the view's again
+        pressAll({"Escape", "bracketright"});  // not opened; the view has the keyboard again
         sleepFor(1.2);
         hold("Right", 0.3);
         pixels = settledPixels(window);
@@ -134,7 +134,7 @@ TEST_CASE("a folder is typed, completed and opened by keys alone") {
   const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
   CHECK(positionOf(report["places"][0]) != positionOf(begin));
   CHECK(rotationOf(report["places"][0]) != rotationOf(begin));
-  CHECK(report["places"][0]["settings"] == begin["settings"]);  // what was typed did nothing else
+  CHECK(report["places"][0]["settings"] == begin["settings"]);  // typed text has no other effect
   CHECK(sameBesidePanel(pixels, readImage(folder / "shot.png")));
 }
 
@@ -149,7 +149,7 @@ TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
   std::size_t begun = 0;
   const json said = json::parse(outcome.out)["said"];
   for (const json& line : said) begun += line.get<std::string>().find("making a scene") != std::string::npos;
-  CHECK(begun == 1);  // though it was asked for twice
+  CHECK(begun == 1);  // although two builds were requested
   CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
   const json report = json::parse(outcome.out);
   REQUIRE(report["places"].size() == 1);
@@ -169,7 +169,7 @@ TEST_CASE("building is stopped when the viewer is closed") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinySet().photographs, folder / "photos", fs::copy_options::recursive);
-  // So large that making a scene of them takes long.
+  // So large that building a scene takes long.
   for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
     const Image8 small = readImage(folder / "photos" / name);
     constexpr int kLarger = 10;
@@ -190,7 +190,7 @@ TEST_CASE("what is being made is stopped by keys alone") {
   const json report =
       whileViewing({tinyScene(), "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string& window) {
         pressAll({"k"});
-        hold("w", 6);  // a path that takes long to draw
+        hold("w", 6);  // a path that takes long to render
         pressAll({"k", "ctrl+m", "F6", "F6", "Down", "space"});
         settledPixels(window);
       });

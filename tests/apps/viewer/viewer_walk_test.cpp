@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walking in the viewer: keys and the mouse, bounds, points to go round, trust, camera paths.
+// Walking in the viewer: keys and the mouse, bounds, orbit centres, trust, camera paths.
 #include "viewer_harness.h"
 
 namespace fs = std::filesystem;
@@ -10,7 +10,7 @@ using nlohmann::json;
 
 namespace {
 
-// A camera path along x from 7, for so many seconds.
+// Writes a camera path of the given length in seconds, from x = 7 along x.
 void writePath(const fs::path& file, double seconds, double x) {
   const json rotation{0.0, 0.0, 0.0, 1.0};
   const auto key = [&](double time, double at) {
@@ -76,7 +76,7 @@ TEST_CASE("the middle button goes round the point that it is pressed on") {
   REQUIRE(!place["centre"].is_null());
   const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
   const glm::dvec3 from = positionOf(begin), to = positionOf(place);
-  // The board is 3.5 ahead, the wall around it 5.
+  // The board is at a distance of 3.5, the wall around the board at 5.
   const glm::dvec3 seen = glm::conjugate(rotationOf(begin)) * (centre - from);
   const double focal = 120 / std::tan(0.5 * begin["fovY"].get<double>());
   CHECK(seen.z == Approx(-3.5).epsilon(0.05));
@@ -100,7 +100,7 @@ TEST_CASE("a view that stands says how far it may be trusted") {
   CHECK(sum == Approx(1));
   CHECK(at["tiers"][0] > 0.4);
   CHECK(at["extrapolation"] < 1e-6);
-  // The photographs stand in the plane z = 0, the furthest two half a unit apart.
+  // The photographs lie in the plane z = 0; the furthest two are half a unit apart.
   CHECK(behind["trust"]["extrapolation"] == Approx(positionOf(behind).z / 0.5).epsilon(1e-6));
   CHECK(away["extrapolation"].is_null());  // infinite: no cell is near
   CHECK(away["tiers"][0] < at["tiers"][0]);
@@ -122,8 +122,8 @@ TEST_CASE("a camera path is shown from the start, again and again") {
   CHECK(report["times"]["framesMs"]["p50"] > 0);
   CHECK(report["times"]["framesMs"]["p95"] >= report["times"]["framesMs"]["p50"]);
   CHECK(report["times"]["firstPicture"] > 0);
-  CHECK(report["residentBytes"] > 20'000'000);  // a device's driver alone is larger
-  // Long after its end it goes on.
+  CHECK(report["residentBytes"] > 20'000'000);  // the driver alone takes more
+  // Long after its end the path repeats.
   whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--screenshots", folder.path()},
                [](const std::string&) {
                  for (int i = 0; i < 2; ++i) {

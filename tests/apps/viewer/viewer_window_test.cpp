@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer's window: its size, its formats, what is lost and made anew, the interface's scale.
+// The viewer's window: size, formats, recovery of lost objects, interface scale.
 #include "viewer_harness.h"
 
 namespace fs = std::filesystem;
@@ -44,7 +44,7 @@ TEST_CASE("the window shows the picture's very values, whatever its format") {
   CHECK((bare.values == readImage(folder / "bare.png").values));
   CHECK((srgb.values == bare.values));
   CHECK((readFile(folder / "srgb.png") == readFile(folder / "bare.png")));
-  // The interface too, where nothing moves: the panel's texts lie over the picture.
+  // The interface is equal, too: with nothing moving, the panel's texts lie over the image.
   const Image8 with = seen("with.png", {}), withSrgb = seen("with_srgb.png", {"--only-srgb"});
   CHECK((with.values == withSrgb.values));
   CHECK((with.values != readImage(folder / "with.png").values));
@@ -57,7 +57,7 @@ TEST_CASE("a window's surface that is lost is made anew") {
   whileViewing(
       {tinyScene(), "--size", "320x240", "--no-interface", "--lose-surface", "3", "--screenshot", folder / "shot.png"},
       [&](const std::string& window) {
-        pressAll({"bracketright"});  // frames go on
+        pressAll({"bracketright"});  // frames continue
         sleepFor(1);
         pixels = settledPixels(window);
       });
@@ -83,7 +83,7 @@ TEST_CASE("a device that is lost is made anew, and everything with it") {
 TEST_CASE("the interface is as large as the monitor, an option or keys ask for, and the mouse hits it") {
   if (!canView()) return;
   TemporaryFolder folder;
-  // Where the side panel is seen: columns and rows in which the window differs from the picture without it.
+  // Extent of the side panel: columns and rows in which the window differs from the image without the panel.
   struct Seen {
     int left = 10000, bottom = 0;
   };
@@ -115,7 +115,7 @@ TEST_CASE("the interface is as large as the monitor, an option or keys ask for, 
     return place["rotation"];
   };
   const Seen one = seen({}), larger = seen({"--interface-scale", "1.25"});
-  const int wide = 900 - 10;  // the panel's right side
+  const int wide = 900 - 10;  // right edge of the panel
   CHECK(wide - one.left == Approx(26 * 13).margin(2));
   CHECK(wide - larger.left == Approx(26 * 16).margin(2));
   CHECK(looksFrom(larger.left - 10) != looksFrom(larger.left + 10));
@@ -149,13 +149,13 @@ TEST_CASE("a shader that is edited shows at once, a broken one shows what the co
           xdotool({"key", "p"});
           sleepFor(1.2);
         };
-        // Shaders are compiled in the background: on a busy machine that takes its time.
+        // Shaders compile in the background, which may take long on a busy machine.
         const auto shootOnceChanged = [&] {
           constexpr int kMostTries = 60;
           for (int i = 0; i < kMostTries && settledPixels(window).values == shown.back(); ++i) sleepFor(0.5);
           shoot();
         };
-        sleepFor(5);  // all of them are compiled once
+        sleepFor(5);  // all shaders are compiled once
         shoot();
         writeFile(file, original.substr(0, end) + "  outColour.rgb = outColour.brg;\n" + original.substr(end));
         shootOnceChanged();
@@ -171,9 +171,9 @@ TEST_CASE("a shader that is edited shows at once, a broken one shows what the co
     seen[std::size_t(i)] = readImage(shot).values;
   }
   REQUIRE(shown.size() == 4);
-  for (const std::size_t i : {0, 1, 3}) CHECK((shown[i] == seen[i]));  // over 2 the compiler's text lies
+  for (const std::size_t i : {0, 1, 3}) CHECK((shown[i] == seen[i]));  // image 2 shows the compiler's message
   CHECK(seen[1] != seen[0]);
-  CHECK(seen[2] == seen[1]);  // the last that could be used
+  CHECK(seen[2] == seen[1]);  // the last valid shader is used
   CHECK(seen[3] == seen[0]);
   std::string warnings;
   for (const auto& line : report["warnings"]) warnings += line.get<std::string>();

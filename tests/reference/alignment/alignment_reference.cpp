@@ -10,12 +10,12 @@ namespace {
 
 using Corners = std::array<glm::ivec2, 3>;
 
-// (b − a) × (p − a): positive where p lies on the inner side.
+// Cross product (b − a) × (p − a), positive where p lies on the inner side of the edge.
 std::int64_t side(glm::ivec2 a, glm::ivec2 b, glm::ivec2 p) {
   return std::int64_t(b.x - a.x) * (p.y - a.y) - std::int64_t(b.y - a.y) * (p.x - a.x);
 }
 
-// y points down, so the inner side is below an edge that runs right, and right of one that runs up.
+// y points down: the inner side is below an edge that runs right, and right of an edge that runs up.
 bool isTopOrLeft(glm::ivec2 a, glm::ivec2 b) {
   return b.y < a.y || (b.y == a.y && b.x > a.x);
 }
@@ -38,7 +38,7 @@ glm::dvec3 texel(const Image8& picture, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-// `at`: px from the picture's top-left corner.
+// Bilinear sample. `at`: px from the top-left corner of the image.
 glm::dvec3 bilinear(const Image8& picture, glm::dvec2 at) {
   const double x = std::floor(at.x - 0.5), y = std::floor(at.y - 0.5);
   const double fx = at.x - 0.5 - x, fy = at.y - 0.5 - y;
@@ -51,7 +51,7 @@ struct Samples {
   std::vector<glm::dvec3> x, y;
 };
 
-// What both photographs show at a pixel of the mean triangle.
+// Appends the colours of both photographs at one pixel of the mean triangle.
 void sample(const Corners& mean, const Corners& source, const Corners& target, glm::ivec2 pixel, const Image8& sourceOf,
             const Image8& targetOf, Samples& samples) {
   const glm::ivec2 p = centre(pixel);
@@ -76,7 +76,7 @@ StarTarget sumsOf(const Samples& samples, std::size_t member) {
   return target;
 }
 
-// Two passes over lists of values; what stands in one list has one mean.
+// Two-pass sums of centred products. Each added list has its own mean.
 class Correlation {
  public:
   void add(const std::vector<double>& x, const std::vector<double>& y) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Double-precision twin of the optimiser's evaluation ([T] §3.5–3.6): which pixels a star covers in the mean of two
-// meshes, what both photographs show there, and how they correlate.
+// Double-precision reference implementation of the optimiser's evaluation ([T] §3.5–3.6): the pixels a star covers in
+// the mean of two meshes, the colours of both photographs there, and their correlation.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@
 
 namespace ibr::reference {
 
-/// Pixels (column, row) whose centre (i + ½, j + ½) the triangle covers, by the rasteriser's rule: of centres on an
-/// edge those of a top or a left one. Corners in 1/256 px, below 2²² in size. None where (b − a) × (c − a) is not
-/// positive.
+/// Pixels (column, row) whose centre (i + ½, j + ½) the triangle covers by the rasterisation rule: a centre on an edge
+/// counts for top and left edges. Corners are in 1/256 px, and the size is below 2²². Empty where (b − a) × (c − a) is
+/// not positive.
 std::vector<glm::ivec2> coveredPixels(glm::ivec2 a, glm::ivec2 b, glm::ivec2 c);
 
-/// A mesh over pictures, as in ibr/optimiser.h.
+/// A mesh over several images, as in ibr/optimiser.h.
 struct AlignedPictures {
   std::vector<const Image8*> pictures;            // d, RGB
   std::vector<std::vector<glm::ivec2>> position;  // d × n, 1/128 px
   std::vector<glm::uvec3> triangles;
 };
 
-/// Of one target; x is the source. Grey levels, a sum a channel.
+/// Sums of one target image; x is the source, y the target. In grey levels, one sum a channel.
 struct StarTarget {
   std::size_t member = 0;
   std::int64_t pixels = 0;
@@ -36,13 +36,13 @@ struct StarTarget {
 
 struct StarEcc {
   std::vector<StarTarget> targets;  // the other members, in order
-  Ecc channels;                     // with the floor
-  Ecc concatenated;                 // [T] eqs 1–3, without
+  Ecc channels;                     // with the variance floor
+  Ecc concatenated;                 // [T] eqs 1–3, without the floor
 };
 
-/// The triangles around `point`, which stands `offset` (1/128 px) from its position in `member`. Both photographs are
-/// sampled where the triangle's corners, interpolated, say: bilinear, texel centres at +½, clamped at the border.
-/// Pixels of the mean are not clipped by any picture. A mean variance below 1e-9 grey² counts as none: it is rounding.
+/// Evaluates the triangles around `point`, moved by `offset` (1/128 px) from its position in `member`. Both images are
+/// sampled at the interpolated corners: bilinear, texel centres at +½, clamped at the border. No image clips pixels of
+/// the mean. A mean variance below 1e-9 grey² counts as zero, because rounding alone causes such values.
 StarEcc starEcc(const AlignedPictures& mesh, std::uint32_t point, std::size_t member, glm::ivec2 offset = {0, 0},
                 double varianceFloor = 0);
 

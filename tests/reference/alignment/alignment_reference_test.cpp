@@ -21,7 +21,7 @@ std::set<std::pair<int, int>> inRows(int firstRow, int rows, int firstColumn, in
   return pixels;
 }
 
-// Adds the pixels of a triangle; says whether none was there before.
+// Adds the pixels of a triangle. Returns false if one of them was present already.
 bool collect(std::set<std::pair<int, int>>& pixels, glm::ivec2 a, glm::ivec2 b, glm::ivec2 c) {
   bool once = true;
   for (const glm::ivec2& p : coveredPixels(a, b, c)) once = pixels.insert({p.x, p.y}).second && once;
@@ -41,7 +41,7 @@ std::set<std::pair<int, int>> square(glm::ivec2 corner, int side, bool otherDiag
   return pixels;
 }
 
-// Even-odd along the row: edges hold for rows [upper end, lower end), crossings at or left of the centre count.
+// Even-odd rule along the row. Edges hold for rows [upper end, lower end); crossings at or left of the centre count.
 bool insidePolygon(const std::vector<glm::ivec2>& ring, std::int64_t x, std::int64_t y) {
   bool inside = false;
   for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -65,10 +65,10 @@ std::int64_t area(glm::i64vec2 a, glm::i64vec2 b, glm::i64vec2 c) {
 
 struct Fan {
   glm::ivec2 hub;
-  std::vector<glm::ivec2> ring;  // clockwise as seen
+  std::vector<glm::ivec2> ring;  // clockwise in the image
 };
 
-// Every third on pixels' centres where it can be, every other one pressed flat to needles; none where one folds over.
+// Random star. Every third kind lies on pixel centres where possible, every second is flat. Empty if a triangle folds.
 Fan randomFan(std::mt19937& random, int kind) {
   const auto whole = [&](int most) { return int(random() % std::uint32_t(most)); };
   const int grid = kind % 3 == 0 ? 128 : 1;
@@ -93,7 +93,7 @@ Image8 texture(std::uint32_t seed, int width = 48, int height = 40) {
   return picture;
 }
 
-// Point 4 in the middle of a square of 20 px whose corner is at (8, 8) px.
+// Meshes with point 4 in the middle of a square of 20 px whose corner is at (8, 8) px.
 AlignedPictures squares(std::vector<const Image8*> pictures) {
   const std::vector<glm::ivec2> points{{1024, 1024}, {3584, 1024}, {3584, 3584}, {1024, 3584}, {2304, 2304}};
   AlignedPictures mesh{std::move(pictures), {}, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
@@ -115,7 +115,7 @@ TEST_CASE("a square of two triangles covers the centres it holds, top and left e
     CHECK(square({2560 + 128, 2560 + 128}, 1, otherDiagonal) == inRows(10, 1, 10, 1));
     CHECK(square({2560 + 129, 2560 + 128}, 255, otherDiagonal).empty());
   }
-  CHECK(coveredPixels({0, 0}, {0, 2560}, {2560, 2560}).empty());  // the other way round
+  CHECK(coveredPixels({0, 0}, {0, 2560}, {2560, 2560}).empty());  // opposite orientation
   CHECK(coveredPixels({0, 0}, {2560, 2560}, {5120, 5120}).empty());
   CHECK(coveredPixels({-256, -256}, {0, -256}, {-256, 0}).empty());
   CHECK(coveredPixels({-300, -300}, {100, -300}, {-300, 100}) == std::vector<glm::ivec2>{{-1, -1}});
@@ -186,16 +186,16 @@ TEST_CASE("photographs are read where their own corners are, between texels and 
   AlignedPictures mesh = squares({&ramp, &ramp});
   shift(mesh, 1, {3 * 128 + 32, 64});
   const StarTarget target = starEcc(mesh, 4, 0).targets[0];
-  CHECK(target.pixels == 400);  // from (9.625, 8.25)
+  CHECK(target.pixels == 400);  // the mean starts at (9.625, 8.25)
   CHECK(target.y[0] - target.x[0] == Approx(400 * 3 * 3.25).epsilon(1e-12));
   CHECK(target.y[1] - target.x[1] == Approx(400 * 5 * 0.5).epsilon(1e-12));
   CHECK(target.y[2] - target.x[2] == Approx(400 * (2 * 3.25 + 0.5)).epsilon(1e-12));
-  // Centres of the mean stand at 10.5 to 29.5, 1.625 px further than in the source.
+  // Pixel centres of the mean are 10.5 to 29.5, 1.625 px further than in the source.
   CHECK(target.x[0] == Approx(400 * 3 * (20.0 - 1.625 - 0.5)).epsilon(1e-12));
 
   const Image8 picture = texture(1);
   AlignedPictures apart = squares({&picture, &picture});
-  shift(apart, 1, {64, 0});  // a quarter of a pixel either way from the mean
+  shift(apart, 1, {64, 0});  // a quarter of a pixel to each side of the mean
   const StarTarget between = starEcc(apart, 4, 0).targets[0];
   double left = 0, right = 0;
   for (int y = 8; y < 28; ++y)
@@ -208,9 +208,9 @@ TEST_CASE("photographs are read where their own corners are, between texels and 
 
   AlignedPictures border{{&picture, &picture}, {}, {{0, 1, 2}}};
   border.position = {{{0, 0}, {64, -64}, {-64, 64}}, {{192, 192}, {256, 192}, {192, 256}}};
-  const StarEcc corner = starEcc(border, 0, 0, {-64, -64});  // of the mean: (128, 128), (320, 128), (128, 320)
+  const StarEcc corner = starEcc(border, 0, 0, {-64, -64});  // the mean triangle is (128, 128), (320, 128), (128, 320)
   REQUIRE(corner.targets[0].pixels == 1);
-  CHECK(corner.targets[0].x[0] == picture.pixel(0, 0)[0]);  // at (-½, -½)
+  CHECK(corner.targets[0].x[0] == picture.pixel(0, 0)[0]);  // sampled at (-½, -½)
   CHECK(corner.targets[0].y[0] == picture.pixel(1, 1)[0]);
   for (const StarEcc& one : {corner, starEcc(border, 0, 0, {-64, -64}, 25)}) {
     CHECK_FALSE(one.channels.defined);
@@ -228,7 +228,7 @@ TEST_CASE("a candidate is the mesh with the point moved there") {
   CHECK(candidate.channels.value == moved.channels.value);
   CHECK(candidate.channels.value != still.channels.value);
   CHECK(candidate.targets[1].pixels == moved.targets[1].pixels);
-  CHECK(starEcc(mesh, 0, 1).targets[0].pixels < moved.targets[0].pixels);  // two triangles of four
+  CHECK(starEcc(mesh, 0, 1).targets[0].pixels < moved.targets[0].pixels);  // two of the four triangles
 }
 
 TEST_CASE("whole-pixel shifts give the ECC of the pixels themselves, in both definitions") {

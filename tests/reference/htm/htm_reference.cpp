@@ -23,7 +23,7 @@ struct Blend {
   bool settled(double logRest, double cut) const { return sum.w > 0 && std::exp(logRest - reference) <= cut * sum.w; }
 };
 
-// Of the cameras that see a point, and of all that take part there, to be used where none sees it.
+// Blends of the cameras that see a point, and of all cameras with weight there, for points that no camera sees.
 struct Shown {
   Blend seen, hidden;
 
@@ -39,7 +39,7 @@ bool has(CameraSet members, std::size_t camera) {
   return members >> camera & 1;
 }
 
-// Bilinear, the border goes on.
+// Bilinear sample with clamped borders.
 glm::dvec4 sampleLevel(const Image8& image, glm::dvec2 at) {
   const glm::dvec2 low = glm::floor(at - 0.5), share = at - 0.5 - low;
   glm::dvec4 sum(0.0);
@@ -74,7 +74,7 @@ std::vector<Image8> mipsOf(const HtmPicture& picture, int width, int height) {
   return buildMips(page);
 }
 
-// As it is, and shifted a little to all sides.
+// Ray hits of the unshifted camera, and of cameras shifted by kShift in the four diagonal directions.
 std::vector<std::vector<SurfaceHit>> shiftedHits(const TriangleMesh& mesh, const Camera& camera) {
   constexpr double kShift = 0.01;  // px
   std::vector<std::vector<SurfaceHit>> all;
@@ -104,7 +104,7 @@ struct Source {
     const glm::dvec2 size(camera.intrinsics.width, camera.intrinsics.height), border = 2.0 * glm::min(at, size - at);
     return std::clamp(std::min(border.x, border.y), 0.0, 1.0);
   }
-  // Inverse depth, interpolated between pixels' centres; 0 beyond the picture on the page, the border elsewhere.
+  // Inverse depth, interpolated between pixel centres. 0 outside the image on the texture array; clamped at borders.
   double nearest(glm::dvec2 at, std::size_t shift) const {
     const Intrinsics& k = camera.intrinsics;
     const glm::dvec2 low = glm::floor(at - 0.5), share = at - 0.5 - low;
@@ -120,7 +120,7 @@ struct Source {
       }
     return sum;
   }
-  // How clearly it sees the point q in its frame, 0 to 1. isSafe becomes false where shifted pictures say otherwise.
+  // Visibility, 0 to 1, of the point q in the camera frame. isSafe becomes false where shifted images disagree.
   double inView(const glm::dvec3& q, glm::dvec2 projected, double depthTolerance, bool& isSafe) const {
     const double tolerance = depthTolerance - q.z / focal(camera.intrinsics);
     const auto by = [&](std::size_t shift) {
@@ -132,7 +132,7 @@ struct Source {
   }
 };
 
-// HtmMethod::vertexColours: w 0 where a vertex has none.
+// Colours of HtmMethod::vertexColours. w is 0 where a vertex has none.
 struct VertexColours {
   std::vector<glm::dvec4> colour;
   std::vector<bool> safe;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The twin of src/htm and shaders/htm in double precision.
+// Double-precision reference implementation of src/htm and shaders/htm.
 #pragma once
 
 #include <vector>
@@ -8,18 +8,18 @@
 
 namespace ibr::test::reference {
 
-/// Eq. 6: px, [planned camera][vertex].
+/// Eq. 6: displaced texture coordinates in px, indexed [planned camera][vertex].
 std::vector<std::vector<glm::dvec2>> harmonise(const HtmModel& model, const HtmFramePlan& plan);
 
 struct HtmTwin {
   int width = 0, height = 0;
-  std::vector<glm::dvec4> colour;  // 0 to 1; w: 1 where something is shown
-  // What the pixel and the cameras that count see there is the same when pictures are shifted by a hundredth of a pixel
-  // (rasterisers round corners to 1/256), and is clearly seen or clearly not.
+  std::vector<glm::dvec4> colour;  // 0 to 1; w: 1 where a surface is shown
+  // True if a shift of the images by 1/100 px changes neither the surface at the pixel nor the surfaces that the
+  // cameras see there (rasterisers round corners to 1/256 px), and if each camera's visibility is clear.
   std::vector<bool> safe;
 };
 
-/// Eq. 7, by HtmSettings::method, sampling as a trilinear GpuHtmModel does.
+/// Renders eq. 7 with HtmSettings::method. Samples as a trilinear GpuHtmModel does.
 HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, const HtmFramePlan& plan);
 
 }  // namespace ibr::test::reference

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of a harmonised model's pictures, whatever the picture is.
+// Relations that hold for images of any harmonised model, whatever the content.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -29,7 +29,7 @@ double coveredShare(const Image8& picture) {
   return double(covered) * 4 / double(picture.values.size());
 }
 
-// Of the pixels that camera `camera` is trusted for: where each corner of the triangle counts it in.
+// Largest error over the pixels for which camera `camera` counts at each corner of the triangle.
 double errorAgainstPhotograph(const HtmStage& stage, std::size_t camera, const Image8& picture) {
   const std::vector<SurfaceHit> hits = surfaceHits(stage.model().surface.mesh, stage.model().cameras[camera].camera);
   double largest = 0;
@@ -62,7 +62,7 @@ TEST_CASE("at a camera's pose its photograph comes back", "[htm]") {
   for (std::size_t k = 0; k < stage.model().cameras.size(); ++k) {
     INFO("camera " << k);
     CHECK(errorAgainstPhotograph(stage, k, stage.render(stage.model().cameras[k].camera, {.gamma = 200})) <= 1.0);
-    // Without its weights' help it does not.
+    // Without the camera, the image differs from the photograph.
     const HtmSettings excluded{.gamma = 200, .exclude = CameraSet(1) << k};
     CHECK(errorAgainstPhotograph(stage, k, stage.render(stage.model().cameras[k].camera, excluded)) > 10);
   }
@@ -75,7 +75,7 @@ TEST_CASE("harmonised photographs agree where blended ones do not", "[htm]") {
   const double angle = 2 * std::acos(-1.0) * 2.5 / 12;
   const Camera view = ringCamera(bumpy.options, angle, 0.1);
   const HtmFramePlan plan = stage.plan(view);
-  // Of a vertex, by the cameras that count there: what its colour is blended to.
+  // Offset to which a vertex's colour is blended, by the cameras that count there.
   const auto offsetAt = [&](std::uint32_t v) {
     glm::dvec4 sum(0);
     for (const PlannedHtmCamera& camera : plan.cameras)
@@ -93,7 +93,7 @@ TEST_CASE("harmonised photographs agree where blended ones do not", "[htm]") {
         if (hit.triangle < 0 || picture.pixel(x, y)[3] == 0) continue;
         const glm::uvec3 corner = stage.model().surface.mesh.triangles[std::size_t(hit.triangle)];
         glm::dvec3 at = pointOf(stage.model().surface.mesh, hit);
-        // Offsets leave the surface; what is seen aslant is shifted by that too.
+        // Offsets leave the surface, which shifts surfaces seen at a grazing angle. These are skipped.
         const std::vector<glm::dvec3>& p = stage.model().surface.mesh.positions;
         const glm::dvec3 normal = glm::normalize(glm::cross(p[corner.y] - p[corner.x], p[corner.z] - p[corner.x]));
         if (glm::dot(normal, glm::normalize(view.pose.position - at)) < 0.85) continue;
@@ -119,7 +119,7 @@ TEST_CASE("the place of the world's origin does not matter", "[htm][P6]") {
     const Image8 a = here.render(ringCamera({}, angle)), b = there.render(ringCamera({.middle = far}, angle));
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i) different += std::abs(int(a.values[i]) - int(b.values[i])) > 1;
-    CHECK(double(different) < 0.002 * double(a.values.size()));  // pixels on triangles' edges
+    CHECK(double(different) < 0.002 * double(a.values.size()));  // pixels on triangle edges
   }
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("what only far cameras see has their colours", "[htm][N11]") {
   const BumpyModel bumpy = bumpyModel({.cameras = 8, .disagreement = 0});
   const HtmStage stage(bumpy);
   const Camera view = ringCamera(bumpy.options, 0.1);
-  // Only cameras behind the body are left: weights of e^−300 and less.
+  // Only cameras behind the body remain, with weights of e^−300 and less.
   HtmSettings settings{.gamma = 1000, .exclude = 0b11100111};
   const HtmFramePlan plan = stage.plan(view, settings);
   REQUIRE(plan.cameras.size() == 2);
@@ -159,12 +159,12 @@ TEST_CASE("what only far cameras see has their colours", "[htm][N11]") {
   const double all = coveredShare(stage.render(view));
   CHECK(all > 0.15);
   const double share = coveredShare(behind);
-  CHECK(share > 0.001);  // beside the silhouette
+  CHECK(share > 0.001);  // a narrow region beside the silhouette
   CHECK(share < 0.6 * all);
-  // The same with all cameras behind in a row before the near ones are tried: nothing is lost by the cut.
+  // With all cameras, the weight cut loses no coverage, although some cameras are behind the body.
   settings.exclude = 0;
   CHECK(coveredShare(stage.render(view, settings)) == Approx(all).margin(1e-3));
-  // No camera at all: nothing, and no crash.
+  // Without a camera, only the background is drawn.
   settings.exclude = ~CameraSet(0);
   settings.background = {1, 0, 0};
   const Image8 none = stage.render(view, settings);
@@ -265,13 +265,13 @@ TEST_CASE("a model put in another's place is drawn as it is by itself", "[htm]")
   BumpyModel bare = bumpyModel({.cameras = 4, .longitudes = 30, .latitudes = 20});
   bare.model.complements.clear();
   const std::vector<BumpyModel> models{
-      bumpyModel({.disagreement = 0.02}), bumpyModel({.disagreement = 0.04}),  // the same sizes throughout
-      bumpyModel({.cameras = 9, .width = 200, .height = 150, .longitudes = 40, .latitudes = 24}),  // more of all
-      bumpyModel({.cameras = 3, .width = 64, .height = 96, .longitudes = 8, .latitudes = 6}),      // less of all
+      bumpyModel({.disagreement = 0.02}), bumpyModel({.disagreement = 0.04}),                      // equal sizes
+      bumpyModel({.cameras = 9, .width = 200, .height = 150, .longitudes = 40, .latitudes = 24}),  // larger sizes
+      bumpyModel({.cameras = 3, .width = 64, .height = 96, .longitudes = 8, .latitudes = 6}),      // smaller sizes
       bare};
   constexpr GpuHtmModelOptions kOptions{.trilinear = true};
   GpuHtmModel gpuModel(testDevice(), models[0].model, models[0].source(), kOptions);
-  HtmRenderer renderer(testDevice(), gpuModel, {.largest = {160, 120}});
+  HtmRenderer renderer(testDevice(), gpuModel, {.maxExtent = {160, 120}});
   Offscreen offscreen(testDevice(), {160, 120});
   for (const std::size_t m : {0u, 1u, 2u, 3u, 4u, 2u, 0u}) {
     const BumpyModel& bumpy = models[m];
@@ -288,7 +288,7 @@ TEST_CASE("a model put in another's place is drawn as it is by itself", "[htm]")
     }
   }
 
-  // What fails leaves something to be replaced.
+  // A failed replace leaves the model intact and replaceable.
   HtmModel invalid = models[1].model;
   invalid.surface.members[0] = ~CameraSet(0);
   CHECK(errorOf([&] { gpuModel.replace(invalid, models[1].source()); }).code() == ErrorCode::invalidInput);

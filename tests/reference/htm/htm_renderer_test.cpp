@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The harmonised model's shaders against their twin in double precision.
+// The harmonised model's shaders against the double-precision reference implementation.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -26,7 +26,7 @@ void compareWithTwin(const HtmStage& stage, const Camera& view, const HtmSetting
       if (!twin.safe[at]) continue;
       drawn += twin.colour[at].w > 0;
       wrongAlpha += picture.pixel(x, y)[3] != (twin.colour[at].w > 0 ? 255 : 0);
-      // Rounding, and 1/256 of a texel's neighbour: the filter's precision.
+      // Tolerance for rounding, and for the filter's precision of 1/256 texel.
       for (int c = 0; c < 3; ++c)
         wrongColour += std::abs(picture.pixel(x, y)[std::size_t(c)] - 255 * twin.colour[at][c]) > 2.5;
     }
@@ -49,7 +49,7 @@ TEST_CASE("a harmonised model is drawn as its twin says", "[htm][P9]") {
     settings.gamma = 1000;
     compareWithTwin(stage, ringCamera(options, 4.4, -0.7), settings);
     settings.gamma = 50;
-    settings.exclude = 0b11;  // the near ones: what remains looks from far off, and much is hidden from it
+    settings.exclude = 0b11;  // the near cameras: the others are far off and do not see much of the surface
     compareWithTwin(stage, ringCamera(options, 0.5), settings);
   }
 }
@@ -73,15 +73,15 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
   BumpyModel bumpy = bumpyModel();
   bumpy.model.surface.members[7] = 0;
   const HtmStage stage(std::move(bumpy));
-  // Groups in a row: as many as there are, or rows of them, the last not full.
+  // Work groups in a row: all in one, or several rows with an incomplete last one.
   const std::uint32_t most = GENERATE(0xffffffffu, 1u, 3u);
   const std::uint32_t groups = (std::uint32_t(stage.model().vertexCount()) + 63) / 64;
   REQUIRE(groups > 3);
   for (const double gamma : {1.0, 50.0, 1000.0})
     for (const double angle : {0.0, 0.5, 3.0}) {
-      // What is cut off at a sum that is just so large is a matter of rounding.
+      // weightCut is 0, because rounding decides which weights near the cut count.
       const HtmFramePlan plan = stage.plan(ringCamera({}, angle), {.gamma = gamma, .weightCut = 0});
-      const HtmFrameSet set(testDevice(), stage.gpuModel().state());
+      const HtmFrameSet set(testDevice(), stateOf(stage.gpuModel()));
       const HtmCoordinatesPass pass(testDevice(), set, most);
       submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
         set.update(commands, plan);
@@ -99,7 +99,7 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
         }
       INFO("gamma " << gamma << " angle " << angle << " of " << groups << " groups in a row at most " << most);
       CHECK(largest > 0.5);
-      CHECK(error < 1e-3);  // px: exp2 of what is rounded to 24 bits
+      CHECK(error < 1e-3);  // px: exp2 of a value rounded to 24 bits
     }
 }
 

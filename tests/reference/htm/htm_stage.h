@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A harmonised model on the test device, and pictures of it.
+// A harmonised model on the test device, and images of the model.
 #pragma once
 
 #include <utility>
@@ -33,7 +33,7 @@ class HtmStage {
   }
   Image8 render(const HtmFramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     const VkExtent2D extent{std::uint32_t(plan.view.intrinsics.width), std::uint32_t(plan.view.intrinsics.height)};
-    const HtmRenderer renderer(testDevice(), gpuModel_, {.largest = extent, .formats = {format}});
+    const HtmRenderer renderer(testDevice(), gpuModel_, {.maxExtent = extent, .formats = {format}});
     Offscreen offscreen(testDevice(), extent, format);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera does not see does not have its colour, whichever way a harmonised model is drawn.
+// Visibility: a surface never has the colour of a camera that does not see it, with any HtmMethod.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -11,11 +11,11 @@ namespace ibr::test {
 namespace {
 
 constexpr double kAside = 0.75, kDistance = 4;
-constexpr int kSize = 128;  // px, of all pictures
+constexpr int kSize = 128;  // px, of all images
 constexpr int kSide = 11;   // vertices of the wall in a row
 constexpr HtmMethod kAll[]{HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours};
 
-// Looks at the origin from a place in the plane y = 0.
+// Camera in the plane y = 0 that looks at the origin.
 Camera cameraAt(double angle, double distance) {
   Camera camera;
   camera.intrinsics = pinholeFromFov(kSize, kSize, 0.9);
@@ -24,8 +24,8 @@ Camera cameraAt(double angle, double distance) {
   return camera;
 }
 
-// A wall in the plane z = 0, 2 x 2, and before its middle a screen, 0.6 x 0.6. Camera 0 looks straight at it and is all
-// red, the two beside it, which look behind the screen, are green and blue. Every camera takes part everywhere.
+// A wall in the plane z = 0, 2 × 2, and a screen of 0.6 × 0.6 in front of its middle. Camera 0 sees both head-on and is
+// red. The two cameras beside it see behind the screen and are green and blue. All cameras are members everywhere.
 struct Wall {
   HtmModel model;
   std::vector<HtmPicture> pictures;
@@ -60,7 +60,7 @@ Wall wall() {
   return wall;
 }
 
-// The picture's colour at a point, as shares of the cameras.
+// The image's colour at a point, which equals the cameras' shares.
 glm::dvec3 sharesAt(const Image8& picture, const Camera& view, glm::dvec3 point) {
   const auto at = project(view.intrinsics, glm::conjugate(view.pose.rotation) * (point - view.pose.position));
   const auto pixel = picture.pixel(int(at->x), int(at->y));
@@ -68,7 +68,7 @@ glm::dvec3 sharesAt(const Image8& picture, const Camera& view, glm::dvec3 point)
   return glm::dvec3(pixel[0], pixel[1], pixel[2]) / 255.0;
 }
 
-// Flat weights: without occlusion all cameras would count.
+// Flat weights, with which all cameras would count if occlusion were ignored.
 HtmSettings flat(HtmMethod method) {
   return {.gamma = 1, .method = method, .weightCut = 0};
 }
@@ -87,7 +87,7 @@ TEST_CASE("what lies behind another part of the mesh does not have the camera's 
       CHECK(shares.g > 0.2);
       CHECK(shares.b > 0.2);
     }
-    // Beside the screen's shadows all are seen.
+    // Outside the screen's shadows, all cameras see the wall.
     const glm::dvec3 shares = sharesAt(picture, view, {0.05, 0.85, 0});
     CHECK(std::min({shares.r, shares.g, shares.b}) > 0.2);
   }
@@ -110,7 +110,7 @@ TEST_CASE("what a mask leaves out does not have the camera's colour", "[htm]") {
     CHECK(sharesAt(picture, red, above).r == 0);
     CHECK(sharesAt(picture, red, above).g > 0.3);
     CHECK(sharesAt(picture, red, below).r > 0.2);
-    // Where nobody is left, all that take part count, those that are hidden too.
+    // If no camera sees the surface, all members count, hidden ones included.
     const Camera view = cameraAt(0.6, kDistance);
     const glm::dvec3 shares = sharesAt(blind.render(view, flat(method)), view, {-0.05, 0, 0});
     CHECK(std::min({shares.r, shares.g, shares.b}) > 0.2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Searches for templates, on the processor and on a device, against one in double precision that reads as the contract
-// in ibr/template_search.h does.
+// Template searches on the CPU and on a device, against a double-precision search that follows the contract in
+// ibr/template_search.h directly.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -93,7 +93,7 @@ Image8 pictureOf(int width, int height, Look look, std::mt19937& random) {
   return picture;
 }
 
-// A blob of samples with holes, cut from its picture with noise.
+// Adds a task: samples of a rectangle with gaps, cut from its image with noise.
 void addTask(Case& all, std::uint32_t picture, glm::ivec2 corner, glm::ivec2 size, glm::ivec2 start, int noise,
              std::mt19937& random) {
   const auto first = std::uint32_t(all.samples.size());
@@ -112,7 +112,7 @@ void addTask(Case& all, std::uint32_t picture, glm::ivec2 corner, glm::ivec2 siz
   all.tasks.push_back({picture, first, std::uint32_t(all.samples.size()) - first, start});
 }
 
-// Noise, a flat picture and stripes, where many displacements are as good; tasks inside, over borders, far outside.
+// Noise, a flat image and stripes with many equal matches; tasks inside the images, over borders, and far outside.
 Case manyCases(unsigned seed) {
   std::mt19937 random(seed);
   Case all;
@@ -126,15 +126,15 @@ Case manyCases(unsigned seed) {
       addTask(all, p, corner, {1 + int(random() % 19u), 1 + int(random() % 9)},
               {int(random() % 7) - 3, int(random() % 7) - 3}, k % 3 == 0 ? 0 : 20, random);
     }
-  // Inside as they are, and over one border where they fit best.
+  // Exact samples inside, and samples whose best match lies over one border.
   addTask(all, 0, {60, 12}, {6, 5}, {}, 0, random);
   addTask(all, 0, {20, 1}, {9, 3}, {0, -1}, 0, random);
   addTask(all, 0, {20, 36}, {9, 5}, {1, 0}, 0, random);
   addTask(all, 0, {0, 12}, {6, 5}, {}, 0, random);
   addTask(all, 0, {-5000, 300}, {5, 5}, {5020, -290}, 0, random);
-  addTask(all, 0, {30, 20}, {4, 4}, {kFarthestTemplateStart, -kFarthestTemplateStart}, 0, random);
+  addTask(all, 0, {30, 20}, {4, 4}, {kMaxTemplateStartPx, -kMaxTemplateStartPx}, 0, random);
   all.tasks.push_back({1, 3, 0, {7, -9}});  // without samples
-  // In no order, one twice, and far apart.
+  // Samples in random order, one of them twice, some far apart.
   const auto first = std::uint32_t(all.samples.size());
   for (int k = 0; k < 40; ++k)
     all.samples.push_back({std::int16_t(random() % 67), std::int16_t(random() % 41), std::uint8_t(random()),
@@ -142,7 +142,7 @@ Case manyCases(unsigned seed) {
   all.samples.push_back(all.samples.back());
   all.samples.push_back({-32768, 32767, 1, 2, 3});
   all.tasks.push_back({0, first, std::uint32_t(all.samples.size()) - first, {1, 1}});
-  all.tasks.push_back({0, first + 7, 1, {}});  // some of these once more
+  all.tasks.push_back({0, first + 7, 1, {}});  // a range that shares samples with the previous task
   return all;
 }
 
@@ -173,7 +173,7 @@ void expectCloseCorrelation(const Case& all, const Matches& matches, const Match
       continue;
     }
     CHECK(std::abs(double(matches[t].cost) - double(wanted[t].cost)) <= tolerance);
-    // Another match may be chosen, but only one that is as good.
+    // Another match is allowed if its cost is as low.
     const TemplateTask& task = all.tasks[t];
     const glm::ivec2 way = glm::abs(matches[t].displacement - task.start);
     CHECK(std::max(way.x, way.y) <= radius);
@@ -186,7 +186,7 @@ void expectCloseCorrelation(const Case& all, const Matches& matches, const Match
 }  // namespace
 
 TEST_CASE("absolute differences: both searches find what the reference finds, bit for bit") {
-  const int radius = GENERATE(0, 1, 2, 8, kLargestTemplateRadius);
+  const int radius = GENERATE(0, 1, 2, 8, kMaxTemplateRadius);
   const Case all = manyCases(unsigned(radius) + 1);
   const Matches processor = onProcessor(all, radius, TemplateMeasure::absoluteDifferences);
   const Matches wanted = reference(all, radius, TemplateMeasure::absoluteDifferences);
@@ -212,12 +212,12 @@ TEST_CASE("the largest template of the largest contrast overflows nothing", "[N1
   Case all;
   all.pictures = {Image8(80, 80, 3)};
   for (std::uint8_t& v : all.pictures[0].values) v = random() & 1 ? 255 : 0;
-  for (int k = 0; k < int(kLargestTemplate); ++k) {
+  for (int k = 0; k < int(kMaxTemplateSampleCount); ++k) {
     const auto p = all.pictures[0].pixel(8 + k % 64, 8 + k / 64);
     all.samples.push_back({std::int16_t(8 + k % 64), std::int16_t(8 + k / 64), std::uint8_t(255 - p[0]),
                            std::uint8_t(255 - p[1]), std::uint8_t(255 - p[2])});
   }
-  all.tasks = {{0, 0, kLargestTemplate, {}}};
+  all.tasks = {{0, 0, kMaxTemplateSampleCount, {}}};
   for (const Matches& matches : {onProcessor(all, 0, TemplateMeasure::absoluteDifferences),
                                  onDevice(all, 0, TemplateMeasure::absoluteDifferences)})
     CHECK(matches[0].cost == Approx(255));
@@ -233,7 +233,7 @@ TEST_CASE("tasks that do not fit at once are searched piece by piece, from sever
   addTask(all, 0, {20, 20}, {6, 5}, {}, 0, random);
   addTask(all, 0, {2, 30}, {7, 3}, {}, 0, random);
   addTask(all, 0, {9, 11}, {13, 17}, {}, 0, random);
-  for (int k = 0; k < 34000; ++k) {  // first samples are too many for a piece, then tasks
+  for (int k = 0; k < 34000; ++k) {  // first the samples exceed the size of a piece, then the tasks
     all.tasks.push_back(all.tasks[std::size_t(k < 17000 ? k % 3 : (k + 1) % 2)]);
     all.tasks.back().start = {k % 5 - 2, k % 3 - 1};
   }
@@ -298,12 +298,12 @@ TEST_CASE("all searches refuse the same") {
              }).code() == ErrorCode::invalidInput;
     };
     CHECK(refused({0, 0, 1, {}}, -1));
-    CHECK(refused({0, 0, 1, {}}, kLargestTemplateRadius + 1));
+    CHECK(refused({0, 0, 1, {}}, kMaxTemplateRadius + 1));
     CHECK(refused({1, 0, 1, {}}, 1));
-    CHECK(refused({0, 0, kLargestTemplate + 1, {}}, 1));
+    CHECK(refused({0, 0, kMaxTemplateSampleCount + 1, {}}, 1));
     CHECK(refused({0, 4999, 2, {}}, 1));
     CHECK(refused({0, 0xffffffffu, 2, {}}, 1));
-    CHECK(refused({0, 0, 1, {kFarthestTemplateStart + 1, 0}}, 1));
+    CHECK(refused({0, 0, 1, {kMaxTemplateStartPx + 1, 0}}, 1));
     CHECK(refused({0, 0, 1, {0, std::numeric_limits<int>::min()}}, 1));
     CHECK(search({}, {}, 1, TemplateMeasure::correlation).empty());
   }

@@ -91,7 +91,7 @@ TEST_CASE("a folder that can never be written is known before it is made") {
   CHECK_THROWS_WITH(checkFolderWritable(folder / "file/below"), Catch::Contains("file is no folder"));
   CHECK(codeOf([&] { checkFolderWritable(folder / "file"); }) == ErrorCode::io);
   fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
-  if (::access(folder.path().c_str(), W_OK) != 0)  // the superuser may write everywhere
+  if (::access(folder.path().c_str(), W_OK) != 0)  // root may write everywhere
     CHECK(codeOf([&] { checkFolderWritable(folder / "new"); }) == ErrorCode::io);
   fs::permissions(folder.path(), fs::perms::owner_all);
 }

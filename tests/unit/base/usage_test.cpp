@@ -18,7 +18,7 @@ TEST_CASE("the limit of a control group is the least of it and those above it") 
   CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 3e9);
   writeFile(folder / "a/b/c/memory.max", std::string_view("2000000000\n"));
   CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 2e9);
-  writeFile(folder / "memory.max", std::string_view("1000000000\n"));  // as a container sees its own
+  writeFile(folder / "memory.max", std::string_view("1000000000\n"));  // the file as a container sees it
   CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 1e9);
   CHECK(groupMemoryLimit(folder / "", "0::/\n") == 1e9);
   CHECK(groupMemoryLimit(folder / "", "0::/not/there\n") == 1e9);

@@ -44,7 +44,7 @@ TEST_CASE("a plan has all cameras that are not excluded, best first", "[htm]") {
     else
       CHECK(plan.cameras[k].logRest == -std::numeric_limits<double>::infinity());
   }
-  // The best may be excluded too: the next best is then the measure.
+  // If the best camera is excluded, log weights are relative to the next best.
   CHECK(planFor(viewAt(0.4), {.exclude = 0b10}).cameras[0].logWeight == 0);
   CHECK(planFor(viewAt(0.4), {.exclude = ~CameraSet(0)}).cameras.empty());
 }
@@ -58,7 +58,7 @@ TEST_CASE("turning a camera about its centre changes weights by axis only", "[ht
   };
   CHECK(logs(view, HtmDirection::middle) == logs(turned, HtmDirection::middle));
   CHECK(logs(view, HtmDirection::axis) != logs(turned, HtmDirection::axis));
-  // Where all look at the middle, both are [H]'s.
+  // If all cameras look at the middle, both directions give the weights of [H].
   const auto around = [&](HtmDirection direction) {
     return planHtmFrame(bumpy().model, {bumpy().options.middle, 0.5}, {view, {.direction = direction}}).next.logWeights;
   };
@@ -75,7 +75,7 @@ TEST_CASE("a view in the middle of the mesh has an axis all the same", "[htm]") 
 TEST_CASE("weights follow the view with a time constant", "[htm]") {
   const HtmSettings settings{.smoothSeconds = 0.5};
   const std::vector<double> from = planFor(viewAt(0)).next.logWeights, to = planFor(viewAt(2)).next.logWeights;
-  // Nothing before: at once.
+  // Without a previous state the weights apply at once.
   CHECK(planFor(viewAt(2), settings).next.logWeights == to);
   HtmState state{from};
   CHECK(planFor(viewAt(2), settings, state, 0).next.logWeights == from);
@@ -89,7 +89,7 @@ TEST_CASE("weights follow the view with a time constant", "[htm]") {
     distance = now;
   }
   CHECK(distance < 0.5);
-  // A state of another model is none.
+  // A state of another model is ignored.
   CHECK(planFor(viewAt(2), settings, {{0, 0}}, 0.1).next.logWeights == to);
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("nothing that is not finite gets into a plan's state", "[htm][N16][P4]
   for (const double smooth : {0.0, std::numeric_limits<double>::denorm_min(), 0.5, most, HUGE_VAL})
     for (const double dt : {-most, -1.0, 0.0, 1.0, most})
       CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = smooth}, state, dt)));
-  // Never, and before the frame before: weights stay.
+  // An infinite time constant or a negative time step keeps the weights.
   CHECK(planFor(viewAt(2), {.smoothSeconds = HUGE_VAL}, state, most).next.logWeights == state.logWeights);
   CHECK(planFor(viewAt(2), {.smoothSeconds = 0.5}, state, -1).next.logWeights == state.logWeights);
   for (const double far : {1e12, 1e160, most}) {
@@ -199,19 +199,19 @@ TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
   };
   CHECK(logs({"a", "b", "c"}) == state.logWeights);
   CHECK(logs({"c", "a", "b"}) == std::vector<double>{-1, -3, 0});
-  CHECK(logs({"c", "a"}) == std::vector<double>{0, -2});  // the largest is 0 again
+  CHECK(logs({"c", "a"}) == std::vector<double>{0, -2});  // the largest is 0
   CHECK(logs({"c", "new", "b", "a"}) == std::vector<double>{-1, -3, 0, -3});
   CHECK(logs({"new", "c"}) == std::vector<double>{-2, 0});
   CHECK(logs({"new", "newer"}).empty());
   CHECK(logs({}).empty());
-  // What is no state of the model before is none.
+  // An invalid state of the previous model gives no state.
   CHECK(htmStateFor(before, before, {}).logWeights.empty());
   CHECK(htmStateFor(before, before, {{0, 0}}).logWeights.empty());
 }
 
 TEST_CASE("a prepared picture is its levels, with visibility as alpha", "[htm]") {
   HtmModel model = bumpy().model;
-  model.cameras[1].camera.intrinsics.width = 40;  // the widest: the page of all
+  model.cameras[1].camera.intrinsics.width = 40;  // widest camera: sets the size of the texture array
   const HtmPicture picture = bumpy().pictures[0], prepared = preparedHtmPicture(model, 0, picture);
   CHECK(prepared.photograph.empty());
   CHECK(prepared.visibility.empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] eq. 5 against the formula itself, in long double (NUMERICS N11).
+// [H] eq. 5 against a long double evaluation of the formula.
 #include "htm/weights.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ glm::dvec3 atAngle(double degrees) {
   return {std::sin(angle), 0, -std::cos(angle)};
 }
 
-// Of the whole set, normalised.
+// Normalises the weights of the whole set.
 std::vector<double> normalised(const std::vector<double>& logs) {
   double sum = 0;
   std::vector<double> weights;
@@ -24,7 +24,7 @@ std::vector<double> normalised(const std::vector<double>& logs) {
   return weights;
 }
 
-// γ₂ · ln((1 + cos θ) / 2) = 2 γ₂ · ln cos(θ / 2).
+// Exact logarithm: γ₂ · ln((1 + cos θ) / 2) = 2 γ₂ · ln cos(θ / 2).
 long double oracle(double degrees, double gamma) {
   const long double half = static_cast<long double>(degrees) * std::numbers::pi_v<long double> / 360;
   return 2 * static_cast<long double>(gamma) * std::log(std::abs(std::cos(half)));
@@ -43,7 +43,7 @@ TEST_CASE("weights follow eq. 5 over all angles and exponents", "[htm][N11][T22]
       const double log = logs[std::size_t(degrees)];
       REQUIRE(std::isfinite(log));
       if (degrees > 0) REQUIRE(log < logs[std::size_t(degrees) - 1]);
-      // A relative error of the weight is an absolute one of its logarithm.
+      // A relative error of the weight equals an absolute error of its logarithm.
       if (degrees < 180) REQUIRE(std::abs(static_cast<long double>(log) - oracle(degrees, gamma)) < 1e-5L);
     }
     const std::vector<double> weights = normalised(logs);

@@ -53,8 +53,8 @@ std::pair<int, int> endpoints(const std::array<std::byte, kBc1BlockBytes>& block
   return {int(block[0]) | int(block[1]) << 8, int(block[2]) | int(block[3]) << 8};
 }
 
-// The lowest error of any block whose endpoints lie on the line of the pixels' colours is not known; this one is a
-// bound from above: endpoints at the corners of the box of the colours, nearest of 4 or 16 points.
+// Upper bound of the optimal error of a block with endpoints on a line of colours. Endpoints: corners of the
+// colours' bounding box; each pixel takes the nearest of 4 or 16 points.
 template <int Points>
 double boxError(const BlockPixels& pixels) {
   std::array<double, 3> low{255, 255, 255}, high{};
@@ -89,7 +89,7 @@ double squares(const BlockPixels& a, const BlockPixels& b) {
 }  // namespace
 
 TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
-  // 0xFFFF white, 0x0000 black; the first row takes all four colours, the second the same backwards.
+  // 0xFFFF is white, 0x0000 black; the first row takes all four colours, the second row the same in reverse.
   const BlockPixels four =
       decodeBc1(hexBlock<8>("ffff0000"
                             "e41b00ff"));
@@ -102,7 +102,7 @@ TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
   CHECK(four[8] == four[0]);
   CHECK(four[15] == four[3]);
 
-  // 0x8410 is (16, 32, 16): 132, 130, 132. 0x0821 is (1, 1, 1): 8, 4, 8. Between: (2·132 + 8 + 1) / 3 = 91, …
+  // 0x8410 is (16, 32, 16): 132, 130, 132. 0x0821 is (1, 1, 1): 8, 4, 8. Interpolated: (2·132 + 8 + 1) / 3 = 91, …
   const BlockPixels grey =
       decodeBc1(hexBlock<8>("10842108"
                             "e4000000"));
@@ -111,7 +111,7 @@ TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
   CHECK(grey[2] == std::array<std::uint8_t, 4>{91, 88, 91, 255});
   CHECK(grey[3] == std::array<std::uint8_t, 4>{49, 46, 49, 255});
 
-  // The first not greater: three colours, and black.
+  // The first endpoint is not greater: three colours, and black.
   const BlockPixels three =
       decodeBc1(hexBlock<8>("0000ffff"
                             "e4000000"));
@@ -122,7 +122,7 @@ TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
 }
 
 TEST_CASE("a BC7 block decoded by hand", "[N14]") {
-  // Mode 6: bits from the lowest. R 0 → 127, G 127 → 0, B 64 → 64, A 127 → 127, p-bits 0 and 1; index of pixel i is i
+  // Mode 6, lowest bit first. R 0 → 127, G 127 → 0, B 64 → 64, A 127 → 127, p-bits 0 and 1; the index of pixel i is i
   // (pixel 0 has 3 bits).
   //   1000000 | 0000000 1111111 | 1111111 0000000 | 0000001 0000001 | 1111111 1111111 | 0 1 | 000 1000 0100 1100 …
   std::array<std::byte, 16> block{};
@@ -191,7 +191,7 @@ TEST_CASE("any block: four colours in BC1, an error below that of the colours' b
   std::array<std::byte, 16> bc7, bc7Again;
   double box4 = 0, box16 = 0, error1 = 0, error7 = 0;
   for (int i = 0; i < 3000; ++i) {
-    // From noise of any strength to smooth ramps, dark to bright.
+    // Noise of any strength, smooth ramps, dark to bright.
     const int noise = 1 << random() % 8, base = int(random() & 255), slope = int(random() % 17);
     BlockPixels pixels;
     for (int p = 0; p < 16; ++p)
@@ -205,7 +205,7 @@ TEST_CASE("any block: four colours in BC1, an error below that of the colours' b
     encodeBc7(pixels, bc7Again);
     REQUIRE(bc1 == bc1Again);
     REQUIRE(bc7 == bc7Again);
-    // What the grid of 5 bits, or of 7 and a shared one, adds: at most a quarter of the step's square a value.
+    // Endpoint quantisation (5 bits, or 7 bits and a shared one) adds at most a quarter of the squared step per value.
     REQUIRE(squares(from1, pixels) <= boxError<4>(pixels) * 1.3 + 16 * 3 * 16);
     REQUIRE(squares(from7, pixels) <= boxError<16>(pixels) * 1.3 + 16 * 3);
     box4 += boxError<4>(pixels);

@@ -23,8 +23,8 @@ TEST_CASE("deterministic for a seed") {
 }
 
 TEST_CASE("thresholded noise has no low frequencies, also across the tile's border") {
-  // Share of points of a level set that fall into each of 8×8 blocks of the tile, shifted by half a block: white noise
-  // has a variance of p(1−p)·n; blue noise has far less.
+  // Variance over blocks of 8×8 px (shifted by half a block) of the number of a level set's points in a block. White
+  // noise has a variance of p(1−p)·n; blue noise has far less.
   const int size = 64, block = 8;
   const auto ranks = blueNoise(size, 1);
   for (double share : {0.1, 0.25, 0.5, 0.75, 0.9}) {

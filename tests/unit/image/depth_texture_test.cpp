@@ -62,7 +62,7 @@ TEST_CASE("half floats are the nearest, ties to even") {
 
 TEST_CASE("a depth texture has the largest inverse depth of each block, and the consensus there") {
   const DepthMaps maps = ramp(10, 6);
-  const DepthTexture made = depthTexture(maps, 20);  // two map pixels a texel
+  const DepthTexture made = depthTexture(maps, 20);  // two map pixels per texel
   CHECK(made.texture.format == TextureFormat::rg16f);
   REQUIRE(made.texture.levels.size() == 1);
   CHECK(depthTextureSize({10, 6}, 20) == glm::ivec2(5, 3));
@@ -73,7 +73,7 @@ TEST_CASE("a depth texture has the largest inverse depth of each block, and the 
   for (int v = 0; v < 3; ++v)
     for (int u = 0; u < 5; ++u) {
       INFO(u << " " << v);
-      // It grows to the right and down.
+      // Inverse depth grows to the right and downwards.
       const float rho = maps.inverseDepth.pixel(2 * u + 1, 2 * v + 1)[0],
                   consensus = maps.consensus.pixel(2 * u + 1, 2 * v + 1)[0];
       CHECK(std::abs(back.inverseDepth.pixel(u, v)[0] - rho) <= 0x1p-11 * made.scale);
@@ -84,7 +84,7 @@ TEST_CASE("a depth texture has the largest inverse depth of each block, and the 
 
 TEST_CASE("blocks that the border of a map cuts count what is inside") {
   const DepthMaps maps = ramp(7, 5);
-  const DepthTexture made = depthTexture(maps, 10);  // three map pixels a texel
+  const DepthTexture made = depthTexture(maps, 10);  // three map pixels per texel
   CHECK(depthBlockSide(7, 10) == 3);
   REQUIRE(made.texture.width == 3);
   REQUIRE(made.texture.height == 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures to correlate, and the ECC by its definition.
+// Sample textures, and a computation of the ECC by its definition.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 
 namespace ibr::test {
 
-using Samples = std::vector<std::uint8_t>;  // interleaved where there are several channels
+using Samples = std::vector<std::uint8_t>;  // interleaved if there are several channels
 
-/// 4096 normal deviates, drawn from by a hash: a sample is a few nanoseconds.
+/// Table of 4096 normal deviates, indexed by a hash: drawing a sample takes a few nanoseconds.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 1) {}
@@ -42,7 +42,7 @@ inline std::uint8_t level(double value) {
   return std::uint8_t(std::clamp(std::lround(value), 0L, 255L));
 }
 
-/// A tuple for each of the channels of two interleaved lists.
+/// Returns one tuple for each channel of two interleaved lists.
 inline std::vector<PreEcc> preEcc(const Samples& a, const Samples& b, std::size_t channels = 3) {
   std::vector<PreEcc> sums(channels);
   for (std::size_t i = 0; i < a.size(); ++i) sums[i % channels].add(a[i], b[i]);

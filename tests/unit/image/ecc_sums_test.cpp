@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact sums and exact ranks at every area (NUMERICS N1), and what the paper's 32-bit counters and floats make of them
-// (T1, T3, T4): why we depart.
+// The ECC's sums and ranks are exact at every area. The paper's 32-bit counters and floats are not: these tests show
+// why the library departs from [T] §3.6.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -51,7 +51,7 @@ struct Pattern {
   double deviation = 2, mean = 200;
 };
 
-// Calls `sample(a, b)` for `area` pairs that correlate by about 0.9 where there is noise.
+// Calls `sample(a, b)` for `area` pairs, which correlate by about 0.9 if the pattern is noise.
 template <class Sample>
 void fill(const Pattern& pattern, std::size_t area, std::uint64_t seed, const Sample& sample) {
   Noise noise(seed);
@@ -75,7 +75,7 @@ std::vector<Pattern> patterns() {
   return list;
 }
 
-// Tiles of a target, merged in random order, against one pass of 128-bit sums.
+// Compares tiles of a target, merged in random order, with one pass of 128-bit sums.
 void checkExact(const Pattern& pattern, std::size_t area, std::size_t channels, std::size_t targets) {
   std::mt19937 random(std::uint32_t(area + 7 * channels + targets));
   std::vector<PreEcc> sums;
@@ -109,7 +109,7 @@ PreEcc times(PreEcc sums, int doublings) {
   return sums;
 }
 
-// [T] §3.6: 32-bit counters, products shifted right as eq. 9 says, eq. 8 in floats.
+// [T] §3.6: 32-bit counters, products shifted right as in eq. 9, eq. 8 in floats.
 class PaperSums {
  public:
   PaperSums(std::size_t area, int channels, int targets, double largest = 255)
@@ -191,7 +191,7 @@ TEST_CASE("the best candidate is the oracle's, ties go to the first", "[N1][T4]"
         std::size_t expected = 0;
         for (std::size_t m = 1; m < 11; ++m)
           if (oracle(wide[m], definition, floor) > oracle(wide[expected], definition, floor)) expected = m;
-        // The last has the best one's ECC: each sample counted twice.
+        // The last candidate counts each sample of the best one twice, so their ECCs are equal.
         candidates[11] = candidates[expected];
         for (PreEcc& sums : candidates[11]) sums = times(sums, 1);
         REQUIRE(best(candidates, definition, floor) == expected);
@@ -253,7 +253,7 @@ TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC
   PaperSums saturated(65'536, 1, 1, 256);
   for (int i = 0; i < 65'536; ++i) saturated.add(256, 256);
   CHECK(saturated.shift() == 0);
-  CHECK(saturated.squares() == 0);  // 2³² is one too many
+  CHECK(saturated.squares() == 0);  // 2³² overflows a 32-bit counter
 }
 
 TEST_CASE("why not the paper's floats: they pick another candidate", "[N1][T4]") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the ECC means (NUMERICS N2); how exact it is stands in ecc_sums_test.cpp.
+// Properties of the ECC; ecc_sums_test.cpp tests its exactness.
 #include "image/ecc_sums.h"
 
 #include <array>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr EccDefinition kBoth[] = {EccDefinition::channels, EccDefinition::concatenated};
 
-// RGB texture of the given deviation around a colour.
+// RGB texture around a colour, with this standard deviation.
 Samples texture(std::size_t samples, double deviation, glm::dvec3 colour, std::uint32_t seed) {
   Noise noise(seed);
   Samples values;
@@ -30,7 +30,7 @@ Ecc bySamples(const Samples& a, const Samples& b, double floor = 0) {
   return sums.result(floor);
 }
 
-// Two passes in long double; `channels` means, or one.
+// ECC in two passes of long double, with one mean for each of `channels`, or one mean for all.
 double byDefinition(const Samples& a, const Samples& b, std::size_t channels, double floor) {
   const long double n = (long double)(a.size()) / (long double)(channels);
   long double covariance = 0, varianceA = 0, varianceB = 0;
@@ -71,7 +71,7 @@ TEST_CASE("ECC of one, of the negative, and of gain and offset", "[N2]") {
   Samples negative = a, gained = a;
   for (std::size_t i = 0; i < a.size(); ++i) {
     negative[i] = std::uint8_t(255 - a[i]);
-    gained[i] = std::uint8_t(a[i] + 10 + 15 * int(i % 3));  // an offset a channel
+    gained[i] = std::uint8_t(a[i] + 10 + 15 * int(i % 3));  // an offset for each channel
   }
   for (const EccDefinition definition : kBoth) {
     CHECK(ecc(preEcc(a, a), definition).value == 1.0);
@@ -84,7 +84,7 @@ TEST_CASE("ECC of one, of the negative, and of gain and offset", "[N2]") {
   PreEcc wide, doubled;
   for (std::size_t i = 0; i < a.size(); ++i) {
     wide.add(a[i], other[i]);
-    doubled.add(256 * (a[i] - 128), 512 * (other[i] - 128) + 77);  // fraction bits, about mid-grey; gain 2
+    doubled.add(256 * (a[i] - 128), 512 * (other[i] - 128) + 77);  // 8 fraction bits, relative to mid-grey; gain 2
   }
   CHECK(ecc({&doubled, 1}).value == Approx(ecc({&wide, 1}).value).margin(1e-15).epsilon(0));
   CHECK(ecc(preEcc(a, other)).value == ecc(preEcc(other, a)).value);
@@ -101,7 +101,7 @@ TEST_CASE("targets count together, each about its own means") {
 }
 
 TEST_CASE("unrelated textures of one colour: the paper's definition sees its channels, ours nothing", "[N2]") {
-  // NUMERICS §1 (c)
+  // Expected values of the paper's definition, for four standard deviations.
   const std::array<double, 4> deviations{2, 10, 20, 40}, paper{0.998, 0.954, 0.836, 0.575};
   for (std::size_t k = 0; k < deviations.size(); ++k) {
     const glm::dvec3 colour(90, 130, 200);
@@ -138,7 +138,7 @@ TEST_CASE("nothing to correlate is undefined without a floor", "[N2][T5]") {
   }
   CHECK(ecc(preEcc(flat, other), EccDefinition::channels, 25).value == 1.0);
   CHECK(bySamples(flat, other, 25).value == 1.0);
-  // Noise of 3 grey levels against flat ground: 25 / √(25 · 34).
+  // Noise of 3 8-bit levels against a flat picture: 25 / √(25 · 34).
   CHECK(ecc(preEcc(flat, texture(500, 3, {128, 128, 128}, 1)), EccDefinition::channels, 25).value ==
         Approx(std::sqrt(25.0 / 34.0)).margin(0.03));
 }

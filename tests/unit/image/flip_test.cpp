@@ -23,7 +23,7 @@ Image8 flat(int width, int height, int r, int g, int b) {
   return image;
 }
 
-// A grey picture with stripes and blobs, and noise of so many levels on it.
+// Grey picture of stripes and blobs, with noise of `noise` 8-bit levels.
 Image8 scene(int width, int height, double noise, std::uint32_t seed = 1) {
   Image8 image(width, height, 3);
   std::mt19937 random(seed);
@@ -44,18 +44,18 @@ float largest(const ImageF& map) {
 }  // namespace
 
 TEST_CASE("FLIP of flat pictures is that of their colours") {
-  // HyAB of black and white is 100, of green and blue 203.3 after the Hunt effect; without features nothing is added.
+  // HyAB of black and white is 100, of green and blue 203.3 after the Hunt effect; without features no term is added.
   const auto of = [](const Image8& a, const Image8& b) { return flip(a, b); };
   const Image8 black = flat(40, 30, 0, 0, 0), white = flat(40, 30, 255, 255, 255);
   const double knee = 0.4 * std::pow(203.3, 0.7), c = std::pow(100.0, 0.7);
   CHECK(of(black, white) == Approx(0.95 + 0.05 * (c - knee) / (1.5 * knee)).epsilon(1e-3));
   CHECK(of(flat(40, 30, 0, 255, 0), flat(40, 30, 0, 0, 255)) == Approx(1.0).epsilon(1e-5));
   CHECK(of(black, black) == 0.0);
-  // Greys: only lightness differs. CIE L* of 100 is 42.37, of 120 50.43.
+  // For greys only lightness differs. CIE L* of level 100 is 42.37, of level 120 50.43.
   const double between = 50.434 - 42.375;
   CHECK(of(flat(40, 30, 100, 100, 100), flat(40, 30, 120, 120, 120)) ==
         Approx(0.95 / knee * std::pow(between, 0.7)).epsilon(1e-3));
-  // A larger offset is more; the same everywhere.
+  // A larger offset gives a larger error, equal in all pixels.
   double before = 0;
   for (const int offset : {1, 2, 5, 20, 80}) {
     const ImageF map = flipMap(flat(20, 20, 90, 90, 90), flat(20, 20, 90 + offset, 90 + offset, 90 + offset));
@@ -66,7 +66,7 @@ TEST_CASE("FLIP of flat pictures is that of their colours") {
 }
 
 TEST_CASE("FLIP is that of its authors' formulas") {
-  // By NumPy in double precision with two-dimensional kernels, after the constants of the authors' own program.
+  // Reference: NumPy in double precision with two-dimensional kernels and the constants of the authors' program.
   const Image8 a = ramp(96, 64, 2, 1, 40), b = ramp(96, 64, 2, 1, 55);
   CHECK(flip(a, b) == Approx(0.5343636803).epsilon(2e-4));
   CHECK(flip(a, b, 30) == Approx(0.5003503904).epsilon(2e-4));
@@ -94,20 +94,20 @@ TEST_CASE("FLIP is symmetric, 0 for equal pictures, within 0 and 1, and grows wi
 }
 
 TEST_CASE("FLIP: what is too fine for the eye counts less, and edges count more than their colours") {
-  // A chequerboard of pixels against its mean: seen from farther away it is flatter.
+  // A chequerboard of single pixels against its mean: the difference shrinks with the viewing distance.
   Image8 fine(80, 80, 3), grey = flat(80, 80, 188, 188, 188);  // 188: half the light
   for (int y = 0; y < 80; ++y)
     for (int x = 0; x < 80; ++x)
       for (std::size_t c = 0; c < 3; ++c) fine.pixel(x, y)[c] = (x + y) % 2 ? 255 : 0;
   CHECK(flip(fine, grey, 120) < flip(fine, grey, 30));
-  // The same number of pixels that are darker: in one patch of smooth rim, or as a line.
+  // A dark line has an edge; a small offset of the whole picture has none.
   Image8 line = flat(81, 81, 150, 150, 150), even = flat(81, 81, 150, 150, 150), none = even;
   for (int y = 0; y < 81; ++y)
     for (std::size_t c = 0; c < 3; ++c) line.pixel(40, y)[c] = 110;
   for (auto& v : even.values) v = std::uint8_t(v - 5);
   const ImageF atLine = flipMap(line, none), everywhere = flipMap(even, none);
   CHECK(atLine.pixel(40, 40)[0] > 2 * everywhere.pixel(40, 40)[0]);
-  CHECK(atLine.pixel(5, 40)[0] == Approx(0.0).margin(1e-3));  // far from it nothing differs
+  CHECK(atLine.pixel(5, 40)[0] == Approx(0.0).margin(1e-3));  // no difference far from the line
 }
 
 TEST_CASE("FLIP of tiny pictures, and of pictures with alpha") {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that a formula makes, so that other programs can make the same and their figures can stand in a test.
+// Images defined by a formula. Other programs can generate the same images, so tests can use those programs' results.
 #pragma once
 
 #include "ibr/image.h"
 
 namespace ibr {
 
-/// (x · alongX + y · alongY + channel · apart) mod 256.
+/// Values are (x · alongX + y · alongY + channel · apart) mod 256.
 inline Image8 ramp(int width, int height, int alongX, int alongY, int apart) {
   Image8 image(width, height, 3);
   for (int y = 0; y < height; ++y)
@@ -16,7 +16,7 @@ inline Image8 ramp(int width, int height, int alongX, int alongY, int apart) {
   return image;
 }
 
-/// Squares of `side` pixels, each channel of each of a level of its own.
+/// Squares of `side` pixels, each with its own level in each channel.
 inline Image8 blocks(int width, int height, int side, std::uint64_t seed) {
   Image8 image(width, height, 3);
   for (int y = 0; y < height; ++y)
@@ -29,7 +29,7 @@ inline Image8 blocks(int width, int height, int side, std::uint64_t seed) {
   return image;
 }
 
-/// Each row moved on by a pixel, the last one to the front.
+/// Moves each row down by one pixel; the last row becomes the first.
 inline Image8 rolled(const Image8& image) {
   Image8 result = image;
   for (int y = 0; y < image.height; ++y)

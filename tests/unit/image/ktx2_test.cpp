@@ -63,7 +63,7 @@ TEST_CASE("small levels are read without the large ones") {
             encodeTexture({levels.begin() + std::ptrdiff_t(first), levels.end()}, format));
     CHECK_THROWS_WITH(readKtx2(folder / "a.ktx2", int(levels.size())), Catch::Contains("there is no level 6"));
 
-    // Damage in the large ones is not even seen.
+    // Damage in larger levels goes unnoticed, because they are not read.
     std::vector<std::byte> bytes = readFile(folder / "a.ktx2");
     for (std::size_t i = 0; i < whole.levels[0].size(); ++i) bytes[bytes.size() - 1 - i] = std::byte(0x5A);
     writeFile(folder / "a.ktx2", bytes);
@@ -73,7 +73,7 @@ TEST_CASE("small levels are read without the large ones") {
 }
 
 TEST_CASE("the file of a 2x1 picture, byte by byte") {
-  // Worked out by hand from the KTX 2.0 and Data Format specifications.
+  // Written by hand from the KTX 2.0 and Data Format specifications.
   const test::TemporaryFolder folder;
   Image8 large(2, 1, 4), small(1, 1, 4);
   for (std::size_t i = 0; i < 8; ++i) large.values[i] = std::uint8_t(0x10 + i);
@@ -136,7 +136,7 @@ TEST_CASE("the file of a 2x1 picture, byte by byte") {
 }
 
 TEST_CASE("files of blocks: descriptor and alignment") {
-  // Worked out by hand from the Data Format Specification: one sample of the whole block, 3 for a side of 4.
+  // Written by hand from the Data Format Specification: one sample for the whole block; 3 for a side of 4.
   const test::TemporaryFolder folder;
   struct Expected {
     TextureFormat format;
@@ -162,14 +162,14 @@ TEST_CASE("files of blocks: descriptor and alignment") {
     for (std::size_t l = 0; l < 4; ++l) {
       const auto offset = peek<std::uint64_t>(bytes, 80 + 24 * l);
       CHECK(offset % blockBytes == 0);
-      CHECK(offset + texture.levels[l].size() <= after);  // the smallest first
+      CHECK(offset + texture.levels[l].size() <= after);  // smallest level first
       after = offset;
     }
   }
 }
 
 TEST_CASE("a file of half floats: descriptor and type size") {
-  // Worked out by hand from the Data Format Specification: two signed floats of 16 bits, linear.
+  // Written by hand from the Data Format Specification: two signed 16-bit floats, linear.
   const test::TemporaryFolder folder;
   Texture texture;
   texture.format = TextureFormat::rg16f;

@@ -29,7 +29,7 @@ double grey(const Image8& image, int x, int y) {
   return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
 }
 
-// Wang et al. 2004, eq. 13, window by window with the two-dimensional weights and central moments.
+// Wang et al. 2004, eq. 13, window by window with two-dimensional weights and central moments.
 double ssimByDefinition(const Image8& a, const Image8& b, const Image8* mask) {
   double sum = 0;
   int windows = 0;
@@ -75,7 +75,7 @@ TEST_CASE("PSNR of known differences") {
   CHECK(psnr(a, plus(a, -16)) == Approx(24.0484039560));  // 20 log10 (255 / 16)
   CHECK(psnr(Image8(4, 4, 3, 0), Image8(4, 4, 3, 255)) == Approx(0.0).margin(1e-12));
   Image8 one = a;
-  one.pixel(3, 4)[1] = 200;  // one of 600 values is off by 100
+  one.pixel(3, 4)[1] = 200;  // one of 600 values differs by 100
   CHECK(psnr(a, one) == Approx(10 * std::log10(255.0 * 255.0 * 600 / 10000)));
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("PSNR sees colour only, and only where the mask counts") {
   CHECK(psnr(a, b, mask) == std::numeric_limits<double>::infinity());
   mask.pixel(2, 2)[0] = 255;
   CHECK(psnr(a, b, mask) == Approx(10 * std::log10(255.0 * 255.0 * 6 / 100)));
-  CHECK(psnr(a, noise(6, 6, 3, 1)) < 30);  // 3 against 4 channels is fine
+  CHECK(psnr(a, noise(6, 6, 3, 1)) < 30);  // 3 channels may be compared with 4
 }
 
 TEST_CASE("SSIM follows its definition") {
@@ -103,7 +103,7 @@ TEST_CASE("SSIM follows its definition") {
     CHECK(ssim(a, close) == Approx(ssimByDefinition(a, close, nullptr)).epsilon(1e-9));
     CHECK(ssim(a, close) == ssim(close, a));
   }
-  // Constant pictures leave the luminance term.
+  // Constant pictures leave the luminance term only.
   const double c1 = 2.55 * 2.55;
   CHECK(ssim(Image8(12, 12, 3, 100), Image8(12, 12, 3, 120)) ==
         Approx((2 * 100 * 120 + c1) / (100 * 100 + 120 * 120 + c1)));
@@ -116,14 +116,14 @@ TEST_CASE("SSIM takes the windows that lie wholly inside picture and mask") {
   mask.pixel(14, 12)[0] = 0;
   mask.pixel(29, 3)[0] = 0;
   CHECK(ssim(a, b, mask) == Approx(ssimByDefinition(a, b, &mask)).epsilon(1e-9));
-  // One window is left.
+  // One valid window is left.
   Image8 single(30, 25, 1, 0);
   for (int y = 7; y < 18; ++y)
     for (int x = 9; x < 20; ++x) single.pixel(x, y)[0] = 1;
   CHECK(ssim(a, b, single) == Approx(ssimByDefinition(a, b, &single)).epsilon(1e-9));
   single.pixel(9, 7)[0] = 0;
   CHECK(std::isnan(ssim(a, b, single)));
-  CHECK(std::isnan(ssim(noise(10, 40, 3, 1), noise(10, 40, 3, 2))));  // no room for a window
+  CHECK(std::isnan(ssim(noise(10, 40, 3, 1), noise(10, 40, 3, 2))));  // too small for a window
 }
 
 TEST_CASE("MS-SSIM follows its definition") {
@@ -132,13 +132,13 @@ TEST_CASE("MS-SSIM follows its definition") {
   for (auto& v : b.values) v = std::uint8_t(0.75 * v + 32);
   CHECK(msSsim(a, a) == Approx(1.0).epsilon(1e-12));
   CHECK(msSsim(a, b) == msSsim(b, a));
-  // By NumPy and OpenCV's separable Gaussian, in double precision, of the same pictures.
+  // Reference: NumPy with OpenCV's separable Gaussian in double precision, on the same pictures.
   CHECK(msSsim(a, b) == Approx(0.8940639711).epsilon(1e-6));
-  // What is only lighter differs at the coarsest scale alone.
+  // A difference in luminance alone counts at the coarsest scale only.
   const double c1 = 2.55 * 2.55;
   CHECK(msSsim(Image8(200, 180, 3, 100), Image8(200, 180, 3, 120)) ==
         Approx(std::pow((2 * 100 * 120 + c1) / (100 * 100 + 120 * 120 + c1), 0.1333)));
-  // Fine noise is worse for SSIM than for the scales together; an opposite has nothing in common at any.
+  // Fine noise lowers SSIM more than MS-SSIM.
   Image8 noisy = a, opposite = a;
   std::mt19937 random(3);
   for (auto& v : noisy.values) v = std::uint8_t(std::min(255, v / 2 + int(random() % 64)));
@@ -166,7 +166,7 @@ TEST_CASE("detail: blur has less, a ghost has more, and moved edges are others")
   CHECK(detail(truth, truth, all).correlation == Approx(1.0));
   const Image8 blurred = mixed(truth, rolled(truth));
   CHECK(detail(blurred, truth, all).energy < 0.85);
-  // Bars that another picture has stand where none are.
+  // Adds bars that the true picture does not have.
   Image8 both = truth;
   for (int y = 0; y < both.height; ++y)
     for (int x = 0; x < both.width; x += 5)
@@ -195,7 +195,7 @@ TEST_CASE("sampled detail: noise loses two thirds between its pixels, a ramp not
         ramp.pixel(x, y)[c] = std::uint8_t(4 * x);
         stripes.pixel(x, y)[c] = std::uint8_t(255 * (x % 2));
       }
-  // Of white noise, along an axis (1 − f)² + (1 − 2f)² + f² of 2, across it (1 − f)² + f²; over f = 1/8, 3/8, 5/8, 7/8.
+  // White noise: (1 − f)² + (1 − 2f)² + f² of 2 along an axis, (1 − f)² + f² across; mean over f = 1/8, 3/8, 5/8, 7/8.
   CHECK(sampledDetail(noise) == Approx(0.96875 / 2 * 0.65625).margin(0.005));
   CHECK(sampledDetail(ramp) == Approx(1.0));
   CHECK(sampledDetail(stripes) == Approx((0.75 * 0.75 + 0.25 * 0.25) / 2));  // (1 − 2f)²
@@ -205,7 +205,7 @@ TEST_CASE("sampled detail: noise loses two thirds between its pixels, a ramp not
 
 TEST_CASE("detail counts neighbours that are both inside the mask") {
   Image8 a(3, 1, 3, 0), b(3, 1, 3, 0);
-  a.pixel(1, 0)[1] = 100, b.pixel(1, 0)[1] = 50;  // steps of 58.7 and 29.35 on both sides
+  a.pixel(1, 0)[1] = 100, b.pixel(1, 0)[1] = 50;  // edges of 58.7 and 29.35 levels on both sides
   a.pixel(2, 0)[1] = 100;
   Image8 mask(3, 1, 1, 255);
   CHECK(detail(b, a, mask).energy == Approx(0.5));
@@ -269,8 +269,8 @@ TEST_CASE("torn tiles are those with far more gradient than the truth") {
       for (std::size_t c = 0; c < 3; ++c) torn.pixel(x, y)[c] = 110;
   CHECK(tornTiles(torn, flat) == Approx(1.0 / 6));
   CHECK(tornTiles(torn, torn) == 0);
-  CHECK(tornTiles(flat, torn) == 0);  // blur is not tearing
-  Image8 slight = flat;               // 4 levels² of gradient more than none are allowed
+  CHECK(tornTiles(flat, torn) == 0);  // blur does not count as tearing
+  Image8 slight = flat;               // a gradient of 4 levels² above the truth's is tolerated
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 80; x += 2)
       for (std::size_t c = 0; c < 3; ++c) slight.pixel(x, y)[c] = 101;

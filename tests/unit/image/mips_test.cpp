@@ -23,7 +23,7 @@ Image8 noise(int width, int height, int channels) {
   return image;
 }
 
-// The box filter by its definition: every input pixel spread over the outputs that it overlaps, in doubles.
+// Box filter by definition, in doubles: each input pixel is spread over the output pixels that it overlaps.
 std::vector<double> halvedByArea(const std::vector<double>& in, int width, int height, int outWidth, int outHeight) {
   std::vector<double> out(std::size_t(outWidth * outHeight), 0.0);
   for (int v = 0; v < outHeight; ++v)
@@ -87,7 +87,7 @@ TEST_CASE("every level is the area average of linear light, to half a level of r
         for (std::size_t p = 0; p < exact.size(); ++p) {
           const int v = levels[l].values[4 * p + std::size_t(channel)];
           INFO(width << "x" << height << " level " << l << " pixel " << p << " channel " << channel);
-          // 1e-4: 16-bit rounding of the levels in between.
+          // 1e-4: intermediate levels are rounded to 16 bits.
           const double low = colour ? light(v - 0.5) : (v - 0.5) / 255,
                        high = colour ? light(v + 0.5) : (v + 0.5) / 255;
           REQUIRE(exact[p] >= low - 1e-4);

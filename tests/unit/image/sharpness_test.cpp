@@ -13,7 +13,7 @@ using namespace ibr;
 
 namespace {
 
-// Squares of many sizes upon each other, RGBA.
+// Overlapping squares of many sizes, RGBA.
 Image8 scribble(int side, unsigned seed) {
   std::mt19937 random(seed);
   Image8 picture(side, side, 4, 255);
@@ -27,7 +27,7 @@ Image8 scribble(int side, unsigned seed) {
   return picture;
 }
 
-// The mean of `count` pixels along (dx, dy).
+// Motion blur: the mean of `count` pixels along (dx, dy).
 Image8 moved(const Image8& picture, int dx, int dy, int count) {
   Image8 blurred = picture;
   for (int y = 0; y < picture.height; ++y)
@@ -72,7 +72,7 @@ TEST_CASE("contrast and turning change nothing") {
         dim.pixel(x, y)[c] = std::uint8_t(60 + sharp.pixel(x, y)[c] / 2);
         turned.pixel(255 - y, x)[c] = sharp.pixel(x, y)[c];
       }
-  CHECK(sharpnessOf(dim) == Approx(sharpnessOf(sharp)).epsilon(0.1));  // mips are made in linear light
+  CHECK(sharpnessOf(dim) == Approx(sharpnessOf(sharp)).epsilon(0.1));  // mips are computed in linear light
   CHECK(sharpnessOf(turned) == Approx(sharpnessOf(sharp)).epsilon(1e-9));
 }
 

@@ -37,7 +37,7 @@ Colour clampedAt(const Image8& picture, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-// A square of samples that shows what the picture shows `shift` away, each colour · gain + offset.
+// Square of samples with the picture's colours at an offset of `shift`, each colour · gain + offset.
 std::vector<TemplateSample> square(const Image8& picture, glm::ivec2 corner, int side, glm::ivec2 shift,
                                    double gain = 1, double offset = 0) {
   std::vector<TemplateSample> samples;
@@ -129,7 +129,7 @@ TEST_CASE("Where nothing differs the start is the match", "[N12][T24]") {
     const auto same = square(flat, {15, 15}, 6, {0, 0});
     CHECK(searched(flat, same, start, 8, absoluteDifferences).displacement == start);
     CHECK(searched(flat, same, start, 8, absoluteDifferences).cost == 0);
-    // OpenCV's correlation of a flat template is 1, the best there is; here it says nothing.
+    // OpenCV's correlation of a flat template is 1, the maximum; this search treats the template as uninformative.
     CHECK(searched(flat, same, start, 8, correlation).displacement == start);
     CHECK(searched(flat, same, start, 8, correlation).cost == 1);
     CHECK(searched(flat, square(noise(40, 40, 4), {15, 15}, 6, {0, 0}), start, 8, correlation).displacement == start);
@@ -167,7 +167,7 @@ TEST_CASE("Light that changes moves no correlation", "[N12]") {
     const TemplateMatch differences = searched(picture, samples, {0, 0}, 8, absoluteDifferences);
     CHECK(differences.cost <= costAt(picture, samples, {4, -3}, absoluteDifferences) + 1e-4);
   }
-  // A negative is as unlike as can be.
+  // The negative has the lowest possible correlation.
   const auto negative = square(picture, {25, 25}, 9, {0, 0}, -1, 255);
   CHECK(searched(picture, negative, {0, 0}, 0, correlation).cost == Approx(2));
 }
@@ -197,9 +197,9 @@ TEST_CASE("The largest template overflows nothing", "[N12]") {
   const Image8 black = pictureOf(80, 80, [](int, int) { return Colour{0, 0, 0}; });
   const Image8 white = pictureOf(80, 80, [](int, int) { return Colour{255, 255, 255}; });
   const auto samples = square(white, {8, 8}, 64, {0, 0});
-  REQUIRE(samples.size() == kLargestTemplate);
+  REQUIRE(samples.size() == kMaxTemplateSampleCount);
   CHECK(searched(black, samples, {0, 0}, 1, absoluteDifferences).cost == 255);
-  CHECK(searched(white, samples, {0, 0}, kLargestTemplateRadius, correlation).cost == 1);
+  CHECK(searched(white, samples, {0, 0}, kMaxTemplateRadius, correlation).cost == 1);
   const Image8 halves = pictureOf(80, 80, [](int x, int) { return x < 40 ? Colour{255, 255, 255} : Colour{0, 0, 0}; });
   CHECK(searched(halves, square(halves, {8, 8}, 64, {0, 0}), {0, 0}, 2, correlation).cost == Approx(0).margin(1e-6));
 }
@@ -219,13 +219,13 @@ TEST_CASE("What a search cannot do is said") {
           }).code() == ErrorCode::invalidInput);
   };
   fails({0, 0, 10, {0, 0}}, -1);
-  fails({0, 0, 10, {0, 0}}, kLargestTemplateRadius + 1);
+  fails({0, 0, 10, {0, 0}}, kMaxTemplateRadius + 1);
   fails({1, 0, 10, {0, 0}}, 2);
   fails({0, 1, 100, {0, 0}}, 2);
   fails({0, 101, 0, {0, 0}}, 2);
   fails({0, ~0u, ~0u, {0, 0}}, 2);
-  const std::vector<TemplateSample> many(kLargestTemplate + 1);
-  const TemplateTask task{0, 0, kLargestTemplate + 1, {0, 0}};
+  const std::vector<TemplateSample> many(kMaxTemplateSampleCount + 1);
+  const TemplateTask task{0, 0, kMaxTemplateSampleCount + 1, {0, 0}};
   CHECK(test::errorOf([&] { search({&task, 1}, many, 2, correlation); }).code() == ErrorCode::invalidInput);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour spaces of files, against their definitions.
+// Colour spaces of image files, against their definitions.
 #include "io/colour.h"
 
 #include <lcms2.h>
@@ -26,7 +26,7 @@ test::Bytes bytesOf(cmsHPROFILE profile) {
   return bytes;
 }
 
-// As telephones write it: the primaries of DCI-P3, D65, sRGB's curve.
+// Display P3 as telephones write the profile: primaries of DCI-P3, white point D65, sRGB's curve.
 test::Bytes displayP3() {
   const cmsCIExyY white{0.3127, 0.3290, 1};
   const cmsCIExyYTRIPLE primaries{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
@@ -46,7 +46,7 @@ double encoded(double v) {
   return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
 }
 
-// The right value of a colour whose primaries' matrix to linear sRGB is given by rows.
+// Returns the expected sRGB value of a linear colour; `rows`: matrix from the colour's primaries to linear sRGB.
 glm::ivec3 expected(glm::dvec3 light, const double (&rows)[3][3]) {
   glm::ivec3 result;
   for (int r = 0; r < 3; ++r)
@@ -54,12 +54,12 @@ glm::ivec3 expected(glm::dvec3 light, const double (&rows)[3][3]) {
   return result;
 }
 
-// From the primaries' chromaticities, D65.
+// Computed from the primaries' chromaticities and D65.
 constexpr double kP3[3][3] = {
     {1.2249402, -0.2249402, 0}, {-0.0420570, 1.0420570, 0}, {-0.0196376, -0.0786360, 1.0982736}};
 constexpr double kAdobe[3][3] = {{1.3983557, -0.3983557, 0}, {0, 1, 0}, {0, -0.0429290, 1.0429290}};
 
-// All colours of a coarse cube.
+// Colours on a 6 × 6 × 6 grid.
 Image8 cube() {
   Image8 picture(36, 6, 3);
   for (int i = 0; i < 216; ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that lie or end too early: an error that names the file, never half a picture, and before memory is spent.
+// Damaged or truncated files: an Error names the file before memory is allocated; no partial picture is returned.
 #include <png.h>
 #include <sys/resource.h>
 #include <tiffio.h>
@@ -63,7 +63,7 @@ TEST_CASE("stray bytes that cameras leave do no harm") {
   test::Bytes bytes = test::makeJpeg(image, test::JpegKind::baseline);
   test::writeBytes(folder / "clean.jpg", bytes);
   bytes.insert(bytes.end() - 2, {0, 0});                // before the end marker
-  bytes.insert(bytes.end(), {1, 2, 3, 4, 5, 6, 7, 8});  // and behind it
+  bytes.insert(bytes.end(), {1, 2, 3, 4, 5, 6, 7, 8});  // and after the end marker
   test::writeBytes(folder / "stray.jpg", bytes);
   CHECK(readImage(folder / "stray.jpg") == readImage(folder / "clean.jpg"));
 }
@@ -94,7 +94,7 @@ TEST_CASE("sizes over the limits are refused before anything is decoded", "[P1]"
     CHECK_NOTHROW(probeImage(folder / name));
   };
   refused("a.jpg", test::withJpegSize(baseline, 65500, 65500));
-  refused("b.jpg", test::withJpegSize(baseline, 16000, 16000));  // within the limits, but not in so few bytes
+  refused("b.jpg", test::withJpegSize(baseline, 16000, 16000));  // a legal size, but too few bytes for the pixels
   refused("c.jpg", test::withJpegSize(progressive, 16000, 16000));
   refused("d.png", test::withPngSize(png, 30000, 30000));
   refused("e.png", test::withPngSize(png, 16000, 16000));

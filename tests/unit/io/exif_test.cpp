@@ -18,7 +18,7 @@ int orientationOf(const test::Bytes& block) {
   return exifOf(block).orientation;
 }
 
-// Of a camera's file; 0x9000 comes first, so that the directory is walked.
+// EXIF block as cameras write it; tag 0x9000 comes first, so the search must skip an entry.
 test::Bytes cameraBlock(bool bigEndian) {
   return test::exifBlock({{0x010f, 2, {}, "Maker "}, {0x0110, 2, {}, "M1"}, {0x0112, 3, {6}}},
                          {{0x9000, 4, {1}},
@@ -61,7 +61,7 @@ TEST_CASE("values that mean nothing mean as stored") {
 TEST_CASE("a damaged block is never read beyond its end") {
   for (const bool bigEndian : {false, true}) {
     const test::Bytes whole = test::exifBlock(6, bigEndian);
-    // A copy of its own on the heap, so that a sanitizer sees a read past the end.
+    // A separate heap copy, so that sanitizers detect a read beyond its end.
     for (std::size_t size = 0; size < whole.size() - 6; ++size)
       CHECK(orientationOf(test::Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))) == 1);
     for (std::size_t at = 0; at < whole.size(); ++at) {

@@ -65,7 +65,7 @@ TEST_CASE("what cannot be written is named and leaves nothing") {
 TEST_CASE("a header far behind its file's beginning is found") {
   test::TemporaryFolder folder;
   test::Bytes jpeg = test::makeJpeg(test::noisyPicture(24, 16, 3), test::JpegKind::baseline);
-  // Six comments of 64 KiB push the frame header behind what a probe reads first.
+  // Six comments of 64 KiB move the frame header beyond the part that a probe reads first.
   test::Bytes comment(65537, 'x');
   comment[0] = 0xff;
   comment[1] = 0xfe;

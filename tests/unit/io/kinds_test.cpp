@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every kind of file comes out as the RGB it shows.
+// Image files of every kind are read as the RGB that they show.
 #include <png.h>
 #include <tiffio.h>
 
@@ -14,7 +14,7 @@ using namespace ibr;
 
 TEST_CASE("16-bit PNG is rounded to 8 bits, in RGB order") {
   test::TemporaryFolder folder;
-  // 257 · n is n exactly; 128 more or less is the middle.
+  // 257 · n is exactly n in 8 bits; 128 more or less is the rounding limit.
   const test::Bytes row{0x12, 0x12, 0x80, 0x00, 0xff, 0xff, 0x00, 0x7f, 0x00, 0x81, 0xff, 0x7e};
   test::writeBytes(folder / "a.png", test::makePng(2, 1, PNG_COLOR_TYPE_RGB, 16, {row}));
   CHECK(probeImage(folder / "a.png").bitsPerChannel == 16);
@@ -213,7 +213,7 @@ TEST_CASE("TIFF of 8 and 16 bits, grey, RGB and opaque RGBA") {
 
 TEST_CASE("the eight EXIF orientations turn the stored picture upright, and only where asked") {
   test::TemporaryFolder folder;
-  // Upright, 16 × 8: four flat blocks, so that JPEG keeps them. Each orientation stores it turned as cameras do.
+  // Upright picture of 16 × 8 px: four flat blocks, which JPEG preserves. Each orientation is stored as cameras do.
   const std::uint8_t tl = 10, tr = 80, bl = 160, br = 240;
   const std::uint8_t stored[9][4] = {{},
                                      {tl, tr, bl, br},
@@ -252,7 +252,7 @@ TEST_CASE("the orientations of PNG and TIFF are those of JPEG") {
   std::ranges::copy(stored.values, wide.values.begin());
   for (int y = 0; y < 16; ++y) rows.emplace_back(stored.values.begin() + y * 24, stored.values.begin() + (y + 1) * 24);
   const test::Bytes png = test::makePng(8, 16, PNG_COLOR_TYPE_RGB, 8, rows);
-  // Where the first pixel of the upright picture, and the one right of it, are in the stored one.
+  // Positions in the stored picture of the upright picture's first pixel and of its right neighbour.
   const int first[9][4] = {{},           {0, 0, 1, 0},   {7, 0, 6, 0},   {7, 15, 6, 15}, {0, 15, 1, 15},
                            {0, 0, 0, 1}, {0, 15, 0, 14}, {7, 15, 7, 14}, {7, 0, 7, 1}};
   for (int orientation = 1; orientation <= 8; ++orientation) {

@@ -110,7 +110,7 @@ void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& ima
     TIFFSetField(tiff, TIFFTAG_ICCPROFILE, std::uint32_t(layout.profile.size()), layout.profile.data());
   const std::uint16_t kind = EXTRASAMPLE_UNASSALPHA;
   if (alpha) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
-  // Of `channel`, or of all; in this machine's order, which libtiff turns where the file's is another.
+  // Appends `channel`, or all for −1, in native byte order; libtiff swaps the bytes if the file has another order.
   const auto put = [&](Bytes& bytes, int x, int y, int channel) {
     for (int c = 0; c < image.channels; ++c) {
       if (channel >= 0 && c != channel) continue;
@@ -150,7 +150,7 @@ void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& ima
 
 Bytes exifBlock(int orientation, bool bigEndian) {
   const std::uint8_t value = std::uint8_t(orientation);
-  // One entry before the orientation, so that the walk over the directory is walked.
+  // An entry precedes the orientation, so that the search must skip an entry.
   if (bigEndian)
     return {'M', 'M', 0, 42, 0,    0, 0, 8, 0, 2, 0x01, 0x0f, 0,     2, 0, 0, 0, 1, 'A',
             0,   0,   0, 1,  0x12, 0, 3, 0, 0, 0, 1,    0,    value, 0, 0, 0, 0, 0, 0};
@@ -168,7 +168,7 @@ Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry
   };
   const auto directory = [&](std::size_t at, std::vector<ExifEntry> entries) {
     putAt(at, std::uint32_t(entries.size()), 2);
-    putAt(at + 2 + 12 * entries.size(), 0, 4);  // none after it
+    putAt(at + 2 + 12 * entries.size(), 0, 4);  // no further directory
     for (std::size_t e = 0; e < entries.size(); ++e) {
       const ExifEntry& entry = entries[e];
       const std::size_t here = at + 2 + 12 * e, size = entry.type == 2 ? 1 : entry.type == 3 ? 2 : 4;
@@ -246,13 +246,13 @@ Bytes withJpegSize(Bytes jpeg, int width, int height) {
   return {};
 }
 
-constexpr std::size_t kHeader = 12, kHeaderSize = 17;  // type and data of a PNG's IHDR
+constexpr std::size_t kHeader = 12, kHeaderSize = 17;  // offset and size of type and data of a PNG's IHDR
 
 void putBig(Bytes& bytes, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = std::uint8_t(value >> (24 - 8 * i) & 255);
 }
 
-// PNG 1.2 §15: of a chunk's type and data.
+// Checksum of a chunk's type and data, PNG 1.2 §15.
 std::uint32_t chunkCheck(std::span<const std::uint8_t> chunk) {
   std::uint32_t crc = 0xffffffffu;
   for (const std::uint8_t byte : chunk) {
@@ -271,7 +271,7 @@ Bytes withPngSize(Bytes png, int width, int height) {
 
 namespace {
 
-// Behind the header.
+// Inserts a chunk after the header.
 Bytes withPngChunk(const Bytes& png, const char* name, const Bytes& data) {
   Bytes chunk(8);
   putBig(chunk, 0, std::uint32_t(data.size()));
@@ -292,7 +292,7 @@ Bytes withPngExif(const Bytes& png, const Bytes& block) {
 }
 
 Bytes withPngProfile(const Bytes& png, const Bytes& profile) {
-  Bytes chunk{'a', 0, 0};  // its name, and deflate
+  Bytes chunk{'a', 0, 0};  // profile name, terminator, compression method deflate
   uLongf size = compressBound(uLong(profile.size()));
   Bytes packed(size);
   REQUIRE(compress(packed.data(), &size, profile.data(), uLong(profile.size())) == Z_OK);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that our own writer does not write, made with the same C libraries and by hand.
+// Image files of kinds that the library does not write, made with the same C libraries and by hand.
 #pragma once
 
 #include <cstdint>
@@ -14,59 +14,59 @@ namespace ibr::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Noise over a ramp: compresses badly, so that files are long and every part of them matters.
+/// Noise over a ramp. Compresses badly, so files are long and damage anywhere has an effect.
 Image8 noisyPicture(int width, int height, int channels);
 
 enum class JpegKind { baseline, progressive, manyScans, arithmetic, rgb, cmyk, ycck };
-Bytes makeJpeg(const Image8& image, JpegKind kind);  // cmyk, ycck: 4 channels; rgb: not as YCbCr
+Bytes makeJpeg(const Image8& image, JpegKind kind);  // cmyk, ycck: 4 channels; rgb: not converted to YCbCr
 
-/// PNG of any kind: `type` and `bits` as libpng has them, rows packed by the caller.
+/// Writes a PNG of any kind: `type` and `bits` as in libpng; the caller packs the rows.
 Bytes makePng(int width, int height, int type, int bits, const std::vector<Bytes>& rows, bool interlaced = false,
               const std::vector<std::uint8_t>& palette = {});
 
-/// How a TIFF is laid out; without more words: one strip, in this machine's byte order.
+/// Layout of a TIFF. Default: one strip, native byte order.
 struct TiffLayout {
-  const char* mode = "w";  // of TIFFOpen: "wb" is big-endian, "w8" a BigTIFF
-  bool planar = false;     // a picture a channel
+  const char* mode = "w";  // of TIFFOpen: "wb" is big-endian, "w8" BigTIFF
+  bool planar = false;     // one plane for each channel
   int tile = 0;            // side of tiles, a multiple of 16
-  bool preview = false;    // said to be a smaller version of another picture
+  bool preview = false;    // marked as a reduced version of another picture
   Bytes profile = {};      // ICC
 };
-/// TIFF, uncompressed; `photometric` as libtiff has it; 8 or 16 bits a sample; alpha: the last sample is one.
+/// Writes an uncompressed TIFF; `photometric` as in libtiff; 8 or 16 bits per sample; alpha: the last channel is alpha.
 void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& image, int bits, int photometric,
               bool alpha, int orientation = 1, const TiffLayout& layout = {});
 
-/// The same JPEG with an EXIF segment that holds `orientation`, or this block.
+/// Return the JPEG with an EXIF segment that holds `orientation`, or with the given block.
 Bytes withExif(const Bytes& jpeg, int orientation);
 Bytes withExifBlock(const Bytes& jpeg, const Bytes& block);
-/// The same PNG with a chunk eXIf.
+/// Returns the PNG with an eXIf chunk.
 Bytes withPngExif(const Bytes& png, const Bytes& block);
-/// The TIFF block of an EXIF segment.
+/// Returns the TIFF block of an EXIF segment.
 Bytes exifBlock(int orientation, bool bigEndian);
 
-/// An entry of an EXIF directory: a text, or whole numbers of `type` (3: short, 4: long, 5: rational, in pairs).
+/// Entry of an EXIF directory: text, or integers of `type` (3: short, 4: long, 5: rational, in pairs).
 struct ExifEntry {
   int tag, type;
   std::vector<std::uint32_t> values;
   std::string text = {};
 };
-/// A TIFF block with these in its first directory and in the Exif IFD. The interoperability's index, if not empty,
-/// stands in a directory of its own.
+/// Returns a TIFF block with these entries in the first directory and in the Exif IFD. The interoperability index,
+/// if not empty, has its own directory.
 Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry>& exif, bool bigEndian,
                 const std::string& interoperability = {});
 
-/// The same with an ICC profile.
+/// Return the file with an ICC profile.
 Bytes withJpegProfile(const Bytes& jpeg, const Bytes& profile);
 Bytes withPngProfile(const Bytes& png, const Bytes& profile);
 
-/// The same file with another size in its header.
+/// Return the file with another size in its header.
 Bytes withJpegSize(Bytes jpeg, int width, int height);
 Bytes withPngSize(Bytes png, int width, int height);
 
 void writeBytes(const std::filesystem::path& path, const Bytes& bytes);
 Bytes readBytes(const std::filesystem::path& path);
 
-/// What `f` throws; fails the test where it throws nothing.
+/// Returns the Error that `f` throws; fails the test if `f` throws none.
 template <class F>
 Error errorOf(F&& f);
 

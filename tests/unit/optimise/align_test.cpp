@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop around the methods: NUMERICS N3, T6.
+// The optimiser's loop around the alignment methods.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
@@ -17,7 +17,7 @@ AlignmentOptions patient(AlignmentMethod method = AlignmentMethod::cpu) {
   options.method = method;
   options.decay = 0.6;
   options.threshold = 1e-5;
-  options.mostCycles = 14;
+  options.maxCycles = 14;
   return options;
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("a move never lowers the ECC of its own star", "[N3]") {
   Positions at = planted.alignment.position;
   int moves = 0, lowered = 0;
   AlignmentOptions options = patient();
-  options.mostCycles = 3;
+  options.maxCycles = 3;
   options.guard = [&](std::uint32_t point, std::span<const glm::ivec2> match) {
     for (std::size_t member = 0; member < at.size(); ++member) {
       if (match[member] == at[member][point]) continue;
@@ -114,7 +114,7 @@ TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh sta
   REQUIRE(summary.bestCycle > 0);
   CHECK(summary.finalEcc == summary.cycles[summary.bestCycle - 1].ecc);
   for (const AlignmentCycle& cycle : summary.cycles) CHECK(cycle.ecc <= summary.finalEcc);
-  options.mostCycles = 1;
+  options.maxCycles = 1;
   options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };
   const AlignmentSummary again = align(planted.alignment, options);
   CHECK(again.initialEcc == summary.finalEcc);
@@ -142,7 +142,7 @@ TEST_CASE("options out of range and a stop are told, and leave the alignment alo
   CHECK(faultOf([](auto& o) { o.radiusPx = 65; }) == "alignment: radius 65 px: above 0, at most 64");
   CHECK(faultOf([](auto& o) { o.decay = 0; }) == "alignment: decay 0: above 0, at most 1");
   CHECK(faultOf([](auto& o) { o.threshold = -1; }) == "alignment: threshold -1: at least 0");
-  CHECK(faultOf([](auto& o) { o.mostCycles = 0; }) == "alignment: cycles 0: at least 1");
+  CHECK(faultOf([](auto& o) { o.maxCycles = 0; }) == "alignment: cycles 0: at least 1");
   CHECK(faultOf([](auto& o) { o.varianceFloor = -1; }) == "alignment: variance floor -1: 0 to 1000");
   CHECK(faultOf([](auto& o) { o.method = AlignmentMethod::compute; }) == "alignment: this method needs a device");
   int asked = 0;

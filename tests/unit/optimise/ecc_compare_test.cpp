@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of two candidates is better, in products of 256 bits, against exact rationals (NUMERICS T4).
+// Comparison of two candidates with 256-bit products, against exact rationals.
 #include <boost/multiprecision/cpp_int.hpp>
 #include <catch2/catch.hpp>
 #include <random>
@@ -36,8 +36,8 @@ TEST_CASE("the order of scores is exact up to the largest sums", "[N1][T4][P7]")
       return s;
     };
     EccScore a = score(), b = random() % 4 ? score() : a;
-    if (random() % 4 == 0) b.covariance += std::int64_t(random() % 3) - 1;  // hairs apart
-    if (random() % 8 == 0 && b.varianceX < (std::int64_t(1) << 61)) {       // or equal with other numbers
+    if (random() % 4 == 0) b.covariance += std::int64_t(random() % 3) - 1;  // minimal differences
+    if (random() % 8 == 0 && b.varianceX < (std::int64_t(1) << 61)) {       // equal values from other numbers
       b = a;
       b.covariance /= 2, a.covariance = 2 * b.covariance;
       a.varianceX = a.varianceX / 4 * 4 + 4, b.varianceX = a.varianceX / 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `gradient`: NUMERICS N3, and what its priors promise.
+// AlignmentMethod::gradient and its priors.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -17,7 +17,7 @@ AlignmentOptions patient() {
   options.method = AlignmentMethod::gradient;
   options.decay = 0.6;
   options.threshold = 1e-5;
-  options.mostCycles = 14;
+  options.maxCycles = 14;
   return options;
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("the gradient alone finds a point that is off, candidates at random le
   CHECK(test::matchError(planted).mean < 0.1);
 }
 
-// The guard sees a class's moves made; no other point of a star moves in the same step.
+// The guard is called after a class's moves are made; no other point of the star moves in the same step.
 TEST_CASE("a point that the gradient moves never lowers its star's ECC", "[N3]") {
   auto planted = test::planted(3, 112, 6, 2.0, 11);
   const Seen seen(planted.alignment);
@@ -91,7 +91,7 @@ TEST_CASE("the gradient's mesh does not depend on the number of threads, and two
     AlignmentOptions options = patient();
     options.threads = threads;
     options.levels = 2;
-    options.mostCycles = 4;
+    options.maxCycles = 4;
     align(planted.alignment, options);
     found.push_back(planted.alignment.position);
   }
@@ -127,7 +127,7 @@ TEST_CASE("rigid points of a sky stay, and those of the textured half are found"
     align(a, options);
     double most = 0;
     for (std::size_t p = 0; p < n; ++p) {
-      // Stars of rows 0 and 1 lie above the horizon in both pictures, those of rows 5 and 6 below it.
+      // Stars of rows 0 and 1 are above the horizon in both pictures, stars of rows 5 and 6 below.
       const std::size_t row = p / 7;
       if (sky ? row > 1 : row < 5) continue;
       for (std::size_t i = 0; i < 2; ++i)
@@ -143,7 +143,7 @@ TEST_CASE("rigid points of a sky stay, and those of the textured half are found"
 TEST_CASE("off its epipolar line a point goes less far the more it costs") {
   auto planted = test::planted(2, 112, 4, 2.0, 5);
   const Positions start = planted.alignment.position;
-  // Lines are horizontal, so that part of what the points are off cannot be undone on them.
+  // The lines are horizontal, so the vertical part of the points' errors cannot be corrected along them.
   planted.alignment.epipolar.assign(2, std::vector<glm::vec2>(start[0].size(), glm::vec2(1, 0)));
   const auto off = [&](double weight) {
     Alignment a = planted.alignment;
@@ -175,7 +175,7 @@ TEST_CASE("directions that are not one a point and picture are refused") {
 
 TEST_CASE("points of the border slide along it") {
   auto planted = test::planted(2, 112, 4, 2.0, 9);
-  // The upper border is a horizontal line in both pictures: sliding, its points never leave it.
+  // The upper border is a horizontal line in both pictures: its points may slide, but do not leave the line.
   const Positions start = planted.alignment.position;
   align(planted.alignment, patient());
   int slid = 0;
@@ -212,7 +212,7 @@ TEST_CASE("the sums of the gradient are those that judging finds by differences"
 }
 
 TEST_CASE("the closed form finds the displacement of a signal that is linear in it") {
-  // Source x, target y = 3(x + g·d) with d = (0.7, −0.4): numbers of samples that are enough to tell.
+  // Source x, target y = 3(x + g·d) with d = (0.7, −0.4); 4000 samples suffice.
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0, 1);
   const glm::dvec2 d(0.7, -0.4);
@@ -235,6 +235,6 @@ TEST_CASE("the closed form finds the displacement of a signal that is linear in 
   CHECK(along->x == Approx(d.x).margin(0.05));
   const auto held = eccStep(sums, {glm::dmat2(1e7)}, glm::dvec2(0.5, 0), std::nullopt);
   REQUIRE(held);
-  CHECK(glm::length(*held - glm::dvec2(-0.5, 0)) < 0.01);  // back to where it began
+  CHECK(glm::length(*held - glm::dvec2(-0.5, 0)) < 0.01);  // back at the start
   CHECK_FALSE(eccStep(GradientSums{}, {}, glm::dvec2(0), std::nullopt));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inserted points: where a mesh is too coarse they come, where it is not they do not, and it stays one whole mesh.
+// Point insertion: points are added where the mesh is too coarse, and only there; the mesh stays closed.
 #include "optimise/insertion.h"
 
 #include <algorithm>
@@ -21,10 +21,10 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr int kSide = 160, kSquares = 4;  // a square's triangles have 648 samples each
+constexpr int kSide = 160, kSquares = 4;  // a triangle has 648 samples
 constexpr int kUnits = kAlignmentUnitsPerPixel;
 
-// What the optimiser's options say, of all that may be inserted.
+// Options without rigidity; points may be inserted where the ECC is below 0.99.
 AlignmentOptions optionsWith(AlignmentMethod method = AlignmentMethod::cpu) {
   AlignmentOptions options;
   options.method = method;
@@ -55,12 +55,12 @@ void addNoise(Planted& planted, double deviation) {
     for (auto& v : picture.values) v = std::uint8_t(std::clamp(v + normal(random), 0.0, 255.0));
 }
 
-// Pictures but the first show it bent: in some squares the middle of the diagonal is off, which the mesh does not have.
+// All pictures but the first are bent: in some squares the diagonal's middle is shifted, which the mesh cannot follow.
 struct Ridges {
   static constexpr std::array<std::size_t, 4> kBent{0, 6, 9, 15};
   Planted planted;
   Alignment& alignment = planted.alignment;
-  std::vector<glm::ivec2> off;  // of each picture
+  std::vector<glm::ivec2> off;  // shift of each picture, grid units
 
   explicit Ridges(int members = 2, double noise = 0) : planted(test::planted(members, kSide, kSquares, 0, 31)) {
     for (int i = 0; i < members; ++i) {
@@ -74,7 +74,7 @@ struct Ridges {
   void draw(std::size_t i) {
     const Alignment& a = alignment;
     for (std::size_t square = 0; square < a.triangles.size() / 2; ++square) {
-      // (a, b, c), (b, d, c): the diagonal is b to c.
+      // The triangles (a, b, c) and (b, d, c) share the diagonal from b to c.
       const glm::uvec3 s = a.triangles[2 * square], t = a.triangles[2 * square + 1];
       const auto corner = [&](unsigned p) { return glm::dvec2(a.position[0][p]) / double(kUnits); };
       const glm::dvec2 middle = 0.5 * (corner(s.y) + corner(s.z));
@@ -93,7 +93,7 @@ struct Ridges {
   }
 };
 
-// The right half of the second picture is nearer by 10 px, and hides what lies left of it.
+// The right half of the second picture is nearer by 10 px of parallax, and hides what is on its left.
 struct Step {
   static constexpr int kNearer = 10;
   Planted planted = test::planted(2, kSide, kSquares, 0, 34);
@@ -101,7 +101,7 @@ struct Step {
 
   Step() {
     alignment.position[1] = alignment.position[0];
-    const auto edge = [](int y) { return kSide / 2 + (y - kSide / 2) / 4; };  // oblique: no edge of the mesh lies there
+    const auto edge = [](int y) { return kSide / 2 + (y - kSide / 2) / 4; };  // oblique: no mesh edge coincides
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
         const int from = x >= edge(y) - kNearer ? std::min(x + kNearer, kSide - 1) : x;
@@ -114,7 +114,7 @@ struct Step {
   }
 };
 
-// Every point that was there stands where it stood; the mesh covers what it covered, without a crack or a fold.
+// Checks that previous points keep their positions and that the mesh covers the same area without cracks or folds.
 void checkWhole(const Alignment& before, const Alignment& now) {
   const std::size_t n = before.position[0].size(), added = now.inserted.size() - before.inserted.size();
   CHECK(borderOf(now.triangles) == borderOf(before.triangles));
@@ -188,7 +188,7 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
     CHECK(insert(planted.alignment, options) == 0);
   }
   SECTION("triangles that are too small to be split") {
-    auto planted = test::planted(2, kSide, 20, 1, 26);  // 26 samples
+    auto planted = test::planted(2, kSide, 20, 1, 26);  // 26 samples per triangle
     CHECK(insert(planted.alignment, anythingGoes()) == 0);
   }
   SECTION("what agrees well enough") {
@@ -244,7 +244,7 @@ TEST_CASE("however many points come, the mesh stays whole, with any number of th
     a.fixed.assign(a.position[0].size(), 0);
     a.epipolar.assign(3, std::vector<glm::vec2>(a.fixed.size(), {0.6f, 0.8f}));
     if (kept) {
-      for (const std::size_t t : {11, 9, 3}) {  // all around triangle 10: the mesh has a hole with it in the middle
+      for (const std::size_t t : {11, 9, 3}) {  // neighbours of triangle 10, which becomes an island in a hole
         a.kept.push_back(a.triangles[t]);
         a.triangles.erase(a.triangles.begin() + std::ptrdiff_t(t));
       }
@@ -261,7 +261,7 @@ TEST_CASE("however many points come, the mesh stays whole, with any number of th
     }
     std::size_t middles = 0;
     for (const InsertedPoint& point : a.inserted) middles += point.weight.z > 0;
-    CHECK(middles == (kept ? 1 : 0));  // its edges are not split
+    CHECK(middles == (kept ? 1 : 0));  // points inside a triangle: the island's edges are not split
     return std::pair(a.position, a.triangles);
   };
   const bool kept = GENERATE(false, true);
@@ -279,7 +279,7 @@ TEST_CASE("no more points than asked for, and those first that gain most") {
   for (std::size_t k = 0; k < most; ++k) CHECK(some.alignment.inserted[k].parent == all.alignment.inserted[k].parent);
 }
 
-// In one picture a triangle is so thin that where a point comes to stand on the grid decides whether it folds over.
+// A triangle is so thin in one picture that rounding a new point to the grid decides if the triangle folds over.
 TEST_CASE("of triangles that are thin in one picture no part folds over", "[N4][P8]") {
   const Image8 grey(80, 80, 3, 90);
   std::mt19937 random(36);

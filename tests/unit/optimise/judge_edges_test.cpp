@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the processor counts of a star against the twin in double precision.
+// Counts of the CPU star evaluation against the reference implementation in double precision.
 #include "optimise/judge.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct JudgeDifference {
   double ofChannels = 0, ofConcatenated = 0;  // largest difference of the ECC
 };
 
-// Offsets are multiples of `grid`.
+// Compares candidates; their offsets are multiples of `grid`.
 JudgeDifference compared(const Alignment& alignment, int grid, int radius, double varianceFloor, int rounds) {
   const StarMesh mesh = starMeshOf(alignment);
   std::vector<Texels> texels;
@@ -58,7 +58,7 @@ JudgeDifference compared(const Alignment& alignment, int grid, int radius, doubl
 TEST_CASE("stars whose edges run through centres of pixels cover the twin's, and correlate as they do there") {
   const auto [members, cells, floor] = GENERATE(std::tuple{2, 2, 0}, std::tuple{2, 4, 25}, std::tuple{2, 12, 0},
                                                 std::tuple{3, 4, 0}, std::tuple{3, 12, 25}, std::tuple{4, 4, 25});
-  const int grid = GENERATE(1, 32);  // a quarter of a pixel: edges run through centres
+  const int grid = GENERATE(1, 32);  // 32 units are a quarter of a pixel: edges pass through pixel centres
   auto planted = test::planted(members, 112, cells, 16.0 / cells, 100 + std::uint32_t(cells));
   for (auto& positions : planted.alignment.position)
     for (glm::ivec2& p : positions) p = p / grid * grid;

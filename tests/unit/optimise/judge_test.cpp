@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stars judged in whole numbers against their twin in double precision.
+// Star evaluation in integers against the reference implementation in double precision.
 #include "optimise/judge.h"
 
 #include <catch2/catch.hpp>
@@ -24,7 +24,7 @@ struct Prepared {
   const Alignment& alignment() const { return planted.alignment; }
 };
 
-// Triangles that reach from border to border, and texture of one pixel's width.
+// Adds uniform noise of up to `strength` 8-bit levels to each value.
 void addNoise(test::Planted& planted, int strength, std::uint32_t seed) {
   std::mt19937 random(seed);
   for (Image8& picture : planted.pictures)

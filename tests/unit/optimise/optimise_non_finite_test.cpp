@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N16 of NUMERICS §3 for the optimiser's options.
+// Non-finite and extreme numbers in the optimiser's options.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -22,7 +22,7 @@ TEST_CASE("an optimiser's numbers are refused by name, or its ECCs are finite", 
         auto planted = test::planted(2, 48, 2, 1.0, 5);
         AlignmentOptions options;
         options.method = method;
-        options.mostCycles = 2;
+        options.maxCycles = 2;
         options.instances = 8;
         options.flipEdges = options.insertPoints = true;
         options.*field = value;

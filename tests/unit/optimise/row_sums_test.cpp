@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs of pixels: every way of adding them gives the same sums, bit for bit.
+// Sums over rows of pixels: all implementations give bit-identical sums.
 #include "optimise/row_sums.h"
 
 #include <catch2/catch.hpp>
@@ -21,7 +21,7 @@ Image8 randomPicture(std::mt19937& random, int contrast) {
 RunSource randomRun(std::mt19937& random, const Texels& texels) {
   constexpr int kOne = 1 << shader::kEccRunBits;
   const auto within = [&](int most) { return int(random() % unsigned(2 * most + 1)) - most; };
-  // From the middle at most 64 · 0.6 px either way.
+  // At most 64 · 0.6 px from the middle in both directions.
   return {texels.at(48 + within(8), 41 + within(1)),
           texels.stride,
           int(random() % kOne),
@@ -44,7 +44,7 @@ TEST_CASE("the fastest way to add runs gives the portable one's sums", "[N1]") {
   const RunAdder& fastest = fastestRunAdder();
   shader::EccTarget portableSums{}, fastSums{};
   RunLanes unused, lanes;
-  for (int run = 0; run < 20000; ++run) {  // enough that lanes are emptied on the way
+  for (int run = 0; run < 20000; ++run) {  // enough runs to flush the lanes' accumulators
     const RunSource source = randomRun(random, a), target = randomRun(random, b);
     const int pixels = 1 + int(random() % shader::kEccRun);
     kPortableRunAdder.add(source, target, pixels, portableSums, unused);

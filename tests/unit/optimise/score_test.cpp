@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scores in 64 bits, shared with shaders, against tuples in 128 bits and more (image/ecc_sums.h).
+// 64-bit scores, shared with shaders, against tuples of 128 bits and more (image/ecc_sums.h).
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -24,7 +24,7 @@ bool agree(const shader::EccScore& a, const shader::EccScore& b) {
          shader::eccGreater(b, a) == eccGreater({&q, 1}, {&p, 1});
 }
 
-// A star of these targets' areas; sums as the shader keeps them, and as tuples.
+// A star whose targets have these areas; sums in the shader's format and as tuples.
 struct Star {
   Judgement judgement;
   std::vector<PreEcc> sums;

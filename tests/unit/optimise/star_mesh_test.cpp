@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes to be aligned: NUMERICS T8, N4, and what is refused.
+// Star meshes: reach of candidates, invariants, and refused input.
 #include "optimise/star_mesh.h"
 
 #include <catch2/catch.hpp>
@@ -14,7 +14,7 @@ using namespace ibr;
 
 namespace {
 
-// n points around one, some nearly in a line with their neighbours, some twice at one place: needles and fans.
+// n points around a centre, some almost collinear with neighbours, some duplicated: slivers and fans.
 Alignment fan(std::mt19937& random, int members, const Image8& picture) {
   Alignment a;
   const int n = 3 + int(random() % 7);
@@ -40,7 +40,7 @@ Alignment fan(std::mt19937& random, int members, const Image8& picture) {
 
 __extension__ using Int128 = __int128;
 
-// Twice the area, in 128 bits: exact whatever the positions, and nothing of the code under test.
+// Twice the area in 128 bits: exact at any position, and independent of the tested code.
 Int128 exactArea(glm::ivec2 a, glm::ivec2 b, glm::ivec2 c) {
   return (Int128(b.x) - a.x) * (Int128(c.y) - a.y) - (Int128(b.y) - a.y) * (Int128(c.x) - a.x);
 }
@@ -77,7 +77,7 @@ TEST_CASE("no candidate folds a triangle over, in a million", "[N4][T8][P8]") {
         Positions at = a.position;
         at[member][0] += offset;
         if (!fits(mesh, a.position, 0, member, offset)) {
-          // Only what is merely kept may forbid what is within reach.
+          // Within reach, only triangles in `kept` may forbid an offset.
           for (const glm::uvec3& t : a.triangles)
             if (!foldsSomewhere(a.position, t)) REQUIRE_FALSE(foldsSomewhere(at, t));
           continue;
@@ -104,10 +104,10 @@ TEST_CASE("points of the border go along it, corners of a hole do not move") {
   CHECK(mesh.border[index(2, 0)] == Border::slides);
   for (std::uint32_t m = 1; m < 50; ++m) {
     const glm::ivec2 offset = candidateOffset(mesh, at, index(2, 0), 1, 300, 8, m);
-    CHECK(offset.y == 0);  // the upper border is level
+    CHECK(offset.y == 0);  // the upper border is horizontal
     CHECK(std::abs(offset.x) <= 300);
   }
-  Alignment crossed = planted.alignment;  // two opposite squares without triangles: a point with two borders
+  Alignment crossed = planted.alignment;  // two opposite squares lose their triangles: a point has two borders
   std::erase_if(crossed.triangles, [&](const glm::uvec3& t) {
     const auto inSquare = [&](int x, int y) {
       for (int c = 0; c < 3; ++c) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edge flips: what is wrong is put right, what is right stays, and nothing ever folds over.
+// Edge flips: wrong diagonals are corrected, right ones stay, and no triangle folds over.
 #include "optimise/topology.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::size_t flip(Alignment& alignment, const FlipOptions& options = {}) {
   return flipEdges(alignment, texelsOfAll(alignment), options);
 }
 
-// The second picture shows the first one bent along the edges of a mesh: each triangle is a plane of its own.
+// The second picture shows the first one bent along the edges of a mesh, with an affine map for each triangle.
 struct Bent {
   test::Planted planted = test::planted(2, kSide, kCells, 0, 21);
   Alignment& alignment = planted.alignment;
@@ -65,13 +65,13 @@ struct Bent {
         if (deviation > 0) v = std::uint8_t(std::clamp(v + normal(random), 0.0, 255.0));
   }
 
-  // Triangles 2n and 2n + 1 are a square's.
+  // Triangles 2n and 2n + 1 form a square.
   void turnDiagonal(std::size_t square) {
     glm::uvec3 &s = alignment.triangles[2 * square], &t = alignment.triangles[2 * square + 1];
     const std::set<unsigned> first{s.x, s.y, s.z}, second{t.x, t.y, t.z};
     std::set<unsigned> all = first;
     all.insert(second.begin(), second.end());
-    const std::vector<unsigned> corner(all.begin(), all.end());  // 0 1 / 2 3
+    const std::vector<unsigned> corner(all.begin(), all.end());  // layout: 0 1 / 2 3
     REQUIRE(corner.size() == 4);
     if (first.contains(corner[0]) && second.contains(corner[0])) {
       s = {corner[0], corner[1], corner[2]}, t = {corner[1], corner[3], corner[2]};
@@ -93,7 +93,7 @@ TEST_CASE("wrong diagonals of a bent surface are flipped back, and nothing else"
   REQUIRE(cornersOf(bent.alignment.triangles) != cornersOf(bent.right));
   CHECK(flip(bent.alignment) == wrong);
   CHECK(cornersOf(bent.alignment.triangles) == cornersOf(bent.right));
-  for (std::size_t square = 0; square < bent.right.size() / 2; ++square)  // no index has gone far
+  for (std::size_t square = 0; square < bent.right.size() / 2; ++square)  // triangles keep the indices of their square
     CHECK(cornersOf({bent.alignment.triangles[2 * square], bent.alignment.triangles[2 * square + 1]}) ==
           cornersOf({bent.right[2 * square], bent.right[2 * square + 1]}));
 }
@@ -117,7 +117,7 @@ TEST_CASE("nothing flips where the mesh is right, or where there is nothing to t
   }
 }
 
-// Without texture both diagonals are as good, and with a gain below zero all that may flip does.
+// Without texture both diagonals are equal; a negative minimum gain flips all edges that may flip.
 TEST_CASE("of any two triangles none comes to fold over", "[N4][P8]") {
   const Image8 grey(64, 64, 3, 90);
   const int members = GENERATE(2, 3, 4);

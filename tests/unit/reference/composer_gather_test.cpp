@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs as they are sampled, and weights of the gather, worked out by hand.
+// Sampling of photographs and weights of the gather, against values computed by hand.
 #include "reference/composer_gather.h"
 
 #include <array>
@@ -17,7 +17,7 @@ using ibr::reference::PhotographSampler;
 
 namespace {
 
-constexpr int kSide = 100;  // px; the focal length too
+constexpr int kSide = 100;  // px; also the focal length
 constexpr double kStep = 0.01;
 const glm::dvec2 kMiddle(0.5 * kSide);
 
@@ -28,7 +28,7 @@ Camera panoramaAt(glm::dvec3 position) {
   return {{CameraModel::equirectangular, 2 * kSide, kSide}, {position}};
 }
 
-// Candidates of one colour each, with depth maps of one ρ.
+// Candidates of one colour each; each depth map has one ρ.
 class Photographs {
  public:
   Candidate& add(const Camera& camera, std::uint8_t level, float ownInverseDepth = 0.25f) {
@@ -59,13 +59,13 @@ class Photographs {
   std::deque<ImageF> depths_;
 };
 
-// w of a photograph beside a view's middle, `x` from it, that nothing hides: of a point 4 ahead.
+// Weight of an unoccluded photograph, `x` beside the view's centre, for a point 4 units ahead.
 double weightBeside(double x) {
   const double distance = std::hypot(x, 4.0), resolution = 4 / distance;
   return resolution * resolution / (0.03 + std::atan2(x, 4.0));
 }
 
-// Two photographs, of levels 0 and 255: the share of the second.
+// Returns the weight share of the second of two photographs, whose levels are 0 and 255.
 double shareOfSecond(const Photographs& photographs) {
   return photographs.gathered().colour.x;
 }
@@ -78,10 +78,10 @@ TEST_CASE("a sampler's pixel, depth, border and resolution") {
   photographs.add(panoramaAt({0, 0, -2}), 10);
   const PhotographSampler pinhole(pinholeAt({0, 0, 0}), photographs.candidates[0]),
       panorama(pinholeAt({0, 0, 0}), photographs.candidates[1]);
-  const glm::dvec3 ray = pinhole.ray({70, 50}), direction = ray + 0.5 * pinhole.shift();  // of (.4, 0, −2)
+  const glm::dvec3 ray = pinhole.ray({70, 50}), direction = ray + 0.5 * pinhole.shift();  // of point (.4, 0, −2)
   CHECK(glm::distance(direction, glm::dvec3(-0.3, 0, -1)) < 1e-12);
   CHECK(pinhole.inverseDepth(direction, 0.5) == Approx(0.5));
-  REQUIRE_FALSE(pinhole.pixel(direction));  // 60 px left of the middle
+  REQUIRE_FALSE(pinhole.pixel(direction));  // 60 px left of the picture's centre
   const auto inside = pinhole.pixel({-0.24, 0, -1});
   REQUIRE(inside);
   CHECK(inside->x == Approx(2));
@@ -91,7 +91,7 @@ TEST_CASE("a sampler's pixel, depth, border and resolution") {
   CHECK_FALSE(pinhole.pixel({0, 0, 1}));
   CHECK(pinhole.resolution(ray, 2.0 * ray) == Approx(1));
 
-  const glm::dvec3 up(0, 1.5, -2);  // seen from the panorama: 1.5 up
+  const glm::dvec3 up(0, 1.5, -2);  // 1.5 units above the panorama
   const glm::dvec3 own = 0.5 * (up - glm::dvec3(0, 0, -2));
   CHECK(panorama.inverseDepth(own, 0.5) == Approx(1 / 1.5));
   CHECK(panorama.border({0, 50}) == 1);
@@ -126,7 +126,7 @@ TEST_CASE("weights fall with the angle and with the distance of the ray's origin
   photographs.candidates[1].weight = 0.3;
   CHECK(shareOfSecond(photographs) == Approx(0.3 * far / (near + 0.3 * far)));
   photographs.candidates[1].weight = 1;
-  photographs.candidates[1].distance = 7;  // .007 radians
+  photographs.candidates[1].distance = 7;  // adds .007 rad
   const double costly = far * (0.03 + std::atan2(1, 4)) / (0.037 + std::atan2(1, 4));
   CHECK(shareOfSecond(photographs) == Approx(costly / (near + costly)));
 }
@@ -136,7 +136,7 @@ TEST_CASE("finer photographs weigh more, up to half as fine again as the view") 
     Photographs photographs;
     photographs.add(pinholeAt({0.5, 0, 0}), 0);
     Camera other = pinholeAt({-0.5, 0, 0}, focal);
-    other.intrinsics.cx -= focal * 0.125;  // the point is in the middle
+    other.intrinsics.cx -= focal * 0.125;  // the point stays at the picture's centre
     photographs.add(other, 255);
     const double own = 4 / std::hypot(0.5, 4.0);
     const double r = std::min(focal / kSide * own, 1.5);
@@ -145,7 +145,7 @@ TEST_CASE("finer photographs weigh more, up to half as fine again as the view") 
 }
 
 TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
-  // Columns in turn black and white; every smaller level is grey.
+  // Columns alternate between black and white, so all smaller mip levels are grey.
   Photographs photographs;
   photographs.add(pinholeAt({1, 0, 0}), 0);
   std::vector<Image8>& levels = photographs.levels(0);
@@ -161,13 +161,13 @@ TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
     const auto at = [&](double x) { return gather.at({x, kMiddle.y}, 0.25, uncertainty).colour.x; };
     return std::abs(at(40.5) - at(41.5));
   };
-  // The point is 4 away, the photograph 1 beside: .245 radians at 100 px a radian are 24.5 px.
+  // The point is 4 units ahead, the photograph 1 unit beside: .245 rad at 100 px a radian are 24.5 px.
   CHECK(contrast(0) == Approx(1).margin(0.01));
-  CHECK(contrast(1 / 24.5) == Approx(1).margin(0.05));      // a texel
-  CHECK(contrast(1.41 / 24.5) == Approx(0.5).margin(0.1));  // half a level coarser
-  CHECK(contrast(2 / 24.5) == Approx(0).margin(0.1));       // a level
+  CHECK(contrast(1 / 24.5) == Approx(1).margin(0.05));      // one texel
+  CHECK(contrast(1.41 / 24.5) == Approx(0.5).margin(0.1));  // half a mip level coarser
+  CHECK(contrast(2 / 24.5) == Approx(0).margin(0.1));       // one mip level coarser
   CHECK(contrast(1) == Approx(0).margin(0.01));
-  // At the photograph's own place nothing moves it.
+  // At the photograph's own position, uncertain depth does not move the pixel.
   photographs.candidates[0].camera.pose.position = {0, 0, 0};
   const Gather own(pinholeAt({0, 0, 0}), photographs.candidates, 4, 1);
   CHECK(own.at({40.5, kMiddle.y}, 0.25, 0.1).colour.x == Approx(0).margin(1e-3));
@@ -175,7 +175,7 @@ TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
 }
 
 TEST_CASE("a hidden photograph counts little, one that sees behind the point a quarter") {
-  // t' = 2 (2 step + .01 ρ) + residual at ρ = .25
+  // Tolerance t' = 2 (2 step + .01 ρ) + residual, at ρ = .25.
   constexpr double kTolerance = 2 * (2 * kStep + 0.0025) + 0.005;
   const auto visibility = [&](double own) {
     Photographs photographs;
@@ -194,7 +194,7 @@ TEST_CASE("a hidden photograph counts little, one that sees behind the point a q
 }
 
 TEST_CASE("uncertain depth hides less: what is within three of its standard deviations is seen") {
-  // The second photograph's own surface stands before the point by half of its inverse depth.
+  // The second photograph has a surface in front of the point; their inverse depths differ by half of the point's.
   const auto share = [](float consensus, double uncertainty) {
     Photographs photographs;
     photographs.add(pinholeAt({0.5, 0, 0}), 0);
@@ -208,9 +208,9 @@ TEST_CASE("uncertain depth hides less: what is within three of its standard devi
   };
   CHECK(share(1, 0) < 0.01);
   CHECK(share(0.5f, 0) == Approx(share(1, 0)));
-  // 2 (2 · .01 + .0025) + 3 · .1 · .375 = .1575: .125 before is within it.
+  // 2 (2 · .01 + .0025) + 3 · .1 · .375 = .1575: the surface, .125 in front, is within the tolerance.
   CHECK(share(0, 0) == Approx(0.5).margin(0.01));
-  // 2 (2 · .01 + .0025) + 3 · .05 · .25 = .0825: half hidden between it and twice it.
+  // 2 (2 · .01 + .0025) + 3 · .05 · .25 = .0825: visibility falls linearly between one and two tolerances.
   const double visible = 1 - (0.125 / 0.0825 - 1);
   CHECK(share(1, 0.05) == Approx(visible / (1 + visible)).margin(0.01));
 }
@@ -219,18 +219,18 @@ TEST_CASE("a photograph fades along its border, but at its own pose") {
   Photographs photographs;
   photographs.add(pinholeAt({0.5, 0, 0}), 0);
   Camera other = pinholeAt({-0.5, 0, 0});
-  other.intrinsics.cx -= 12.5 + 49;  // the point is 1 px from the border
+  other.intrinsics.cx -= 12.5 + 49;  // the point is 1 px inside the border
   photographs.add(other, 255);
   const double share = shareOfSecond(photographs);
   CHECK(share / (1 - share) == Approx(0.25));
 
   photographs.candidates[1].camera.pose.position = {0, 0, 0};
   photographs.candidates[1].camera.intrinsics.cx = 0.5;
-  photographs.depth(1).values.assign(625, 5.0f);  // hides the point, too
+  photographs.depth(1).values.assign(625, 5.0f);  // the depth also hides the point
   CHECK(shareOfSecond(photographs) > 1 - 1e-4);
-  photographs.candidates[1].distance = 5;  // half of the way that borders and hiding need to count
+  photographs.candidates[1].distance = 5;  // half of the distance at which border and occlusion count in full
   const double apart = 0.5, floor = 0.002;
-  const double border = 0.5 / 4;  // half a px of four
+  const double border = 0.5 / 4;  // half a pixel of the 4 px wide border
   const double weight = (1 + apart * (border - 1)) * (1 + apart * (floor - 1)) / (0.035 * apart);
   CHECK(shareOfSecond(photographs) == Approx(weight / (weight + weightBeside(0.5))));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of photographs, drawn into a view.
+// Rasterisation of photographs' meshes into a view by the reference implementation.
 #include "reference/composer_layer.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Candidate candidateAt(const Camera& camera) {
 
 using Vertex = HypothesisMesh::Vertex;
 
-// A point of the world as a vertex of a photograph that looks along −z from the origin.
+// Returns a point of the world as a vertex of a photograph at the origin that looks along −z.
 Vertex at(glm::dvec3 point, double trust = 1, double consensus = 0.9) {
   return {point, 1.0, trust, consensus};
 }
@@ -48,7 +48,7 @@ std::size_t covered(const std::vector<Hypothesis>& layer) {
 }  // namespace
 
 TEST_CASE("a layer interpolates in perspective") {
-  // A floor that reaches from z = −1 to z = −9, trusted less the farther it lies.
+  // A floor from z = −1 to z = −9; trust falls with the distance.
   const HypothesisMesh floor = quad(
       {at({-9, -1, -1}, 1, 0.9), at({9, -1, -1}, 1, 0.9), at({9, -1, -9}, 0.25, 0.1), at({-9, -1, -9}, 0.25, 0.1)});
   const Camera view = cameraAt({0.3, 0.5, 0.2}, glm::angleAxis(-0.3, glm::dvec3(1, 0, 0)));
@@ -59,7 +59,7 @@ TEST_CASE("a layer interpolates in perspective") {
       const Hypothesis& here = pixel(layer, x, y);
       if (!(here.trust > 0)) continue;
       const glm::dvec3 own = unproject(view.intrinsics, {x + 0.5, y + 0.5}), ray = view.pose.rotation * own;
-      const double along = -1.5 / ray.y, z = 0.2 + along * ray.z;  // the floor lies 1.5 below the view
+      const double along = -1.5 / ray.y, z = 0.2 + along * ray.z;  // the floor is 1.5 units below the view
       CHECK(here.inverseDepth == Approx(1 / (along * -own.z)));
       const double share = (-1 - z) / 8;
       CHECK(here.trust == Approx(1 - 0.75 * share));
@@ -139,7 +139,7 @@ TEST_CASE("a depth map is a grid that is cut where depth jumps by more than two 
   const HypothesisMesh mesh = reference::hypothesisMesh(k, depth);
   CHECK(mesh.vertices[5].trust == 0.7);
   CHECK(mesh.vertices[5].point.z == -1);
-  const auto seen = project(k, mesh.vertices[5].point);  // the map's pixel (1, 1)
+  const auto seen = project(k, mesh.vertices[5].point);  // pixel (1, 1) of the depth map
   REQUIRE(seen);
   CHECK(seen->x == Approx(1.5 / 4 * kSide));
   CHECK(seen->y == Approx(1.5 / 3 * kSide));

@@ -29,7 +29,7 @@ Camera cameraAt(glm::dvec3 position, double yaw = 0) {
   return {pinholeFromFov(kWidth, kHeight, 0.9), {position, glm::angleAxis(yaw, glm::dvec3(0, 1, 0))}};
 }
 
-// A wall, a sign before it, and five photographs of them with exact depth.
+// A wall, a sign in front, and five photographs with exact depth.
 struct Stage {
   Stage() {
     SyntheticOptions options;
@@ -92,7 +92,7 @@ TEST_CASE("a surface that others contradict is outvoted") {
   Stage stage;
   const Image8 truth = renderTruth(stage.made, kBetween);
   const double before = psnr(stage.compose(kBetween).picture, truth);
-  ComposerPhotograph& liar = stage.photographs[0];  // a shard in front, seen by this one alone
+  ComposerPhotograph& liar = stage.photographs[0];  // a surface in front that this photograph alone has
   for (int y = 10; y < 60; ++y)
     for (int x = 10; x < 40; ++x) {
       liar.depth.inverseDepth.pixel(x, y)[0] = 0.8f;
@@ -101,7 +101,7 @@ TEST_CASE("a surface that others contradict is outvoted") {
     }
   const double outvoted = psnr(stage.compose(kBetween).picture, truth);
   CHECK(outvoted > before - 4);
-  for (std::uint8_t& c : liar.depth.confirmations.values) c = 3;  // believed, it shows
+  for (std::uint8_t& c : liar.depth.confirmations.values) c = 3;  // confirmed surfaces are shown
   for (float& a : liar.depth.consensus.values) a = 0.9f;
   CHECK(psnr(stage.compose(kBetween).picture, truth) < outvoted - 3);
 }

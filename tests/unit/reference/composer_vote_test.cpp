@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Votes of single pixels, by hand.
+// Votes of single pixels against values computed by hand.
 #include "reference/composer_vote.h"
 
 #include <catch2/catch.hpp>
@@ -12,7 +12,7 @@ using ibr::reference::Vote;
 
 namespace {
 
-constexpr double kStep = 0.01;  // of which two, and a hundredth of ρ, are the tolerance
+constexpr double kStep = 0.01;  // the tolerance is two steps plus a hundredth of ρ
 
 Surfaces voted(const std::vector<Vote>& votes, std::size_t layers = 2) {
   return reference::vote(votes, kStep, layers);
@@ -47,7 +47,7 @@ TEST_CASE("a surface is as uncertain as its consensus is small, by up to a tenth
 }
 
 TEST_CASE("a surface is the mean of the votes around its peak, by weight and nearness") {
-  // t = .03 at ρ = 1. The kernel of half a tolerance is .75.
+  // t = .03 at ρ = 1. The kernel at half a tolerance is .75.
   const Surfaces two = voted({{1, 2, 1, 0.9}, {1.015, 1, 1, 0.6}});
   REQUIRE(two.count == 1);
   const double other = 1 - 0.015 * 0.015 / (0.03 * 0.03);
@@ -57,7 +57,7 @@ TEST_CASE("a surface is the mean of the votes around its peak, by weight and nea
 }
 
 TEST_CASE("surfaces are from front to back, opaque by their share of what both show") {
-  // Presences 1, 1 and 1 of equal supports; from the front they show .4, .6 · .5 and .6 · .5.
+  // Presences 1, 1 and 1 of equal support; from front to back they show .4, .6 · .5 and .6 · .5.
   const std::vector<Vote> votes{{0.2, 1, 1, 0.9}, {1, 1, 1, 0.36}, {0.6, 1, 1, 0.45}};
   const Surfaces both = voted(votes);
   REQUIRE(both.count == 2);
@@ -73,7 +73,7 @@ TEST_CASE("surfaces are from front to back, opaque by their share of what both s
 }
 
 TEST_CASE("what is hardly opaque or present hides nothing; what shows most counts, wherever it stands") {
-  // From the front: consensus .018 shows .02, support of a hundredth .98 · .01; the last two share the rest.
+  // Front to back: consensus .018 shows .02, a support of a hundredth shows .98 · .01; the last two share the rest.
   const std::vector<Vote> votes{{1, 1, 1, 0.018}, {0.8, 0.01, 1, 0.9}, {0.6, 1, 1, 0.54}, {0.2, 1, 1, 0.09}};
   const Surfaces both = voted(votes);
   REQUIRE(both.count == 2);
@@ -81,13 +81,13 @@ TEST_CASE("what is hardly opaque or present hides nothing; what shows most count
   CHECK(both.surface[0].opacity == Approx(0.6));
   CHECK(both.surface[1].inverseDepth == 0.2);
   CHECK(both.margin == 0);
-  // A tenth of the last one is not there: so much more of the one before shows.
+  // A tenth of the last surface is missing, so the surface before shows that much more.
   const Surfaces less = voted({votes[0], votes[1], votes[2], {0.2, 0.9, 1, 0.09}});
   CHECK(less.surface[0].opacity == Approx(0.64 / (0.64 + 0.36 * 0.9)));
 }
 
 TEST_CASE("the margin is that of the choice which is nearest to another one") {
-  // Presences 1, 2/3 and 1/3; they show 11/18, then 7/18 · 2/3 · 5/6, then the third part of what is left.
+  // Presences 1, 2/3 and 1/3; they show 11/18, then 7/18 · 2/3 · 5/6, then a third of the rest.
   const Surfaces three = voted({{1, 3, 1, 0.45}, {0.6, 2, 1, 0.45}, {0.2, 1, 1, 0.9}});
   const double second = 7 / 18.0 * 2 / 3 * 5 / 6, third = (7 / 18.0 - second) / 3;
   CHECK(three.margin == Approx(second - third));
@@ -100,14 +100,14 @@ TEST_CASE("a hypothesis near one of more support fades into its surface") {
     const Surfaces s = voted({{0, 2, 1, 0.45}, {apart, 1, 1, 0.45}});
     return s.count == 2 ? s.surface[0].opacity : 0.0;
   };
-  CHECK(second(0.0172) == 0);                            // kernel > .25
-  CHECK((second(0.0175) > 0 && second(0.0175) < 0.05));  // just below
+  CHECK(second(0.0172) == 0);                            // kernel above .25
+  CHECK((second(0.0175) > 0 && second(0.0175) < 0.05));  // just below .25
   CHECK(second(0.0185) > second(0.0175));
   CHECK(second(0.0211) == Approx(0.25));  // alone: presence .5, opacity .5
 }
 
 TEST_CASE("the surfaces of a pixel change little where its hypotheses do") {
-  // Sums over the surfaces of what each shows, times its ρ: what an image is continuous by.
+  // Sum over the surfaces of share · ρ. The image is continuous if this sum is.
   const auto seen = [](const std::vector<Vote>& votes) {
     const Surfaces s = voted(votes);
     double through = 1, mean = 0;
@@ -122,7 +122,7 @@ TEST_CASE("the surfaces of a pixel change little where its hypotheses do") {
       return seen({{1 + x, 1, 1, 0.5}, {0.5, 3 * x * x, 1, 0.6}, {1.5 - x, 0.7, 1, 0.3}});
     };
     const double x = i / 4000.0;
-    if (std::abs(x - 0.25) < 0.02) continue;  // where the first and the third meet and are one surface
+    if (std::abs(x - 0.25) < 0.02) continue;  // the first and the third meet and become one surface
     INFO(x);
     CHECK(std::abs(at(x + 1e-7) - at(x)) < 1e-3);
   }
@@ -134,13 +134,13 @@ TEST_CASE("equal supports: the lower candidate is the peak") {
   const Surfaces tie = voted(votes);
   REQUIRE(tie.count == 1);
   CHECK(tie.margin == 0);
-  // Three in a row, the outer two not within each other's tolerance: the middle wins, whatever the order.
+  // Three in a row; the outer two are not within each other's tolerance. The middle one wins in any order.
   for (const auto& [a, b, c] : {std::array{0.0, 0.015, 0.03}, std::array{0.015, 0.0, 0.03}}) {
     const Surfaces row = voted({{a, 1, 1, 0.9}, {b, 1, 1, 0.9}, {c, 1, 1, 0.9}});
     REQUIRE(row.count == 1);
     CHECK(row.surface[0].inverseDepth == Approx(0.015));
   }
-  // Two with the same distance and weight: each has the other's kernel; the peak stands at the first.
+  // Two of equal distance and weight: each one's kernel applies to the other; the peak is at the first.
   const double nearer = 0.01, t = 0.02;
   const Surfaces first = voted({{0, 1, 1, 0.9}, {0, 1, 1, 0.9}, {nearer, 1e-9, 1, 0.9}});
   REQUIRE(first.count == 1);
@@ -175,8 +175,8 @@ TEST_CASE("holes are filled from around by pull and push") {
     CHECK(one[at].surface[0].opacity == (at == 7 ? 0.7 : 1.0));
   }
 
-  // Levels of 5 × 3, 3 × 2, 2 × 1, 1 × 1 px. Pixels 0 and 4 are known: at 3 × 2 its left and right upper ones weigh .5,
-  // at 2 × 1 both .25 (shared/fill.h), and their mean of .4 is pushed down again.
+  // Levels of 5 × 3, 3 × 2, 2 × 1, 1 × 1 px. Pixels 0 and 4 are known: the upper left and right pixels at 3 × 2 weigh
+  // .5, both pixels at 2 × 1 weigh .25 (shared/fill.h), and their mean of .4 is pushed down again.
   const std::vector<Surfaces> two = image({{0, 0.2}, {4, 0.6}});
   CHECK(two[0].surface[0].inverseDepth == 0.2);
   CHECK(two[4].surface[0].inverseDepth == 0.6);

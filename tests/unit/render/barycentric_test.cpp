@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N5: weights against exact rationals on the stored doubles.
+// Barycentric weights against exact rationals computed from the stored doubles.
 #include "render/plan/barycentric.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct Exact {
   friend Rational dot(const Exact& a, const Exact& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 };
 
-// λ by the normal equations of the edges, solved by Cramer's rule: exact.
+// Exact λ: normal equations of the edges, solved by Cramer's rule.
 std::vector<double> exactWeights(const std::vector<glm::dvec3>& corners, glm::dvec3 p) {
   const std::size_t n = corners.size() - 1;
   const Exact origin(corners[0]);
@@ -85,7 +85,7 @@ TEST_CASE("weights are exact to rounding, in small and large worlds", "[N5][T9][
           const Barycentric b = barycentric(corners, p);
           REQUIRE_FALSE(b.degenerate);
           const std::vector<double> expected = exactWeights(corners, p);
-          // Coordinates are rounded at `offset`; a simplex that is thin at that grain is a sliver, tested below.
+          // Coordinates are rounded at `offset`; a simplex as thin as the rounding is a sliver, tested below.
           double largest = 1;
           for (double e : expected) largest = std::max(largest, std::abs(e));
           for (std::size_t i = 0; i < d; ++i) worst = std::max(worst, std::abs(b.free[i] - expected[i]) / largest);
@@ -100,7 +100,7 @@ TEST_CASE("slivers keep their digits where a matrix inverse has none", "[N5][T9]
   std::uniform_real_distribution<double> unit(0.1, 0.9);
   for (double height : {1e-2, 1e-5, 1e-8}) {
     const glm::dvec3 o(5e5, 4.2e6, 250);
-    // Heights are multiples of the coordinates' grain, so that differences are exact.
+    // Heights are multiples of the coordinates' rounding unit, so that differences are exact.
     const double h = std::max(std::round(height / 9.5e-10), 1.0) * 9.313225746154785e-10;
     const std::vector<glm::dvec3> triangle{o, o + glm::dvec3(1, 0, 0), o + glm::dvec3(0.5, h, 0)};
     const std::vector<glm::dvec3> tetrahedron{o, o + glm::dvec3(1, 0, 0), o + glm::dvec3(0, 0, 1),
@@ -132,7 +132,7 @@ TEST_CASE("the clamped point is the closest one", "[N5][P5]") {
       }
       const glm::dvec3 closest = pointOf(corners, b.clamped);
       CHECK(glm::distance(closest, p) == Approx(b.distance).margin(1e-12));
-      // A point of a convex set is the closest one if and only if no corner lies on p's side of it.
+      // Closest point of a convex set: no corner is on p's side of the plane through the point, normal to p − point.
       for (const glm::dvec3& corner : corners) CHECK(glm::dot(p - closest, corner - closest) <= 1e-12);
     }
 }
@@ -161,7 +161,7 @@ TEST_CASE("degenerate simplices fall to a lower one and say so", "[N5][T9]") {
     CHECK(std::isfinite(b.distance));
     CHECK(glm::distance(pointOf(corners, b.clamped), p) == Approx(b.distance));
   }
-  // Three corners in a row: the longest edge decides, so nothing is amplified.
+  // Three collinear corners: the longest edge decides, so errors are not amplified.
   const Barycentric line = barycentric(std::vector{a, a + 0.125 * e, a + e}, p);
   CHECK(line.free[0] == 0.75);
   CHECK(line.free[1] == 0.0);
@@ -198,7 +198,7 @@ TEST_CASE("a cell of a millimetre at UTM coordinates has exact weights; in singl
   const Barycentric b = barycentric(corners, p);
   REQUIRE_FALSE(b.degenerate);
   for (std::size_t i = 0; i < 4; ++i) CHECK(b.free[i] == Approx(expected[i]).margin(1e-14));
-  // As [T] has it: all positions as floats. On the ground the corners fall together.
+  // [T] stores positions as floats: on the ground all corners round to one point.
   for (const glm::dvec3& corner : corners) CHECK((glm::vec2(corner) == glm::vec2(o)));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells that share photographs agree on where these are seen ([T] §2.6.4, fig. 14).
+// Cells that share photographs are aligned where both show them ([T] §2.6.4, fig. 14).
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "render/plan/alignment_fit.h"
 #include "render/plan/anchors.h"
 #include "render/plan/cell_alignment.h"
@@ -23,7 +23,7 @@ Camera cameraAt(glm::dvec3 position, double yaw = 0) {
   return {pinholeFromFov(320, 240, 1.2), {position, glm::angleAxis(yaw, glm::dvec3(0, 1, 0))}};
 }
 
-// A wall and a board before it, seen from four places.
+// A wall and a board in front, seen from four positions.
 Scene sceneOf(std::vector<std::vector<std::uint32_t>> cells, bool atInfinity = false) {
   SyntheticOptions options;
   options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}, 0.05), cameraAt({0.4, 0.9, 0.1}, -0.05),
@@ -39,7 +39,7 @@ Scene sceneOf(std::vector<std::vector<std::uint32_t>> cells, bool atInfinity = f
 
 const std::vector<std::vector<std::uint32_t>> kNeighbours{{0, 1, 2}, {1, 2, 3}};
 
-// A photograph's pose is wrong: of these cells, {1, 2, 3}'s alone.
+// Turns the pose of a photograph; node 3 of kNeighbours belongs to cell {1, 2, 3} alone.
 Scene turned(Scene scene, std::size_t node, double degrees) {
   glm::dquat& rotation = scene.nodes[node].camera.pose.rotation;
   rotation = glm::angleAxis(glm::radians(degrees), glm::normalize(glm::dvec3(0.3, 1, 0.2))) * rotation;
@@ -78,7 +78,7 @@ glm::dvec3 anyDirection(std::mt19937_64& random) {
   return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
 }
 
-// What two meshes say of places in front, the second by a planted motion.
+// Planted matches of two meshes' points in front of the camera; `motion` displaces the second mesh.
 std::vector<SightPair> planted(const Motion& motion, std::size_t count, double nearness) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -105,11 +105,11 @@ TEST_CASE("a planted motion is found, though a third of the pairs lie") {
   std::vector<SightPair> pairs = planted(motion, 300, 1);
   CHECK(largestDifference(fitMotion(pairs).motion, motion) < 3e-4);
   std::mt19937_64 random(9);
-  for (std::size_t i = 0; i < pairs.size(); i += 3)  // all the same way, and any way
+  for (std::size_t i = 0; i < pairs.size(); i += 3)  // a third are outliers: alike, or random
     pairs[i].to.direction =
         glm::normalize(pairs[i].to.direction + 0.05 * (i % 2 ? glm::dvec3(1, 0, 0) : anyDirection(random)));
   CHECK(largestDifference(fitMotion(pairs).motion, motion) < 1.5e-3);
-  // Infinitely far away a translation shows nothing; none is made up.
+  // At infinity a translation is invisible, so none must be estimated.
   const Motion found = fitMotion(planted({0.004, -0.009, 0.006}, 300, 0)).motion;
   CHECK(largestDifference(found, {0.004, -0.009, 0.006}) < 3e-5);
 }
@@ -119,7 +119,7 @@ TEST_CASE("what is not determined stays nothing") {
   CHECK(fitMotion(pairs).motion == Motion{});
   for (SightPair& pair : pairs) pair.to.direction = glm::normalize(glm::dvec3(0.01, 0, -1));
   const Motion one = fitMotion(pairs).motion;
-  CHECK(std::abs(one[1] + 0.01) < 1e-4);  // up turns −z to −x
+  CHECK(std::abs(one[1] + 0.01) < 1e-4);  // a turn about the up axis moves −z towards −x
   CHECK(largestDifference(one, {0, one[1]}) < 1e-9);
   CHECK(solved({}, {1, 2, 3, 4, 5, 6}) == Motion{});
 }
@@ -127,19 +127,19 @@ TEST_CASE("what is not determined stays nothing") {
 TEST_CASE("anchors lie on the photograph's ray, and see what every member sees") {
   const Scene scene = sceneOf(kNeighbours);
   const SceneBounds bounds = sceneBounds(scene);
-  const AnchorsOnDemand::OfCells& anchors = bounds.anchors->of(scene);
-  CHECK(&anchors == &bounds.anchors->of(scene));  // looked up once
+  const SceneBounds::Anchors::OfCells& anchors = bounds.anchors->of(scene);
+  CHECK(&anchors == &bounds.anchors->of(scene));  // computed once
   CHECK_FALSE(anchors[0].empty());
   for (std::size_t c = 0; c < 2; ++c)
     for (const CellBounds::Anchor& anchor : anchors[c]) {
-      CHECK((anchor.photograph == 1 || anchor.photograph == 2));  // the only ones that both show
+      CHECK((anchor.photograph == 1 || anchor.photograph == 2));  // the only photographs that both cells show
       const auto& members = scene.cells[c].members;
       const std::size_t member = std::size_t(std::ranges::find(members, anchor.photograph) - members.begin());
       const auto pixel = project(scene.nodes[anchor.photograph].camera.intrinsics, anchor.point.point[member]);
       REQUIRE(pixel);
-      CHECK(std::abs(pixel->x - 320 * (anchor.place % kAnchorSide + 0.5) / kAnchorSide) < 1e-2);
-      CHECK(std::abs(pixel->y - 240 * (anchor.place / kAnchorSide + 0.5) / kAnchorSide) < 1e-2);
-      // Both planes lie across the z axis: every member gives the same point of one of them.
+      CHECK(std::abs(pixel->x - 320 * (anchor.gridCell % kAnchorSide + 0.5) / kAnchorSide) < 1e-2);
+      CHECK(std::abs(pixel->y - 240 * (anchor.gridCell / kAnchorSide + 0.5) / kAnchorSide) < 1e-2);
+      // Both planes are perpendicular to the z axis: every member gives the same point on one of the planes.
       for (std::size_t i = 0; i < members.size(); ++i) {
         const Pose& pose = scene.nodes[members[i]].camera.pose;
         const double z =
@@ -148,9 +148,9 @@ TEST_CASE("anchors lie on the photograph's ray, and see what every member sees")
       }
     }
   CHECK(std::ranges::is_sorted(anchors[0], {},
-                               [](const CellBounds::Anchor& a) { return std::pair(a.photograph, a.place); }));
+                               [](const CellBounds::Anchor& a) { return std::pair(a.photograph, a.gridCell); }));
   const Scene lone = sceneOf({{0, 1, 2}});
-  CHECK(AnchorsOnDemand().of(lone).at(0).empty());
+  CHECK(SceneBounds::Anchors().of(lone).at(0).empty());
 }
 
 TEST_CASE("cells that differ because a pose is wrong agree again") {
@@ -243,7 +243,7 @@ TEST_CASE("corrections are finite wherever the view is") {
         for (const PlannedCell& cell : planOf(scene, view, settings).cells) CHECK(isFinite(cell.correction));
       }
   }
-  // All photographs in one place, and the eye there too.
+  // All photographs and the eye at one position.
   Scene scene = turned(sceneOf(kNeighbours), 3, 0.5);
   for (Node& node : scene.nodes) node.camera.pose.position = {};
   for (const PlannedCell& cell : planOf(scene, cameraAt({})).cells) CHECK(isFinite(cell.correction));
@@ -257,10 +257,10 @@ TEST_CASE("both eyes get one correction, a rigid motion") {
   const Correction& correction = plan.cells[0].correction;
   CHECK(angleOf(correction) > 1e-4);
   CHECK(glm::length(correction.pivot - glm::dvec3(0.65, 0.6, 0.15)) < 1e-12);
-  // A point X at distance 1 / ρ, from each eye, is the same moved point.
+  // A point X at distance 1 / ρ from each eye moves to the same point for both eyes.
   const glm::dvec3 point(0.4, 0.2, -4);
   const auto seenFrom = [&](glm::dvec3 eye) {
-    return eye + corrected(correction, point - eye, eye);  // Σ λ_i c_i = X, nothing else, ρ = 1
+    return eye + corrected(correction, point - eye, eye);  // Σ λ_i c_i = X, no directions, ρ = 1
   };
   CHECK(glm::length(seenFrom(left.pose.position) - seenFrom(right.pose.position)) < 1e-12);
   CHECK(glm::length(seenFrom(left.pose.position) - point) > 1e-4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells cover a view best (render/plan/cell_cover.h, cell_choice.h).
+// Choice of the cells that cover a view best (render/plan/cell_cover.h, cell_choice.h).
 #include "render/plan/cell_cover.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ Camera viewAt(glm::dvec3 position, glm::dquat rotation = {1, 0, 0, 0}) {
   return {pinholeFromFov(640, 480, std::numbers::pi / 3), {position, rotation}};
 }
 
-// Points all over what a camera sees at a distance along its axis; at infinity for 0 of its inverse.
+// Bounds with points all over a camera's view, at this inverse distance along the axis; 0: at infinity.
 CellBounds seenFrom(const Camera& camera, double inverseDistance) {
   CellBounds bounds;
   const Intrinsics& k = camera.intrinsics;
@@ -45,7 +45,7 @@ TEST_CASE("a cell covers the tiles that its points are seen in, of each view") {
   const glm::dvec3 place = camera.pose.position;
   CHECK(coverOf(bounds, place, std::vector{camera}).count() == kCoverTiles / 2);
   CHECK(coverOf(bounds, place, std::vector{camera, camera}).count() == kCoverTiles);
-  // Turned by half of the field of view: the half of the picture towards the cell.
+  // Turned by half of the field of view: the cell covers only the half of the picture on its side.
   const Camera aside = viewAt(place, glm::angleAxis(std::numbers::pi / 6, glm::dvec3(0, 1, 0)));
   const std::size_t half = coverOf(bounds, place, std::vector{aside}).count();
   CHECK(half >= kCoverTiles / 4);
@@ -61,13 +61,13 @@ TEST_CASE("what lies at infinity is covered from everywhere, also far from the o
   for (const double far : {0.0, 1e3, 1e9, 1e12}) {
     const Camera moved = viewAt({far, 0, 0});
     CHECK(coverOf(sky, {0, 0, 0}, std::vector{moved}).count() == kCoverTiles / 2);
-    CHECK(coverOf(wall, {far, 0, 0}, std::vector{moved}).count() == kCoverTiles / 2);  // the world moved
+    CHECK(coverOf(wall, {far, 0, 0}, std::vector{moved}).count() == kCoverTiles / 2);  // the cell's world moved along
     if (far > 0) CHECK(coverOf(wall, {0, 0, 0}, std::vector{moved}).none());
   }
 }
 
 TEST_CASE("cells are chosen by what they add, not by what they are worth alone") {
-  // 0 and 1 show the same four tiles and are worth most; 2 shows another one.
+  // 0 and 1 cover the same four tiles and are worth most; 2 covers another tile.
   const std::vector<CellCover> covers{tiles({0, 1, 2, 3}), tiles({0, 1, 2, 3}), tiles({4})};
   const std::vector<double> worth{1, 0.9, 0.3};
   CHECK(coveringCells(covers, worth, 0, 2, 3) == std::vector<std::size_t>{0, 2});
@@ -75,14 +75,14 @@ TEST_CASE("cells are chosen by what they add, not by what they are worth alone")
   CHECK(coveringCells(covers, worth, 0, 0, 3).empty());
   CHECK(coveringCells(covers, worth, 0, 3, 3) == std::vector<std::size_t>{0, 1, 2});
   CHECK(coveringCells(covers, worth, 0, 64, 3).size() == 3);
-  CHECK(coveringCells(covers, worth, 0, 1, 1) == std::vector<std::size_t>{1});  // forced
+  CHECK(coveringCells(covers, worth, 0, 1, 1) == std::vector<std::size_t>{1});  // the forced cell
   CHECK(coveringCells({}, {}, 0, 4, 0).empty());
-  // What is behind is worth more than the last.
+  // The background, worth 0.5 and then 2, is worth more than the last cell.
   CHECK(coveringCells(covers, worth, 0.5, 2, 3) == std::vector<std::size_t>{0});
   CHECK(coveringCells(covers, worth, 0.5, 8, 3) == std::vector<std::size_t>{0});
   CHECK(coveringCells(covers, worth, 2, 2, 3).empty());
   CHECK(coveringCells(covers, worth, 2, 2, 1) == std::vector<std::size_t>{1});
-  // Where nothing is gained the given order decides.
+  // If no cell gains anything, the given order decides.
   const std::vector<CellCover> none(3);
   CHECK(coveringCells(none, worth, 0, 2, 3) == std::vector<std::size_t>{0, 1});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which slot a cell's table lives in, and how tables move: decided without a device (NUMERICS T18).
+// Slots of the cells' colour tables and the speed of the tables, planned without a device.
 #include "render/plan/colour_plan.h"
 
 #include <catch2/catch.hpp>
@@ -36,63 +36,63 @@ TEST_CASE("a cell keeps its slot for as long as it is drawn, and slots differ") 
   CHECK_FALSE(plan.cells[0].colourFresh);
   CHECK(plan.cells[1].colourFresh);
   plan = colours(planOf({7}), 0.02, plan.next);
-  CHECK(plan.cells[0].colourFresh);  // was away for a frame
+  CHECK(plan.cells[0].colourFresh);  // absent for one frame
   plan = colours(planOf({7}, ColourMapping::off), 0.02, plan.next);
   CHECK(plan.cells[0].colourSlot == kColourSlotCount);
   CHECK(plan.next.colourSlots.empty());
 
   std::vector<std::uint32_t> many, others;
-  for (std::uint32_t c = 0; c < kLargestCellCount; ++c) many.push_back(c), others.push_back(1000 + c);
+  for (std::uint32_t c = 0; c < kMaxCellCount; ++c) many.push_back(c), others.push_back(1000 + c);
   PlanState state = colours(planOf(many), 0, {}).next;
   for (int frame = 0; frame < 3; ++frame) {
     FramePlan full = planOf(frame % 2 ? many : others);
-    for (std::uint32_t c : frame % 2 ? others : many) full.former.emplace_back().cell = c;
+    for (std::uint32_t c : frame % 2 ? others : many) full.previous.emplace_back().cell = c;
     full = colours(full, 0, state);
     std::set<std::uint32_t> slots;
     for (const PlannedCell& cell : full.cells) slots.insert(cell.colourSlot);
-    for (const PlannedCell& cell : full.former) slots.insert(cell.colourSlot);
-    CHECK(slots.size() == 2 * kLargestCellCount);
+    for (const PlannedCell& cell : full.previous) slots.insert(cell.colourSlot);
+    CHECK(slots.size() == 2 * kMaxCellCount);
     CHECK(*slots.rbegin() < kColourSlotCount);
     state = full.next;
   }
 }
 
-TEST_CASE("cells of the former order keep the tables they had, in the same slots") {
+TEST_CASE("cells of the previous order keep the tables they had, in the same slots") {
   FramePlan plan = colours(planOf({1, 2}), 0.02, {});
   FramePlan next = planOf({2, 4});
-  next.former = planOf({1, 2}).cells;
-  next.formerWeight = 1;
+  next.previous = planOf({1, 2}).cells;
+  next.previousWeight = 1;
   next = colours(next, 0.02, plan.next);
-  CHECK(next.former[0].colourSlot == plan.cells[0].colourSlot);
-  CHECK(next.former[1].colourSlot == next.cells[0].colourSlot);
-  CHECK_FALSE(next.former[0].colourFresh);
-  CHECK(next.formerWeight == 1);
+  CHECK(next.previous[0].colourSlot == plan.cells[0].colourSlot);
+  CHECK(next.previous[1].colourSlot == next.cells[0].colourSlot);
+  CHECK_FALSE(next.previous[0].colourFresh);
+  CHECK(next.previousWeight == 1);
 
   next = planOf({2, 4}, ColourMapping::paper);
-  next.former = planOf({1, 2}).cells;
-  next.formerWeight = 1;
+  next.previous = planOf({1, 2}).cells;
+  next.previousWeight = 1;
   next = colours(next, 0.02, plan.next);
-  CHECK(next.former.empty());
-  CHECK(next.formerWeight == 0);
+  CHECK(next.previous.empty());
+  CHECK(next.previousWeight == 0);
 }
 
 TEST_CASE("what no table was made for shows its own colours") {
   FramePlan plan = planOf({1, 2});
-  plan.former = planOf({1, 5}).cells;
-  plan.formerWeight = 1;
-  plan.leaving = {{planOf({6}).cells[0], 1}, {plan.cells[1], 2}};
-  plan = colours(plan, 0.02, {});  // colours were not mapped in the frame before
-  CHECK(plan.former[1].colourSlot == kColourSlotCount);
-  CHECK(plan.leaving[0].planned.colourSlot == kColourSlotCount);
-  CHECK(plan.former[0].colourSlot == plan.cells[0].colourSlot);
-  CHECK(plan.leaving[1].planned.colourSlot == plan.cells[1].colourSlot);
+  plan.previous = planOf({1, 5}).cells;
+  plan.previousWeight = 1;
+  plan.fadingOut = {{planOf({6}).cells[0], 1}, {plan.cells[1], 2}};
+  plan = colours(plan, 0.02, {});  // colours were not mapped in the previous frame
+  CHECK(plan.previous[1].colourSlot == kColourSlotCount);
+  CHECK(plan.fadingOut[0].planned.colourSlot == kColourSlotCount);
+  CHECK(plan.previous[0].colourSlot == plan.cells[0].colourSlot);
+  CHECK(plan.fadingOut[1].planned.colourSlot == plan.cells[1].colourSlot);
 }
 
 TEST_CASE("after a switch the main table is the identity in a second, in equal steps; another switch begins anew") {
   PlanState state = colours(planOf({1, 2}), 0, {}).next;
   state.mainCell = 1;
   FramePlan plan = planOf({2, 1});
-  double left = 1;  // part of the way that is left
+  double left = 1;  // remaining part of the way
   int frames = 0;
   for (; left > 0 && frames < 100; ++frames) {
     plan = colours(planOf({2, 1}), 0.05, state);
@@ -101,7 +101,7 @@ TEST_CASE("after a switch the main table is the identity in a second, in equal s
     state = plan.next;
     if (frames == 9) break;
   }
-  CHECK(frames == 9);  // half-way
+  CHECK(frames == 9);  // halfway
   plan = colours(planOf({1, 2}), 0.05, state);
   CHECK(plan.colour.mainShare == Approx(0.05));
   state = plan.next;
@@ -116,15 +116,15 @@ TEST_CASE("after a switch the main table is the identity in a second, in equal s
 
 TEST_CASE("time that stands still moves no table; the first frame shows its target", "[N9][T18]") {
   FramePlan plan = colours(planOf({1, 2}), 0, {});
-  CHECK(plan.colour.mainShare == 1);  // there is nothing to fade from
+  CHECK(plan.colour.mainShare == 1);  // no previous table to fade from
   plan = colours(planOf({2, 1}), 0, plan.next);
   CHECK(plan.colour.mainShare == 0);
   CHECK(plan.colour.share == 0);
-  CHECK(plan.colour.largestStep == 0);
+  CHECK(plan.colour.maxStep == 0);
   plan = colours(planOf({2, 1}), 0.1, plan.next);
   CHECK(plan.colour.share > 0.3);
   CHECK(plan.colour.share < 1);
-  CHECK(plan.colour.largestStep == Approx(12));
+  CHECK(plan.colour.maxStep == Approx(12));
 
   FramePlan atOnce = planOf({1, 2});
   atOnce.settings.colourSmoothSeconds = atOnce.settings.colourFadeSeconds = 0;
@@ -132,9 +132,9 @@ TEST_CASE("time that stands still moves no table; the first frame shows its targ
   CHECK(atOnce.colour.share == 1);
   CHECK(atOnce.colour.mainShare == 1);
 
-  plan = colours(planOf({1, 2}, ColourMapping::paper), 0.02, plan.next);  // the paper fades, but does not smooth
+  plan = colours(planOf({1, 2}, ColourMapping::paper), 0.02, plan.next);  // paper fades without smoothing
   CHECK(plan.colour.share == 1);
-  CHECK(plan.colour.largestStep == 255);
+  CHECK(plan.colour.maxStep == 255);
   CHECK(plan.colour.mainShare == Approx(0.02));
 }
 
@@ -148,7 +148,7 @@ TEST_CASE("colours are counted every few frames, and at once where a cell is new
     state = plan.next;
   }
   CHECK(counted == 5);
-  CHECK_FALSE(colours(planOf({2, 1}), 0.02, state).colour.counted);  // another order of the same
+  CHECK_FALSE(colours(planOf({2, 1}), 0.02, state).colour.counted);  // the same cells in another order
   CHECK(colours(planOf({1, 2, 3}), 0.02, state).colour.counted);
   FramePlan always = planOf({1, 2});
   always.settings.colourPeriod = 1;

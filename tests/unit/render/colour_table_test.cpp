@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N9: properties of colour tables over random and extreme histograms, traps T14–T18.
+// Properties of colour tables over random and extreme histograms.
 #include "render/plan/colour_table.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ std::uint32_t below(std::mt19937& random, std::uint32_t count) {
 
 constexpr std::uint32_t kMethods[]{kMapNaive, kMapStrict, kMapPreserving};
 
-// Both histograms of `count` pixels, each level of `modify` seen as a random one near `change` of it.
+// Two histograms of `count` pixels: a level of `modify` is `change` of that level in the reference.
 template <class Change>
 Pair pixels(std::mt19937& random, std::string kind, std::uint32_t count, int low, int high, Change change) {
   Pair pair{std::move(kind)};
@@ -93,7 +93,7 @@ Pair randomPair(std::mt19937& random) {
   }
 }
 
-// Straight from the formulas, with loops and wide integers; nothing shared with the code under test.
+// Evaluates the formulas directly, with loops and wide integers; shares no code with the tested tables.
 int oracle(const Pair& pair, int i, std::uint32_t method) {
   using Wide = long long;
   std::array<Wide, 256> r{}, m{};
@@ -132,7 +132,7 @@ TEST_CASE("tables of a hundred thousand histogram pairs keep what N9 promises", 
     bool monotone = true, right = true;
     for (std::size_t i = 0; i < 256; ++i) {
       monotone &= i == 0 || table[i - 1] <= table[i];
-      // The whole table against the formulas takes a while: of every pair some levels, of every level some pairs.
+      // Checking whole tables is slow: some levels of every pair are checked, and every level in some pairs.
       if (seen && (i * 7 + std::size_t(round)) % 37 == 0) right &= table[i] == oracle(pair, int(i), method);
     }
     if (monotone && right) continue;
@@ -210,7 +210,7 @@ TEST_CASE("a planted change of exposure is found again", "[N9]") {
     const auto changed = [&](double level) {
       return std::clamp(std::lround(255 * gain * std::pow(level / 255, gamma)), 0l, 255l);
     };
-    // The scene as the reference shows it, dark parts more often; the cell to be mapped sees it `changed`.
+    // Levels as the reference shows the scene, dark ones more often; the mapped cell shows them `changed`.
     std::normal_distribution<double> scene(110, 45);
     std::vector<int> before, after;
     Pair pair{"exposure"};
@@ -218,7 +218,7 @@ TEST_CASE("a planted change of exposure is found again", "[N9]") {
       const int r = std::clamp(int(std::lround(scene(random))), 0, 255), m = int(changed(r));
       ++pair.reference[std::size_t(r)];
       ++pair.modify[std::size_t(m)];
-      if (m == 255) continue;  // what the exposure burnt out nothing brings back
+      if (m == 255) continue;  // clipped levels cannot be restored
       before.push_back(m);
       after.push_back(r);
     }
@@ -244,7 +244,7 @@ TEST_CASE("tables move towards their target, arrive exactly, and never faster th
     REQUIRE(std::max(shown, target) >= next);
     REQUIRE(std::min(shown, target) <= next);
     if (shown != target) REQUIRE(way != 0);
-    // Increasing in both.
+    // The result increases with both arguments.
     if (shown < 255 * kFine) REQUIRE(approach(shown + 1, target, share, step) >= next);
     if (target < 255 * kFine) REQUIRE(approach(shown, target + kFine, share, step) >= next);
     REQUIRE(approach(shown, target, 0, step) == shown);
@@ -291,7 +291,7 @@ TEST_CASE("a range of one level goes on with slope 1", "[N9][T15]") {
 TEST_CASE("histograms of the same pixels map exactly from any sample, of others only from many", "[N9][T17]") {
   std::mt19937 random(17);
   std::normal_distribution<double> scene(110, 45);
-  const auto changed = [](int r) { return std::size_t(40 + r / 2); };  // a darker, flatter exposure, two levels to one
+  const auto changed = [](int r) { return std::size_t(40 + r / 2); };  // darker and flatter: two levels become one
   const auto levelOf = [&] { return std::clamp(int(std::lround(scene(random))), 0, 255); };
   std::vector<double> errors;
   for (const int samples : {10, 1000, 100'000}) {
@@ -310,7 +310,7 @@ TEST_CASE("histograms of the same pixels map exactly from any sample, of others 
       double sum = 0, levels = 0;
       for (int m = 40; m < 168; ++m) {
         if (!seen[std::size_t(m)]) continue;
-        const int r = 2 * (m - 40);  // or the one above, that became the same level
+        const int r = 2 * (m - 40);  // or r + 1, which became the same level
         REQUIRE((exact[std::size_t(m)] == r || exact[std::size_t(m)] == r + 1));
         sum += std::abs(noisy[std::size_t(m)] - (r + 0.5)), ++levels;
       }

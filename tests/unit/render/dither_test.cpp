@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N7: the member chosen by dithering, for weights and random numbers at their extremes.
+// Choice of a member by dithering, for extreme weights and random numbers.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gains of photographs: the curve that stands for them in shaders, and what a frame adapts to.
+// Gains of photographs: the approximate transfer curve of shaders, and the adaptation of a frame.
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
@@ -7,7 +7,7 @@
 #include <glm/exponential.hpp>
 #include <numbers>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "image/srgb.h"
 #include "scene/synth/synthetic.h"
 #include "shared/cell.h"
@@ -16,7 +16,7 @@ using namespace ibr;
 
 namespace {
 
-// Of all levels and gains of 1/most to most, in levels.
+// Largest error over all levels and gains of 1/most to most, 8-bit levels.
 double worstError(double most) {
   double worst = 0;
   for (int step = -200; step <= 200; ++step)
@@ -29,7 +29,7 @@ double worstError(double most) {
   return worst;
 }
 
-// Three photographs a metre apart in front of a wall, one cell.
+// Three photographs about 1 unit apart in front of a wall, in one cell.
 Scene exposedScene() {
   SyntheticOptions options;
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0, 0}, {0.5, 0.8, 0}})
@@ -85,7 +85,7 @@ TEST_CASE("what is clipped stays white, and what is not keeps the curve") {
   CHECK(shader::exposedColour(vec3(1), gain, slope) == vec3(1));
   const vec3 lit(0.85f, 0.5f, 0.2f), shown = shader::exposedColour(lit, gain, slope);
   for (int c = 0; c < 3; ++c) CHECK(shown[c] == shader::exposedValue(lit[c], gain[c], slope[c]));
-  for (int level = 1; level < 256; ++level)  // no darker for being lighter
+  for (int level = 1; level < 256; ++level)  // a lighter level never gets darker
     CHECK(shader::exposedColour(vec3(float(level) / 255), gain, slope).r >
           shader::exposedColour(vec3(float(level - 1) / 255), gain, slope).r);
   const vec3 brighter = shader::exposedColour(vec3(1, 0.5f, 0.5f), vec3(2), vec3(std::pow(2.0f, 1 / 2.4f)));
@@ -122,7 +122,7 @@ TEST_CASE("the eye adapts over time, and at once where nothing was seen before")
   CHECK(near(still.exposure, first.exposure));
   settings.exposureSeconds = 0;
   CHECK(near(planAt(scene, {1, 0, 0}, settings, 0.05, first.next).exposure, 1.0 / scene.nodes[1].gain));
-  // Where nothing is shown the eye keeps to what it saw.
+  // If nothing is drawn, the exposure stays.
   const FramePlan away = planAt(scene, {0, 0, 900}, settings, 0.05, first.next);
   REQUIRE(away.cells.empty());
   CHECK(near(away.exposure, first.exposure));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells are planned, in which order ([T] §2.5.2); N8.
+// Choice and order of the planned cells ([T] §2.5.2).
 #include <fmt/format.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -12,8 +12,8 @@
 #include <random>
 
 #include "ibr/error.h"
-#include "ibr/renderer.h"
-#include "render/passes/steps.h"
+#include "ibr/frame_plan.h"
+#include "render/passes/draw_list.h"
 #include "render/plan/cell_order.h"
 
 using namespace ibr;
@@ -47,7 +47,7 @@ Cell cellOf(const Scene& scene, std::vector<std::uint32_t> members) {
   return cell;
 }
 
-// 3×3 spots a metre apart on the ground, four directions each, and every small square as two triangles per direction.
+// 3×3 sites a metre apart on the ground, four directions each; each small square has two triangles per direction.
 Scene stackedGrid() {
   Scene scene;
   for (int y = 0; y < 3; ++y)
@@ -62,7 +62,7 @@ Scene stackedGrid() {
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 2; ++x)
       for (int k = 0; k < 4; ++k) {
-        // Member order differs from direction to direction, on purpose.
+        // Member order differs between directions on purpose.
         std::vector<std::uint32_t> lower{node(x, y, k), node(x + 1, y, k), node(x, y + 1, k)};
         std::vector<std::uint32_t> upper{node(x + 1, y + 1, k), node(x + 1, y, k), node(x, y + 1, k)};
         std::rotate(lower.begin(), lower.begin() + k % 3, lower.end());
@@ -73,7 +73,7 @@ Scene stackedGrid() {
 }
 
 FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings = {}, PlanState state = {}) {
-  settings.maxCells = kLargestCellCount;
+  settings.maxCells = kMaxCellCount;
   return planFrame(scene, sceneBounds(scene), {{view}, settings}, state);
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("cells behind the view are culled, cells in view never are") {
         const bool planned = std::any_of(plan.cells.begin(), plan.cells.end(), [&](auto& p) { return p.cell == c; });
         kept += planned;
         if (planned) continue;
-        // Culled: no vertex of the cell may land inside the picture.
+        // A culled cell must have no vertex inside the picture.
         const Cell& cell = scene.cells[c];
         const Barycentric b = cellDistance(scene, cell, 1, view.pose).weights;
         const Weights& w = morph == Morph::ours ? b.clamped : b.free;
@@ -154,7 +154,7 @@ TEST_CASE("the order of cells, members and nodes in the scene changes nothing", 
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   std::shuffle(order.begin(), order.end(), random);
   for (std::size_t i = 0; i < order.size(); ++i) shuffled.cells[i] = scene.cells[order[i]];
-  // On a vertex shared by many cells, equally far from all directions: every key ties.
+  // At a vertex of many cells, equally far from all directions, every sort key ties.
   for (const Camera& view :
        {cameraAt({1, 0, 1}, kPi / 4), cameraAt({0.3, 0.1, 0.2}, 0.1), cameraAt({1.5, 0, 1.5}, 0)}) {
     const FramePlan a = planOf(scene, view), b = planOf(shuffled, view);
@@ -247,24 +247,24 @@ TEST_CASE("a switch of the main cell is mixed for its time, then forgotten") {
   const std::int64_t first = state.mainCell;
   FramePlan plan = planFrame(scene, bounds, {{after}, {}, 0.05}, state);
   CHECK(plan.next.mainCell != first);
-  CHECK(plan.formerWeight == 1);  // the picture does not change yet
-  REQUIRE_FALSE(plan.former.empty());
-  CHECK(plan.former[0].cell == std::uint32_t(first));
+  CHECK(plan.previousWeight == 1);  // the picture does not change in the first frame
+  REQUIRE_FALSE(plan.previous.empty());
+  CHECK(plan.previous[0].cell == std::uint32_t(first));
   double last = 1;
-  for (int frame = 1; frame <= 4; ++frame) {  // of 0.25 s; meanwhile the main cell stays, even if the camera goes back
+  for (int frame = 1; frame <= 4; ++frame) {  // of 0.25 s; the main cell stays even if the camera returns
     plan = planFrame(scene, bounds, {{frame % 2 ? before : after}, {}, 0.05}, plan.next);
     CHECK(plan.next.mainCell != first);
-    CHECK(plan.formerWeight < last);
-    CHECK(plan.formerWeight > 0);
-    last = plan.formerWeight;
+    CHECK(plan.previousWeight < last);
+    CHECK(plan.previousWeight > 0);
+    last = plan.previousWeight;
   }
   plan = planFrame(scene, bounds, {{after}, {}, 0.05}, plan.next);
-  CHECK(plan.formerWeight == 0);
-  CHECK(plan.former.empty());
-  CHECK(planFrame(scene, bounds, {{before}, {}, 0.05}, plan.next).formerWeight == 1);
+  CHECK(plan.previousWeight == 0);
+  CHECK(plan.previous.empty());
+  CHECK(planFrame(scene, bounds, {{before}, {}, 0.05}, plan.next).previousWeight == 1);
   RenderSettings cut;
   cut.switchSeconds = 0;
-  CHECK(planFrame(scene, bounds, {{after}, cut, 0.05}, state).formerWeight == 0);
+  CHECK(planFrame(scene, bounds, {{after}, cut, 0.05}, state).previousWeight == 0);
 }
 
 TEST_CASE("time between frames is clamped (T18)", "[N9][T18]") {
@@ -273,7 +273,7 @@ TEST_CASE("time between frames is clamped (T18)", "[N9][T18]") {
   PlanState state = planFrame(scene, bounds, {{cameraAt({0.45, 0, 0.45})}, {}, 0}, {}).next;
   state = planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, 0}, state).next;
   for (const double dt : {0.0, -5.0, std::numeric_limits<double>::quiet_NaN()})
-    CHECK_FALSE(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).formerWeight < 1);
+    CHECK_FALSE(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).previousWeight < 1);
   for (const double dt : {1e9, std::numeric_limits<double>::infinity()})
     CHECK(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).next.secondsSinceSwitch == 0.1);
 }
@@ -314,20 +314,20 @@ TEST_CASE("cells dissolve before they reach the limit, and the main cell is neve
 
 TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays the same") {
   Scene scene = stackedGrid();
-  const auto lowestTier = [&](const RenderSettings& settings) {
-    return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.lowestTier;
+  const auto maxTier = [&](const RenderSettings& settings) {
+    return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.maxTier;
   };
   const RenderSettings balanced = preset(Preset::balanced, DeviceKind::software);
-  CHECK(lowestTier(balanced) == kTierFilled);
+  CHECK(maxTier(balanced) == kTierFilled);
   const FramePlan filled = planOf(scene, cameraAt({0.1, 0, 0.1}), balanced);
   scene.nodes.back().maskFile = "mask.png";
   for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference})
     for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware})
-      CHECK(lowestTier(preset(name, kind)) == kTierCompleted);
+      CHECK(maxTier(preset(name, kind)) == kTierCompleted);
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).cells.size() == filled.cells.size());
   RenderSettings few;
-  few.lowestTier = kTierAgrees;
-  CHECK(lowestTier(few) == kTierAgrees);
+  few.maxTier = kTierAgrees;
+  CHECK(maxTier(few) == kTierAgrees);
 }
 
 TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequence of colours") {
@@ -344,7 +344,7 @@ TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequen
     for (int i = 0; i < 200; ++i) {
       const FramePlan plan = planFrame(scene, bounds, {{cameraAt({0.2, 0, 0.2}, 0.03 * i)}, settings, 0.03}, state);
       for (const PlannedCell& cell : plan.cells) faded |= cell.opacity < 1;
-      faded |= !plan.leaving.empty();
+      faded |= !plan.fadingOut.empty();
       state = plan.next;
     }
     CHECK(faded == (mapping != ColourMapping::paper));
@@ -370,10 +370,10 @@ TEST_CASE("the hybrid draws two cells at most, which add to each other; chosen c
   REQUIRE(cells.cells.size() > 3);
   settings.composition = Composition::hybrid;
   const FramePlan hybrid = plan();
-  CHECK(hybrid.cells.size() == 1);  // the others show nothing that it does not
+  CHECK(hybrid.cells.size() == 1);  // the other cells cover nothing more
   CHECK(hybrid.cells[0].cell == cells.cells[0].cell);
   CHECK(hybrid.photographs.size() == 2);
-  CHECK(plan(kPi / 4).cells.size() == 2);  // one to the left, one to the right
+  CHECK(plan(kPi / 4).cells.size() == 2);  // one on the left, one on the right
   settings.maxCells = 1;
   CHECK(plan().cells.size() == 1);
   settings.maxCells = 12;
@@ -403,35 +403,35 @@ TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and
   const FramePlan without = plan(muted);
   CHECK(without.culledByChoice == 1);
   CHECK(without.cells[1].cell == plan({}).cells[2].cell);
-  RenderSettings few = muted;  // what is muted takes nobody's place
+  RenderSettings few = muted;  // muted cells do not count for maxCells
   few.maxCells = 2;
   CHECK(plan(few).cells.size() == 2);
 
-  // Out, and in again.
+  // The muted cell fades out, and fades in again after it is unmuted.
   FramePlan next = plan(muted, all.next);
-  REQUIRE(next.leaving.size() == 1);
-  CHECK(next.leaving[0].planned.cell == second);
-  CHECK(next.leaving[0].planned.opacity == Approx(0.6));
+  REQUIRE(next.fadingOut.size() == 1);
+  CHECK(next.fadingOut[0].planned.cell == second);
+  CHECK(next.fadingOut[0].planned.opacity == Approx(0.6));
   for (int i = 0; i < 3; ++i) next = plan(muted, next.next);
-  CHECK(next.leaving.empty());
+  CHECK(next.fadingOut.empty());
   next = plan({}, next.next);
   REQUIRE(next.cells[1].cell == second);
   CHECK(next.cells[1].opacity == Approx(0.4));
 
-  // The main cell goes as it goes when another one becomes better.
+  // Muting the main cell has the effect of a switch to a better main cell: a cross-fade.
   muted.mutedCells = {main};
   next = plan(muted, all.next);
   CHECK(next.cells[0].cell == second);
-  CHECK(next.formerWeight == 1);
-  REQUIRE(!next.former.empty());
-  CHECK(next.former[0].cell == main);
+  CHECK(next.previousWeight == 1);
+  REQUIRE(!next.previous.empty());
+  CHECK(next.previous[0].cell == main);
 
   RenderSettings solo;
   solo.soloCells = {main, 1000};
   CHECK(plan(solo).cells.size() == 1);
   next = plan(solo, all.next);
-  CHECK(!next.leaving.empty());
+  CHECK(!next.fadingOut.empty());
   for (int i = 0; i < 3; ++i) next = plan(solo, next.next);
-  CHECK(next.leaving.empty());
+  CHECK(next.fadingOut.empty());
   CHECK(next.cells.size() == 1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two morphs against geometry: the error of [T] eq. 4 (NUMERICS §1 a), exactness of ours, and N6.
+// Geometry of the two morphs: the error of [T] eq. 4, and the exactness of Morph::ours.
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "reference/morph.h"
 #include "render/plan/barycentric.h"
 #include "render/plan/vertex.h"
@@ -17,13 +17,13 @@ using namespace ibr;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFocal = 540 / 0.57735026918962576;  // px, 1080 lines at 60°
+constexpr double kFocal = 540 / 0.57735026918962576;  // px, for 1080 lines and 60°
 
 double angle(glm::dvec3 a, glm::dvec3 b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-// Cameras at the given places with exact matches of the scene points.
+// Cameras at the given positions with exact matches of the scene points.
 Scene sceneOf(const std::vector<glm::dvec3>& places, const std::vector<glm::dvec3>& points) {
   Scene scene;
   Cell cell;
@@ -57,7 +57,7 @@ Scene sceneOf(const std::vector<glm::dvec3>& places, const std::vector<glm::dvec
 TEST_CASE("the paper's morph errs as the table says; ours does not") {
   struct Row {
     double ratio;
-    std::array<double, 5> pixels;  // θ = 0, 15, 30, 45 at the midpoint; λ = 2 at θ = 30
+    std::array<double, 5> pixels;  // θ = 0, 15, 30, 45° at the midpoint; λ = 2 at θ = 30°
   };
   for (const Row& row : {Row{0.05, {0, 0.1, 0.3, 0.3, 2.1}}, Row{0.1, {0, 0.6, 1.0, 1.2, 8.6}},
                          Row{0.2, {0, 2.3, 4.0, 4.7, 35}}, Row{0.5, {0, 14, 24, 29, 183}}}) {
@@ -132,13 +132,13 @@ TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)", "
 
 TEST_CASE("triangles whose rays part by more than 120° are left out, and none that part by less", "[N6][T10]") {
   for (const double degrees : {0.0, 1e-6, 60.0, 90.0, 119.99, 120.01, 150.0, 179.0, 179.99, 180.0}) {
-    const double half = degrees * kPi / 360;  // a point that two cameras see from either side
+    const double half = degrees * kPi / 360;  // two cameras see a point from both sides
     const glm::dvec3 x(0, 0, -std::cos(half));
     Scene scene;
     for (const double side : {-1.0, 1.0}) {
       const glm::dvec3 place(side * std::sin(half), 0, 0);
       Camera camera{pinholeFromFov(1920, 1080, kPi / 3), {place, {}}};
-      const double turn = std::atan2(place.x - x.x, place.z - x.z);  // looks at the point
+      const double turn = std::atan2(place.x - x.x, place.z - x.z);  // the camera looks at the point
       camera.pose.rotation = glm::angleAxis(turn, glm::dvec3(0, 1, 0));
       scene.nodes.push_back({"", camera, "", ""});
     }

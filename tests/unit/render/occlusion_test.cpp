@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is called hidden is hidden: covers of outlines, and whole plans.
+// Hidden cells are really covered: covers of outlines, and whole plans.
 #include "render/plan/occlusion.h"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ TEST_CASE("holes stay open, either way around a mesh goes, and covers add up") {
     REQUIRE(open.size() == 1);
     CHECK((open[0].left == 47 && open[0].right == 65 && open[0].top == 47 && open[0].bottom == 65));
     mask.add(rectangle(50, 50, 70, 70));
-    CHECK(count(mask, 10, 10) == 99);  // its border touches the tile
+    CHECK(count(mask, 10, 10) == 99);  // the cell's border touches the tile
     mask.add(rectangle(40, 40, 70, 70));
     CHECK(mask.covered(3, 3));
   }
@@ -116,17 +116,17 @@ TEST_CASE("of stacked cells the first is drawn, of stitched ones none that shows
   const FramePlan stitched = plan("stitched-5", asItIs);
   CHECK(hidden(stitched) == 0);
   CHECK(hidden(plan("stitched-30", asItIs)) > 0);
-  // A hole in every cell's middle, a triangle wide, shows the next.
+  // A hole of one triangle in every cell's middle shows the next cell.
   const FramePlan holes = plan("stacked-5", [](Scene& scene) {
     for (Cell& cell : scene.cells) {
-      const std::size_t middle = cell.mesh.triangles.size() / 2;  // of the row in the middle, the quad in the middle
+      const std::size_t middle = cell.mesh.triangles.size() / 2;  // middle row, middle quad
       cell.mesh.tier[middle] = kTierRejected;
       std::swap(cell.mesh.tier[middle], cell.mesh.tier.back());
       std::swap(cell.mesh.triangles[middle], cell.mesh.triangles.back());
     }
   });
   CHECK_FALSE(holes.cells[1].hidden);
-  // Panoramas stand around the camera: no outline in front.
+  // Panoramas surround the camera, so there is no outline in front.
   CHECK(hidden(plan("panorama-3", asItIs)) == 0);
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("what dissolves hides nothing, and the paper's order hides nothing") {
   input.settings.colourMapping = ColourMapping::paper;
   CHECK_FALSE(anyHidden());
   input.settings.colourMapping = ColourMapping::off;
-  input.views[0].pose.position += glm::dvec3(0.75, 0, 0);  // outside, before the limit
+  input.views[0].pose.position += glm::dvec3(0.75, 0, 0);  // outside the cell, before the extrapolation limit
   input.settings.fadeShare = 1;
   const FramePlan plan = planFrame(scene, sceneBounds(scene), input);
   REQUIRE(!plan.cells.empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N10 of NUMERICS §3: what the shader computes of a panorama, in its own single precision, against double.
+// Panorama coordinates in the shader's single precision, against double precision.
 #include "shared/panorama.h"
 
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 const Intrinsics kPanorama{CameraModel::equirectangular, 8192, 4096};
 
-// Distance on the sphere, px of the equator, between a direction and where the shader sees it.
+// Distance on the sphere between a direction and the shader's result, px of the equator.
 double error(glm::vec3 direction) {
   const shader::vec2 at = shader::panoramaCoordinate(direction);
   REQUIRE(at.x >= 0.0f);
@@ -29,7 +29,7 @@ double error(glm::vec3 direction) {
   return glm::distance(back, glm::normalize(glm::dvec3(direction))) * 8192 / (2 * kPi);
 }
 
-// Differences of the rays of a pinhole's neighbouring pixels, which looks along `ray` rolled by `roll`.
+// Ray of a pinhole's pixel and differences to its neighbours; the camera looks along `ray`, rolled by `roll`.
 struct Pixel {
   glm::vec3 ray, dx, dy;
 };
@@ -79,7 +79,7 @@ TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, 
     const glm::vec3 direction(glm::dvec3(normal(random), normal(random), normal(random)) * std::exp2(i % 41 - 20));
     worst = std::max(worst, error(direction));
   }
-  CHECK(worst < 1.2e-3);  // 3e-7 rad in longitude, half a unit in the last place of u, the same in latitude
+  CHECK(worst < 1.2e-3);  // 3e-7 rad of longitude, half a ulp of u, and the same in latitude
 }
 
 TEST_CASE("the six axes lie where INTERFACE places them", "[N10][T19]") {
@@ -127,10 +127,10 @@ TEST_CASE("towards a pole a pixel takes more taps, that join without gap or step
     else if (footprint.reach < shader::kLargestPanoramaReach)
       REQUIRE(covered == Approx(width).epsilon(0.01));
     else
-      REQUIRE(covered <= 8192 * 1.11);  // around the pole once
+      REQUIRE(covered <= 8192 * 1.11);  // once around the pole
   }
   CHECK(before == shader::kLargestPanoramaReach);
-  // Where texels are larger than pixels, one tap interpolates.
+  // If texels are larger than pixels, one tap interpolates.
   const Pixel fine = pixelAt({0, 0.5, -1}, 1e-4);
   CHECK(shader::panoramaFootprint(fine.ray, fine.dx, fine.dy, {8192, 4096}).reach == 0.0f);
 }
@@ -153,7 +153,7 @@ TEST_CASE("a cell of panoramas looks in all directions, a mixed one as its pinho
 }
 
 TEST_CASE("near a pole angles keep apart where the arc cosine lets them collapse", "[N10][T21]") {
-  const double pixels = 8192 / (2 * kPi);  // of the equator, a radian
+  const double pixels = 8192 / (2 * kPi);  // px of the equator per radian
   double worst = 0, worstOfPaper = 0;
   for (double fromPole = 1e-8; fromPole < 1e-2; fromPole *= 1.07)
     for (const double pole : {1.0, -1.0}) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kCount = 12;
 constexpr double kSpacing = 0.5;
 
-// Photographs taken from a jittered grid, each with a backdrop that has evidence.
+// Photographs on a jittered grid, each with a backdrop that has evidence.
 Scene photographed(int columns, int rows, unsigned seed = 7) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> jitter(-0.1, 0.1);
@@ -111,7 +111,7 @@ TEST_CASE("a view that moves by a thousandth of the spacing changes no photograp
     for (const auto& [name, weight] : now) seen.insert(name);
     before = now;
   }
-  CHECK(seen.size() > kCount);  // some came and went
+  CHECK(seen.size() > kCount);  // photographs enter and leave the choice
   CHECK(largest < 0.1);
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("bounds of the gather are the median spacing, depth and residual") {
   Cell cell;
   cell.quality.residualPx = 0.7;
   scene.cells = {cell};
-  scene.backdrops[0].mesh.confirmations = {0};  // what nobody confirms does not count
+  scene.backdrops[0].mesh.confirmations = {0};  // unconfirmed depth does not count
   scene.backdrops[0].mesh.inverseDistance = {1e6f};
   const GatherBounds bounds = gatherBounds(scene);
   CHECK(bounds.spacing == Approx(kSpacing).epsilon(0.2));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// N16 of NUMERICS §3 for planning: whatever number a caller hands over, a plan is finite or an Error names what is
-// wrong.
+// Non-finite and extreme numbers in the planner's input: each plan is finite, or an Error names the faulty
+// field.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ibr/error.h"
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "scene/synth/synthetic.h"
 #include "support/extremes.h"
 
@@ -46,12 +46,12 @@ bool finite(const PlannedCell& cell) {
 }
 
 bool finite(const FramePlan& plan) {
-  bool all = std::isfinite(plan.formerWeight) && finite(plan.exposure) && std::isfinite(plan.nearDistance) &&
-             std::isfinite(plan.colour.mainShare) && std::isfinite(plan.colour.share) && plan.colour.largestStep >= 0 &&
+  bool all = std::isfinite(plan.previousWeight) && finite(plan.exposure) && std::isfinite(plan.nearDistance) &&
+             std::isfinite(plan.colour.mainShare) && std::isfinite(plan.colour.share) && plan.colour.maxStep >= 0 &&
              std::isfinite(plan.next.secondsSinceSwitch) && std::isfinite(plan.next.colourFade) &&
              (!plan.next.exposure || finite(*plan.next.exposure));
   for (const PlannedCell& cell : plan.cells) all = all && finite(cell);
-  for (const PlannedCell& cell : plan.former) all = all && finite(cell);
+  for (const PlannedCell& cell : plan.previous) all = all && finite(cell);
   for (const ShownCell& cell : plan.next.cells) all = all && cell.opacity >= 0 && cell.opacity <= 1;
   return all;
 }
@@ -89,7 +89,7 @@ TEST_CASE("a plan is finite or refused, whatever number is handed over", "[N16][
       {"colourSamples", [](FrameInput& i) -> double& { return i.settings.colourSamples; }},
       {"colourFadeSeconds", [](FrameInput& i) -> double& { return i.settings.colourFadeSeconds; }},
       {"colourSmoothSeconds", [](FrameInput& i) -> double& { return i.settings.colourSmoothSeconds; }},
-      {"colourLargestSpeed", [](FrameInput& i) -> double& { return i.settings.colourLargestSpeed; }},
+      {"colourMaxSpeed", [](FrameInput& i) -> double& { return i.settings.colourMaxSpeed; }},
   };
   int planned = 0, refused = 0;
   for (const auto& [name, field] : fields)
@@ -129,7 +129,7 @@ TEST_CASE("a scene's numbers are faults or leave its vertices finite", "[N16][P4
   int faulty = 0, valid = 0;
   for (const auto& [name, spoil] : spoils)
     for (const double value : test::kExtremes) {
-      if (name == "ecc" && value != value) continue;  // not known
+      if (name == "ecc" && value != value) continue;  // NaN: not known
       Scene scene = made.scene;
       spoil(scene, value);
       INFO(name << " = " << value);

@@ -13,7 +13,7 @@ using Step = Residency::Step;
 
 namespace {
 
-// Carries out what is decided, and watches over the rules.
+// Carries out the residency's steps and checks its rules.
 class Device {
  public:
   Device(std::vector<Residency::Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budget)
@@ -39,7 +39,7 @@ class Device {
       } else {
         REQUIRE(pages_.contains(step->page));
         REQUIRE(step->layer < classes_[pages_[step->page].photographClass].pageLayers);
-        // Nobody who is in use by a frame that has not finished sits there.
+        // No unfinished frame may use the photograph that is in the slot.
         const std::pair seat{step->page, step->layer};
         REQUIRE(layerUse_[seat] <= completed);
         layerUse_[seat] = pages_[step->page].lastFrame = number;
@@ -96,7 +96,7 @@ std::vector<std::uint32_t> ofOneClass(std::size_t count) {
 }  // namespace
 
 TEST_CASE("what fits comes and stays") {
-  Device device({{100, 4}}, ofOneClass(10), 250);  // two pages of four
+  Device device({{100, 4}}, ofOneClass(10), 250);  // two texture arrays of four layers
   CHECK(device.frame(range(0, 8), 3, 1, 0).waiting == 0);
   CHECK(device.loaded == 8);
   for (std::uint32_t p = 0; p < 8; ++p) CHECK(device.residency.seat(p));
@@ -118,7 +118,7 @@ TEST_CASE("what is shown is never displaced by what is not, nor by itself") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   device.frame(range(0, 4), 4, 1, 0);
   const auto counts = device.frame(range(0, 6), 6, 2, 1);
-  CHECK(counts.withoutRoom == 2);  // 4 and 5
+  CHECK(counts.withoutRoom == 2);  // photographs 4 and 5
   CHECK(device.loaded == 4);
   device.frame(range(0, 8), 4, 3, 2);
   CHECK(device.loaded == 4);
@@ -127,7 +127,7 @@ TEST_CASE("what is shown is never displaced by what is not, nor by itself") {
 TEST_CASE("a layer is given away when its last frame has finished, not before") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   device.frame(range(0, 4), 4, 5, 4);
-  CHECK(device.frame(range(4, 4), 4, 6, 4).waiting == 4);  // frame 5 may still run
+  CHECK(device.frame(range(4, 4), 4, 6, 4).waiting == 4);  // frame 5 may be unfinished
   CHECK(device.loaded == 4);
   CHECK(device.frame(range(4, 4), 4, 7, 5).waiting == 0);
   CHECK(device.loaded == 8);
@@ -136,10 +136,10 @@ TEST_CASE("a layer is given away when its last frame has finished, not before") 
 TEST_CASE("the less urgent leaves even if every frame shows it, and only then the more urgent comes") {
   Device device({{100, 2}}, ofOneClass(4), 100);
   device.frame({1, 2}, 2, 1, 0);
-  // Frames 1, 2, … are always two behind; 0 is more urgent than 1 and 2, which are shown as well.
+  // The device is always two frames behind. 0 is more urgent than 1 and 2, which every frame shows as well.
   auto counts = device.frame({0, 1, 2}, 3, 2, 0);
   CHECK(device.residency.seat(1));
-  CHECK_FALSE(device.residency.seat(2));  // its stand-in is shown
+  CHECK_FALSE(device.residency.seat(2));  // its substitute is shown
   CHECK(counts.waiting == 2);
   counts = device.frame({0, 1, 2}, 3, 3, 1);
   CHECK(device.residency.seat(0));
@@ -147,10 +147,10 @@ TEST_CASE("the less urgent leaves even if every frame shows it, and only then th
   CHECK(counts.waiting == 0);
   CHECK(counts.withoutRoom == 1);
   for (std::uint64_t frame = 4; frame < 8; ++frame) counts = device.frame({0, 1, 2}, 3, frame, frame - 2);
-  CHECK(device.loaded == 3);  // and it stays so
+  CHECK(device.loaded == 3);  // the state is stable
   CHECK(counts.withoutRoom == 1);
 
-  // Nobody insists: it comes back without being loaded.
+  // A photograph that lost its slot gets the slot back without a load if the more urgent one is not requested.
   device.frame({2, 0, 1}, 3, 8, 6);
   CHECK_FALSE(device.residency.seat(1));
   device.frame({0, 1}, 2, 9, 7);
@@ -161,7 +161,7 @@ TEST_CASE("the less urgent leaves even if every frame shows it, and only then th
 TEST_CASE("the one that was not shown for longest leaves first") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   for (std::uint32_t p = 0; p < 4; ++p) device.frame({p}, 1, p + 1, p);
-  device.frame({0}, 1, 5, 4);  // so 1 is the oldest
+  device.frame({0}, 1, 5, 4);  // 1 is the least recently used
   device.frame({8}, 1, 6, 5);
   CHECK(device.residency.seat(0));
   CHECK_FALSE(device.residency.seat(1));
@@ -172,16 +172,16 @@ TEST_CASE("the one that was not shown for longest leaves first") {
 }
 
 TEST_CASE("memory goes from one class to another, and no page is freed in vain") {
-  // Photographs 0 to 7 are small, 8 to 11 large, 12 larger than the budget.
+  // Photographs 0 to 7 are small, 8 to 11 large, 12 is larger than the budget.
   std::vector<std::uint32_t> classOf(13, 0);
   for (std::size_t p = 8; p < 12; ++p) classOf[p] = 1;
   classOf[12] = 2;
   Device device({{100, 4}, {150, 1}, {1000, 1}}, classOf, 250);
   device.frame(range(0, 8), 8, 1, 0);
   CHECK(device.residency.pageBytes() == 200);
-  CHECK(device.frame({8}, 1, 2, 0).waiting == 1);  // frame 1 may still run
+  CHECK(device.frame({8}, 1, 2, 0).waiting == 1);  // frame 1 may be unfinished
   CHECK(device.frame({8}, 1, 3, 2).waiting == 0);
-  CHECK(device.residency.pageBytes() == 250);  // one small page went
+  CHECK(device.residency.pageBytes() == 250);  // one small texture array was freed
   CHECK(device.frame({12}, 1, 4, 3).withoutRoom == 1);
   CHECK(device.residency.pageBytes() == 250);
   CHECK(device.frame({8, 9}, 2, 5, 4).withoutRoom == 1);
@@ -212,7 +212,7 @@ TEST_CASE("what does not stream, what cannot be read, and a device with less mem
   CHECK(counts.failed == 1);
   CHECK(counts.waiting == 0);
   residency.begin(std::vector<std::uint32_t>{1, 4}, 2, 2, 1);
-  step = residency.next();  // in the place of another: the budget is what there was
+  step = residency.next();  // replaces another photograph: the budget is the memory that could be allocated
   REQUIRE(step->kind == Step::Kind::load);
   CHECK(step->photograph == 4);
   residency.arrived(4);
@@ -238,7 +238,7 @@ TEST_CASE("any walk keeps the rules") {
         std::shuffle(wanted.begin(), wanted.end(), random);
         wanted.resize(20);
       } else {
-        completed = frame - 3;  // at rest
+        completed = frame - 3;  // steady state
       }
       last = device.frame(wanted, 10, frame, completed, frame < 60 ? 1 + int(random() % 8) : 1000);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that stands still sees a picture that stands still: planning reaches a fixed point.
+// Planning reaches a fixed point if the camera stands still.
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 
 using namespace ibr;
 
@@ -30,7 +30,7 @@ Camera cameraAt(glm::dvec3 position, double yaw, double pitch = 0) {
   return camera;
 }
 
-// Four points in the picture's corners, at distances of their own.
+// Four points in the picture's corners, each at its own distance.
 Cell cellOf(const Scene& scene, std::vector<std::uint32_t> members, Random& random) {
   Cell cell;
   cell.members = std::move(members);
@@ -48,8 +48,8 @@ Cell cellOf(const Scene& scene, std::vector<std::uint32_t> members, Random& rand
   return cell;
 }
 
-// Capture sites on a jittered grid, some photographs at each, and cells of two or three photographs of neighbouring
-// sites that look roughly the same way.
+// Capture sites on a jittered grid with some photographs each. Cells have two or three photographs of neighbouring
+// sites with similar viewing directions.
 Scene randomScene(Random& random) {
   Scene scene;
   const int side = 2 + int(random() % 3), directions = 3 + int(random() % 4);
@@ -78,7 +78,7 @@ Scene randomScene(Random& random) {
 
 }  // namespace
 
-// A change fades in, then out; another one waits for it, and so may the change of the order that it had hidden.
+// A change takes a fade in and a fade out. A second change waits for both, and may reveal a third one.
 TEST_CASE("a still camera's plan reaches a fixed point within five times switchSeconds") {
   for (unsigned seed = 0; seed < 16; ++seed) {
     Random random(seed);

@@ -22,7 +22,7 @@ std::vector<ShownCell> show(const std::vector<ShownCell>& before, const Order& c
 Order staying(const std::vector<ShownCell>& shown) {
   Order order;
   for (const ShownCell& s : shown)
-    if (!s.leaving) order.push_back(s.cell);
+    if (!s.fadingOut) order.push_back(s.cell);
   return order;
 }
 
@@ -30,11 +30,11 @@ std::size_t leavingCount(const std::vector<ShownCell>& shown) {
   return shown.size() - staying(shown).size();
 }
 
-// How much of a pixel that all cells cover shows each cell, front to back. Copies of a cell use one noise, so the
-// second adds what the first lacks.
+// Share of each cell in a pixel that all cells cover, front to back. Copies of a cell use the same noise, so the second
+// copy adds only the difference of the opacities.
 std::map<std::uint32_t, double> shares(const std::vector<ShownCell>& shown) {
   std::map<std::uint32_t, double> share;
-  double covered = 0;  // all cells use one noise: what is covered is the largest opacity so far
+  double covered = 0;  // all cells use one noise: the covered share is the largest opacity so far
   for (const ShownCell& s : shown) {
     share[s.cell] += std::max(0.0, s.opacity - covered);
     covered = std::max(covered, s.opacity);
@@ -101,11 +101,11 @@ TEST_CASE(
   const double step = GENERATE(0.05, 0.3);
   Order all(12);
   std::iota(all.begin(), all.end(), 0u);
-  const bool hurried = GENERATE(false, true);  // orders change while others are still changing
+  const bool hurried = GENERATE(false, true);  // orders change before earlier fades have ended
   std::vector<ShownCell> shown = show({}, {0, 1, 2, 3}, step);
   for (int frame = 0; frame < 2000; ++frame) {
     Order wanted = staying(shown);
-    const bool quiet = std::ranges::all_of(shown, [](const ShownCell& s) { return s.opacity == 1 && !s.leaving; });
+    const bool quiet = std::ranges::all_of(shown, [](const ShownCell& s) { return s.opacity == 1 && !s.fadingOut; });
     if (random() % 5 == 0 && (hurried || quiet)) {
       std::shuffle(all.begin(), all.end(), random);
       wanted.assign(all.begin(), all.begin() + 1 + random() % 6);
@@ -113,9 +113,9 @@ TEST_CASE(
     const auto before = shares(shown);
     shown = show(shown, wanted, step);
     REQUIRE(staying(shown) == wanted);
-    REQUIRE(leavingCount(shown) <= kLargestLeavingCount);
+    REQUIRE(leavingCount(shown) <= kMaxFadingOutCount);
     for (const ShownCell& s : shown) REQUIRE((s.opacity > 0 && s.opacity <= 1));
-    double covered = 0;  // kLargestLeavingCount is not met here
+    double covered = 0;  // kMaxFadingOutCount is not reached
     auto after = shares(shown);
     for (const auto& [cell, share] : after) covered += share;
     CHECK(covered > 1 - 1e-9);  // no hole opens
@@ -131,7 +131,7 @@ TEST_CASE("no more leave at once than there is room for, the faintest goes first
   std::vector<ShownCell> shown = show({}, {0}, 0.01);
   for (std::uint32_t c = 1; c < 40; ++c) {
     shown = show(shown, {c}, 0.01);
-    CHECK(leavingCount(shown) <= kLargestLeavingCount);
+    CHECK(leavingCount(shown) <= kMaxFadingOutCount);
   }
-  CHECK(leavingCount(shown) == kLargestLeavingCount);
+  CHECK(leavingCount(shown) == kMaxFadingOutCount);
 }

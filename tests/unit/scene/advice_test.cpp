@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Captures with one trouble each: it is told, and no other.
+// Captures with one defect each: exactly that defect is reported.
 #include "ibr/advice.h"
 
 #include <algorithm>
@@ -24,9 +24,9 @@ namespace {
 
 using Cells = std::vector<std::vector<std::uint32_t>>;
 
-constexpr double kWall = 5;  // distance of what is photographed
+constexpr double kWall = 5;  // distance of the photographed walls
 
-// Photographs between two walls: view0, view1, …
+// A scene of photographs between two walls, named view0, view1, …
 SyntheticScene ofWall(const std::vector<Camera>& cameras, Cells cells) {
   SyntheticOptions options;
   options.cameras = cameras;
@@ -42,7 +42,7 @@ Camera ahead(double x, double z = 0) {
   return test::lookingAlong({x, 0, z}, {0, 1, 0}, 96, 72);
 }
 
-// Two rows of columns that are `step` apart, 0 1 2 … below and on above.
+// Two rows of cameras with columns `step` apart: 0, 1, 2, … in the lower row, then the upper row.
 std::vector<Camera> grid(int columns, double step) {
   std::vector<Camera> cameras;
   for (int row = 0; row < 2; ++row)
@@ -83,7 +83,7 @@ void checkViews(const Scene& scene, const CaptureAdvice& advice) {
     CHECK(!view.beside.empty());
     CHECK(std::isfinite(glm::length(pose.position)));
     CHECK(std::abs(glm::length(pose.rotation) - 1) < 1e-9);
-    CHECK(viewAxis(pose).y > 0.9);  // at the wall
+    CHECK(viewAxis(pose).y > 0.9);  // towards the wall
     for (const Node& node : scene.nodes) CHECK(glm::distance(pose.position, node.camera.pose.position) > 1e-3);
     for (std::size_t j = 0; j < i; ++j)
       CHECK(glm::distance(pose.position, advice.views[j].camera.pose.position) > 1e-3);
@@ -99,7 +99,7 @@ TEST_CASE("a good capture gives no complaint, and ten places where more may be t
   CHECK(advice.views.size() == 10);
   CHECK(advice.shown > 0.85);
   checkViews(scene, advice);
-  // What each adds is counted with those before it taken.
+  // A view's gain excludes the gains of previous views, so the gains add up to the growth of the shown share.
   const CaptureAdvice first = adviseCapture(scene, {.views = 1});
   REQUIRE(first.views.size() == 1);
   double gains = 0;
@@ -112,7 +112,7 @@ TEST_CASE("a good capture gives no complaint, and ten places where more may be t
 
 TEST_CASE("neighbours that are too far apart are named, and the first photograph to take is between them") {
   std::vector<Camera> cameras = grid(4, 0.5);
-  for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.5;  // 3 from the second column to the third
+  for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.5;  // the third column is 3 from the second
   const Scene scene = ofWall(cameras, gridCells(4)).scene;
   const CaptureAdvice advice = adviseCapture(scene);
   CHECK(kinds(advice) == std::set<std::string>{"wide"});
@@ -219,7 +219,7 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
   SECTION("it is not used") {
     scene.unused = {{"last.jpg", kNotRegistered}};
     only("unused", "last.jpg is not used: not registered");
-    scene.unused = {{"last.heic", "HEIC files are not read: convert them"}};  // which says what to do
+    scene.unused = {{"last.heic", "HEIC files are not read: convert them"}};  // the reason contains the remedy
     const Advice told = adviseCapture(scene).advice.at(0);
     CHECK(told.sentence == "last.heic is not used: HEIC files are not read: convert them.");
     CHECK(told.remedy.empty());
@@ -232,12 +232,12 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
   }
   SECTION("its pose is doubtful") {
     for (Cell& cell : scene.cells)
-      cell.quality.residualPx = std::ranges::count(cell.members, 0u) ? 2 : 0.1;  // one cell
+      cell.quality.residualPx = std::ranges::count(cell.members, 0u) ? 2 : 0.1;  // photograph 0 is in one cell
     only("pose", "Where view0 was taken from is doubtful");
   }
   SECTION("hardly anything agrees with its neighbours") {
     for (Cell& cell : scene.cells)
-      if (std::ranges::count(cell.members, 0u)) {  // a corner: one cell
+      if (std::ranges::count(cell.members, 0u)) {  // photograph 0 is in one cell, at a corner
         MorphMesh& mesh = cell.mesh;
         for (std::size_t t = mesh.triangles.size() / 8; t < mesh.tier.size(); ++t) mesh.tier[t] = kTierRejected;
       }
@@ -251,7 +251,7 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
 
 TEST_CASE("a look that a place lacks is told by a neighbour that has it") {
   const auto back = [](double x) { return test::lookingAlong({x, 0, 0}, {0, -1, 0}, 96, 72); };
-  // Five places in a row, each with two looks but the middle one.
+  // Five capture sites in a row; each has two viewing directions, except the middle one.
   std::vector<Camera> cameras;
   Cells cells;
   for (int i = 0; i < 5; ++i) cameras.push_back(ahead(0.9 * i));

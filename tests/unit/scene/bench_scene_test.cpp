@@ -12,7 +12,7 @@ using namespace ibr;
 
 namespace {
 
-// Whether a cell's mesh covers what a camera in the middle sees there, by the grid of its first member.
+// Returns true if a cell's mesh covers a direction from the centre, judged by the grid of the cell's first member.
 bool covers(const Scene& scene, const Cell& cell, glm::dvec3 direction) {
   const Camera& camera = scene.nodes[cell.members[0]].camera;
   const Intrinsics& k = camera.intrinsics;
@@ -23,7 +23,7 @@ bool covers(const Scene& scene, const Cell& cell, glm::dvec3 direction) {
 }
 
 struct Layers {
-  double mean = 0;       // cells a pixel
+  double mean = 0;       // cells per pixel
   double uncovered = 0;  // share of pixels
 };
 

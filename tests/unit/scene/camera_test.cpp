@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// N10 (panoramas), N13 (projection) and N16 (values that are not finite) of NUMERICS §3, for cameras.
+// Panorama and pinhole projection, and non-finite input, of cameras.
 #include "ibr/camera.h"
 
 #include <algorithm>
@@ -64,7 +64,7 @@ TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them", "[N13]"
           const Intrinsics k =
               pinholeFromTangents(2000, 1700, std::tan(left), std::tan(right), std::tan(up), std::tan(down));
           CHECK((k.model == CameraModel::pinhole && k.width == 2000 && k.height == 1700 && k.fx > 0 && k.fy > 0));
-          // By definition an edge's pixels look along its angle, up being the first row; and back.
+          // By definition, an edge's pixels look along the edge's angle, and the first row is up; checked both ways.
           for (const auto& [pixel, yaw, pitch] : {std::tuple(glm::dvec2(0, 0), left, up),
                                                   {{2000, 0}, right, up},
                                                   {{0, 1700}, left, down},
@@ -77,7 +77,7 @@ TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them", "[N13]"
             CHECK(std::atan2(ray.y, -ray.z) == Approx(pitch).margin(1e-12));
           }
         }
-  CHECK(worst < 1e-8);  // N13 asks for 0.01
+  CHECK(worst < 1e-8);  // 0.01 px would suffice
 }
 
 TEST_CASE("the tangents of a centred pinhole are that pinhole") {
@@ -112,7 +112,7 @@ TEST_CASE("tangents that no headset has are refused", "[N13][N16]") {
 }
 
 TEST_CASE("the six axes of a panorama", "[N10][T19]") {
-  // Conventions: x right, y up, −z forward and in the middle of the picture.
+  // Axes: x right, y up; −z is forward, in the middle of the picture.
   const auto at = [](glm::dvec3 d) { return project(kPanorama, d).value(); };
   CHECK(at({0, 0, -1}) == glm::dvec2(4096, 2048));
   CHECK(at({1, 0, 0}) == glm::dvec2(6144, 2048));
@@ -190,7 +190,7 @@ TEST_CASE("no camera function returns NaN, whatever it is given", "[N16][P4]") {
       }
   CHECK(rays > 1000);
   CHECK(pixels > 1000);
-  // Every finite pixel and direction has an answer where the camera is right.
+  // Finite pixels and directions always have an answer if the camera is valid.
   for (double x : kExtremes)
     for (double y : kExtremes) {
       if (!std::isfinite(x) || !std::isfinite(y)) continue;
@@ -207,7 +207,7 @@ TEST_CASE("a panorama's pixels look along their centres", "[N10][T20]") {
       const glm::dvec3 ray = unproject(small, {x + 0.5, y + 0.5});
       CHECK(std::atan2(ray.x, -ray.z) == Approx((x + 0.5) / 8 * 2 * kPi - kPi));
       CHECK(std::asin(ray.y) == Approx(kPi / 2 - (y + 0.5) / 4 * kPi));
-      // Mirrored, the picture looks the other way: no half pixel is left over.
+      // The mirrored pixel has the mirrored ray: there is no half-pixel offset.
       const glm::dvec3 mirrored = unproject(small, {7 - x + 0.5, 3 - y + 0.5});
       CHECK(glm::distance(mirrored, glm::dvec3(-ray.x, -ray.y, ray.z)) < 1e-15);
     }

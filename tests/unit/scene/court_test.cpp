@@ -23,8 +23,8 @@ TEST_CASE("neighbours in a court are as far apart however many there are") {
     const Court court = makeCourt(count, 48, 36, 1);
     REQUIRE(court.cameras.size() == std::size_t(count));
     for (std::size_t i = 0; i < court.cameras.size(); ++i) {
-      const Camera &camera = court.cameras[i], &next = court.cameras[(i + 2) % court.cameras.size()];  // of its row
-      CHECK(glm::distance(camera.pose.position, next.pose.position) < 1.7);  // in a corner the back row swings out
+      const Camera &camera = court.cameras[i], &next = court.cameras[(i + 2) % court.cameras.size()];  // same row
+      CHECK(glm::distance(camera.pose.position, next.pose.position) < 1.7);  // the back row widens at corners
       CHECK(glm::dot(viewAxis(camera.pose), viewAxis(next.pose)) > (count == 200 ? 0.94 : -0.1));
     }
   }

@@ -51,7 +51,7 @@ void expectFault(const HtmModel& wrong, const std::string& field) {
 TEST_CASE("A model without faults has none") {
   CHECK(validate(model()).empty());
   CHECK(validate(model(1)).empty());
-  CHECK(validate(model(kLargestHtmCameraCount)).empty());
+  CHECK(validate(model(kMaxHtmCameraCount)).empty());
   HtmModel plain = model();
   plain.complements.clear();
   plain.source = plain.surface;
@@ -89,7 +89,7 @@ TEST_CASE("Every fault of a model is found at its place") {
               "source.mesh.triangles[0]");
   HtmModel none;
   CHECK(validate(none).at(0).field == "cameras");
-  HtmModel many = model(kLargestHtmCameraCount);
+  HtmModel many = model(kMaxHtmCameraCount);
   many.cameras.push_back(many.cameras[0]);
   many.cameras.back().name = "one more";
   many.complements.clear();
@@ -146,7 +146,7 @@ TEST_CASE("A saved model comes back, and is then saved as it was") {
     CHECK(loaded.folder == folder.path());
     expectSame(made, loaded, 2e-7);
     for (const glm::dvec3& p : loaded.surface.mesh.positions)
-      CHECK(glm::round(p * 0x1p22) == p * 0x1p22);  // extents are between 1 and 2
+      CHECK(glm::round(p * 0x1p22) == p * 0x1p22);  // positions are rounded to 2⁻²²; extents are between 1 and 2
     const auto before = test::contentsBelow(folder.path());
     saveHtmModel(loaded, folder.path());
     CHECK(test::contentsBelow(folder.path()) == before);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kFrames = 6;
 
-// A folder of frames; a camera's name says which.
+// A folder of frames; the camera's name in a frame is the frame's number.
 struct Video {
   test::TemporaryFolder folder;
   HtmSequenceIndex index{10, {}};
@@ -155,9 +155,9 @@ TEST_CASE("The next frames are there before they are asked for") {
   HtmSequence sequence(video.folder.path(), picture, {.ahead = 2});
   CHECK(sequence.counts().loads == 0);
   sequence.frame(4);
-  waitFor([&] { return sequence.counts().kept == 3; });  // 4, 5 and, around the end, 0
+  waitFor([&] { return sequence.counts().kept == 3; });  // 4, 5 and, after wrapping around, 0
   for (const std::size_t k : {4u, 5u, 0u}) CHECK(sequence.tryFrame(k) != nullptr);
-  waitFor([&] { return sequence.counts().loads == 5; });  // and now 1 and 2, nothing twice
+  waitFor([&] { return sequence.counts().loads == 5; });  // 1 and 2 are loaded too, and no frame twice
   HtmSequence last(video.folder.path(), picture, {.ahead = 2});
   last.frame(5);
   waitFor([&] { return last.counts().kept == 3; });
@@ -188,7 +188,7 @@ TEST_CASE("Memory is bounded") {
   self = &two;
   for (std::size_t k = 0; k < 3 * kFrames; ++k) {
     two.frame(k % kFrames);
-    waitFor([&] { return two.counts().loads == k + 2; });  // the one after it, and nothing twice
+    waitFor([&] { return two.counts().loads == k + 2; });  // the next frame; no frame is loaded twice
     waitFor([&] { return two.counts().kept == 2; });
     CHECK(two.counts().bytes <= 2 * one + one / 2);
     CHECK(two.tryFrame(k % kFrames) != nullptr);
@@ -213,7 +213,7 @@ TEST_CASE("A frame that takes long is not waited for unless asked to") {
   CHECK(sequence.tryFrame(2) == nullptr);
   waitFor([&] { return entered.load(); });
   CHECK(sequence.tryFrame(2) == nullptr);
-  CHECK(sequence.tryFrame(4) == nullptr);  // seeking while 2 is on its way
+  CHECK(sequence.tryFrame(4) == nullptr);  // seeks while frame 2 is loading
   open.set_value();
   CHECK(sequence.frame(4)->model.cameras[0].name == "4");
   waitFor([&] { return sequence.counts().kept == 2; });

@@ -42,7 +42,7 @@ TEST_CASE("The inexact mesh is as far off as it is told to be") {
   for (std::size_t v = 0; v < exact.positions.size(); ++v) {
     const glm::dvec3 d = inexact.positions[v] - exact.positions[v];
     sum += glm::dot(d, d);
-    CHECK(glm::length(d) <= 0.004 * 4 * (1 + 1e-9));  // eight waves in step
+    CHECK(glm::length(d) <= 0.004 * 4 * (1 + 1e-9));  // eight waves in phase
   }
   CHECK(std::sqrt(sum / double(exact.positions.size())) == Approx(0.004).epsilon(0.15));
   CHECK(inexactMesh(exact, 0.004, 0.3, 7) == inexact);
@@ -50,7 +50,7 @@ TEST_CASE("The inexact mesh is as far off as it is told to be") {
   CHECK(inexactMesh(exact, 0, 0.3, 7) == exact);
 }
 
-// A tilted rectangle as a mesh, and the camera that looks at it.
+// A tilted rectangle as a mesh, and a camera that looks at the rectangle.
 struct Rectangle {
   TexturedPlane plane{{0.1, -0.2, -3}, glm::normalize(glm::dvec3(1, 0, 0.5)), {0, 1, 0}, 1.5, 1.2, 5, 0.2};
   TexturedMesh mesh;

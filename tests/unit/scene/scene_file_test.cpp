@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is saved comes back.
+// Saving and loading a scene preserves the scene.
 #include <catch2/catch.hpp>
 #include <clocale>
 #include <cmath>
@@ -23,8 +23,8 @@ using namespace ibr;
 
 namespace {
 
-// Photographs of several models and sizes far from the origin, cells of every rank, rejected triangles, points at
-// infinity, a cell without triangles and one without points.
+// Scene far from the origin, with several camera models and sizes. Cells have two to four members, rejected triangles
+// and points at infinity; one cell has no triangles and one has no points.
 Scene example(std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -78,7 +78,7 @@ Scene example(std::uint64_t seed = 1) {
   scene.cells[1].quality.ecc = 0.9;
   scene.cells[1].quality.score = 0.25;
   scene.unused = {{"somewhere/else.jpg", "its axis is 47° from that of any other"}, {"b", "\"quoted\""}};
-  scene.cells[0].mesh.tier.assign(scene.cells[0].mesh.triangles.size(), kTierRejected);  // none of tier 0
+  scene.cells[0].mesh.tier.assign(scene.cells[0].mesh.triangles.size(), kTierRejected);  // no triangle of tier 0
   scene.backdrops = {cell({2}, 30)};
   for (MorphMesh* mesh : {&scene.backdrops[0].mesh, &scene.cells[1].mesh})
     for (std::size_t p = 0; p < mesh->pointCount(); ++p) {
@@ -172,7 +172,7 @@ TEST_CASE("saving what was loaded writes the same bytes, and nothing else is lef
       INFO(entry.path());
       CHECK(same);
     }
-  CHECK(files == 1 + 5);  // a cell without points needs no buffer
+  CHECK(files == 1 + 5);  // scene.gltf and five buffers: a cell without points needs no buffer
 }
 
 TEST_CASE("a locale with decimal commas changes no file") {

@@ -203,7 +203,7 @@ TEST_CASE("a vertex lies where its rays meet, or nowhere") {
       CHECK(glm::distance(*pixel, glm::dvec2(cell.mesh.match[i][p])) < 1e-4);
     }
   }
-  // Only the products matter.
+  // Only the products of ratio and distance count.
   const glm::dvec3 before = *vertexPosition(scene, cell, 1);
   for (auto& ratio : cell.mesh.ratio) ratio[1] *= 0.25f;
   cell.mesh.inverseDistance[1] *= 0.25f;

@@ -19,7 +19,7 @@ Camera cameraAt(glm::dvec3 position, int width, int height, double fovY = 0.9, g
   return {pinholeFromFov(width, height, fovY), {position, rotation}};
 }
 
-// Two planes, one behind the other and tilted, and three cameras of different sizes, one of them rolled.
+// Two planes, the nearer one tilted, and three cameras of different sizes, one of them rolled.
 SyntheticOptions twoPlanes(glm::dvec3 offset = glm::dvec3(0.0)) {
   SyntheticOptions options;
   options.samplesPerAxis = 2;
@@ -156,7 +156,7 @@ TEST_CASE("around panoramas in a room the mesh closes, over seams and poles") {
   const SyntheticScene made = makeScene(options);
   for (const Fault& fault : validate(made.scene)) FAIL(fault.field << " " << fault.message);
   const Cell& cell = made.scene.cells.at(0);
-  // Every edge belongs to two triangles, once in each direction or not; vertices − edges + triangles of a sphere is 2.
+  // Every undirected edge belongs to two triangles. A sphere has vertices − edges + triangles = 2.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const glm::uvec3& t : cell.mesh.triangles)
     for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
@@ -164,7 +164,7 @@ TEST_CASE("around panoramas in a room the mesh closes, over seams and poles") {
   CHECK(std::ptrdiff_t(cell.mesh.pointCount()) - std::ptrdiff_t(edges.size()) +
             std::ptrdiff_t(cell.mesh.triangles.size()) ==
         2);
-  // Solid angles around each panorama: the whole sphere, each direction once.
+  // Solid angles around each panorama add up to the sphere, and each direction is covered once.
   for (const std::uint32_t member : cell.members) {
     double sum = 0;
     for (const glm::uvec3& t : cell.mesh.triangles) {
@@ -200,7 +200,7 @@ TEST_CASE("a board in the room leaves out what it hides from any member") {
   const std::size_t rest = made.scene.cells[0].mesh.triangles.size();
   CHECK(rest < whole);
   CHECK(rest > whole * 9 / 10);
-  // From between the members nothing of the board's middle is missing.
+  // Between the members, no part of the board's middle is missing.
   bool board = false;
   for (std::size_t p = 0; p < made.scene.cells[0].mesh.pointCount(); ++p)
     board |= glm::distance(*vertexPosition(made.scene, made.scene.cells[0], p), glm::dvec3(0.5, 0, -1.5)) < 1e-6;

@@ -22,7 +22,7 @@ namespace ibr {
 namespace aligning {
 namespace {
 
-constexpr double kMostResidualPx = 3;  // of stored photographs
+constexpr double kMostResidualPx = 3;  // px of stored photographs
 
 std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
   std::vector<glm::ivec2> sizes;
@@ -30,12 +30,12 @@ std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
   return sizes;
 }
 
-// Of a judged triangle: whether it is positive as the mesh has it, and not the other way round.
+// True if a judged triangle is positive as the mesh stores it; false if its corners must be swapped.
 bool isUpright(const MorphMesh& mesh, const glm::uvec3& t) {
   return (meshSigns(mesh.match, t) & 1u) != 0;
 }
 
-// As seen from the frame's centre.
+// Epipolar directions of all matches, as seen from the frame's centre.
 std::vector<std::vector<glm::vec2>> epipolarDirections(std::span<const MatchView> views, const Match& match,
                                                        glm::dvec3 centre) {
   std::vector<std::vector<glm::vec2>> directions(views.size());
@@ -45,7 +45,7 @@ std::vector<std::vector<glm::vec2>> epipolarDirections(std::span<const MatchView
   return directions;
 }
 
-// Planes that all three points lie on.
+// Planes that contain all three points.
 glm::u16vec4 sharedPlanes(const std::vector<glm::u16vec4>& planes, const glm::uvec3& points) {
   glm::u16vec4 shared(0);
   int count = 0;
@@ -60,7 +60,7 @@ glm::u16vec4 sharedPlanes(const std::vector<glm::u16vec4>& planes, const glm::uv
   return shared;
 }
 
-// Points that may move tell what their face was matched with.
+// Only movable points contribute to the range solve.
 std::vector<std::uint8_t> usedOf(std::vector<std::uint8_t> fixed) {
   for (std::uint8_t& point : fixed) point = !point;
   return fixed;
@@ -165,7 +165,7 @@ bool PictureAlignment::allows(std::uint32_t point, std::span<const glm::ivec2> p
     return inserted.inverseDistance > 0 && inserted.residualPx <= most;
   }
   const RangeFit &was = before(point), now = ranges_.solve(point, pixels);
-  if (was.inverseDistance > 0 && !(now.inverseDistance > 0)) return false;  // rays part
+  if (was.inverseDistance > 0 && !(now.inverseDistance > 0)) return false;  // rays no longer intersect in front
   return now.residualPx <= std::max(most, was.residualPx);
 }
 
@@ -201,7 +201,7 @@ std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
   const std::vector<std::size_t> changed = changedTriangles(before, now);
   MorphMesh others = before;
   for (const std::size_t t : changed)
-    if (t < others.triangles.size()) others.triangles[t] = glm::uvec3(0);  // never positive: it holds nothing back
+    if (t < others.triangles.size()) others.triangles[t] = glm::uvec3(0);  // never positive: blocks no move
   Match match = now.match;
   std::size_t back = takeBackFolded(others, match, meshSigns);
   const bool stand = std::ranges::all_of(changed, [&](std::size_t t) {
@@ -299,7 +299,7 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<do
 
 namespace {
 
-// Points whose triangles may hold something masked: what is there pulls at them. None where nothing is masked.
+// Points of triangles that may contain masked pixels, which would distort the match. Empty if nothing is masked.
 std::vector<std::uint8_t> besideMasks(std::span<const MatchView> views, const MorphMesh& mesh) {
   std::vector<std::uint8_t> beside;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -347,7 +347,7 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   facts.summary = alignment.summary();
   facts.takenBack = aligning::takeBackFolded(before, mesh);
   facts.inserted = mesh.match[0].size() - facts.points;
-  if (facts.inserted == 0 && facts.summary.insertions > 0) {  // taken out again, with all flips
+  if (facts.inserted == 0 && facts.summary.insertions > 0) {  // undone, along with all flips
     facts.summary.insertions = facts.summary.flips = 0;
     facts.summary.starEccBefore.resize(facts.points);
     facts.summary.starEccAfter.resize(facts.points);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One cell through the optimiser (ibr/optimise_scene.h): onto the grid, aligned, back, and all that follows from where
-// its points stand.
+// Runs the optimiser (ibr/optimise_scene.h) on one cell: puts the mesh onto the grid, aligns the mesh, converts the
+// result back, and recomputes ranges, labels and quality of the moved points.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 #include "author/align/alignment_grid.h"
 #include "author/align/range_again.h"
 #include "author/match/match.h"
-#include "ibr/optimise_scene.h"
+#include "ibr/author/optimise_scene.h"
 
 namespace ibr {
 
-/// What is optimised: pictures and cameras at the stored size. Both outlive the call.
+/// Input of the optimiser: images and cameras at the stored size. Both must outlive the call.
 struct CellToAlign {
   std::span<const MatchView> views;
   const Cell& cell;
@@ -26,26 +26,26 @@ struct AlignedCell {
   OptimisedCell facts;  // without number, members and time
 };
 
-/// Of a cell whose members are pinholes, or all are panoramas.
+/// Aligns a cell whose members are all pinholes or all panoramas.
 AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                       const ProgressCallback& progress);
 
-/// Panoramas are optimised on the faces of a cube (panorama_faces.h) in which all members look the same way: a point in
-/// the face that it lies in, if its whole star is well inside that face for all members, and then no other. No edge is
-/// flipped and no point inserted, though it is asked for.
+/// Aligns a cell of panoramas on the faces of a cube (panorama_faces.h) that has the same orientation for all members.
+/// A point moves only in the face that contains the point, and only if all its triangles lie well inside that face in
+/// all members. Ignores options.flipEdges and options.insertPoints.
 AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                            const ProgressCallback& progress);
 
 AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                           const ProgressCallback& progress);
 
-/// Parts that pinholes and faces of panoramas share.
+/// Parts that alignPinholes and alignPanoramas share.
 namespace aligning {
 
 using Match = std::vector<std::vector<glm::vec2>>;  // d × n, px
 using Signs = std::function<std::uint32_t(const Match&, const glm::uvec3&)>;
 
-/// The members at the size at which they were matched: there ρ is found and triangles are labelled.
+/// The members at the matched size, at which ρ is solved and triangles are labelled.
 class MatchedSize {
  public:
   explicit MatchedSize(std::span<const MatchView> views);
@@ -54,7 +54,7 @@ class MatchedSize {
   glm::dvec2 pixel(std::size_t member, glm::dvec2 stored) const { return stored * scale_[member]; }
   std::vector<std::vector<glm::dvec2>> match(const Match& stored) const;
 
-  /// MorphMesh::ecc of triangles, of matches in px of the views.
+  /// Returns MorphMesh::ecc of triangles. The matches are in px of the views.
   std::vector<float> labels(const Match& stored, std::span<const glm::uvec3> triangles) const;
 
  private:
@@ -63,19 +63,19 @@ class MatchedSize {
   std::vector<glm::dvec2> scale_;
 };
 
-/// A mesh over pinhole pictures, aligned.
+/// Aligns a mesh over pinhole images.
 class PictureAlignment {
  public:
-  /// All outlive the object. `fixed`: n, or none. `widened`: as RangeSolver has it; `frame`: at the matched size.
+  /// Arguments must outlive the object. `fixed`: n flags or empty. `widened`: see RangeSolver. `frame`: matched size.
   PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame, bool widened,
                    const std::vector<std::uint8_t>& fixed = {});
 
-  /// Where its points stand then, inserted ones last; those that did not move to the bit as they stood.
-  /// `options.flipEdges`, `options.insertPoints`: triangles().
+  /// Returns the points' final positions, inserted points last. A point that did not move keeps its position to the
+  /// bit. With `options.flipEdges` or `options.insertPoints`, use triangles() afterwards.
   Match run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress);
 
-  /// The mesh's, with the edges that run() has flipped and points that it has inserted: an index has one of the same
-  /// tier, that turns the same way. There may be more, of tier 0.
+  /// The mesh's triangles with the flips and insertions of run(). Each index keeps its tier and its orientation.
+  /// Triangles of inserted points follow at the end, all of tier 0.
   std::vector<glm::uvec3> triangles() const;
   const std::vector<InsertedPoint>& inserted() const { return grid_.alignment.inserted; }
 
@@ -83,8 +83,8 @@ class PictureAlignment {
   std::size_t judged() const { return grid_.alignment.triangles.size(); }
   std::size_t fixed() const { return grid_.fixed; }
   RangeFit range(std::size_t point, const Match& match) const;
-  /// Of a point that was inserted: its inverse depth should be that between its parents, or near one of theirs.
-  /// `range`: of all points before it.
+  /// Range of an inserted point. Its prior is the inverse depth interpolated between its parents; the spread of the
+  /// parents widens the prior. `range`: of all points before this one.
   RangeFit range(std::size_t point, const Match& match, std::span<const RangeFit> range,
                  const InsertedPoint& from) const;
   const RangeFit& before(std::size_t point) const { return ranges_.before(point); }
@@ -102,39 +102,39 @@ class PictureAlignment {
   AlignmentSummary summary_;
 };
 
-/// No triangle is judged: ECCs are NaN.
+/// Summary of an alignment without judged triangles: all ECCs are NaN.
 AlignmentSummary nothingJudged(std::size_t points);
 
-/// Moves back, in all pictures, what turns a triangle of the mesh over that was not. Gives the number of points.
+/// Moves points back, in all images, where a triangle is folded over that was not before. Returns the number of points.
 std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
 
-/// Moves points back as above, but with the triangles of `now`, which has those of `before` with edges flipped, and
-/// more points and triangles at the ends. Where a new one would then be folded over in a picture or a mean, first all
-/// edges are flipped back and all inserted points taken out. Of `now`, matches and triangles are used.
+/// Moves points back as above, for a mesh `now` that has flipped edges and inserted points at the ends of its lists. If
+/// a new triangle would then be folded over in an image or a mean, all flips and insertions are undone first. Uses only
+/// matches and triangles of `now`.
 std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now);
 
-/// Whether a point stands elsewhere in any picture, or was not there.
+/// Flags of the points that moved in any image or were inserted.
 std::vector<bool> movedPoints(const Match& before, const Match& after);
 
-/// Triangles with a corner that moved, by number.
+/// Indices of the triangles with a moved corner.
 std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector<bool>& moved);
 
-/// Triangles whose corners are not those of `before`, or that were not there, by number.
+/// Indices of the triangles that are new or have other corners than in `before`.
 std::vector<std::size_t> changedTriangles(const MorphMesh& before, const MorphMesh& now);
 
-/// ρ, a_i and uncertainty of what moved. `range`: n, used for points that moved; `level`: n, as widenUncertainty has
-/// it, or none where uncertainties are not widened.
+/// Sets ρ, a_i and uncertainty of moved points. `range`: n entries, used for moved points. `level`: n entries, as for
+/// widenUncertainty; empty where uncertainties are not widened.
 void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const RangeFit> range,
                 std::span<const double> level);
 
-/// Room for the points and triangles that the mesh has more than its lists of what it knows of them: triangles are of
-/// tier 0, points on the planes that all their parents lie on.
+/// Extends the per-point and per-triangle lists to the mesh's new points and triangles. New triangles get tier 0. New
+/// points get the planes that all their parents share.
 void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted);
 
-/// Brings triangles of tier 0 before all others; otherwise their order stays.
+/// Moves triangles of tier 0 before all others, and otherwise keeps their order.
 void sortByTier(MorphMesh& mesh);
 
-/// ECC, residual and score of the mesh as it is now. `residuals`: of its points. `area`: of each triangle, in any unit.
+/// Quality with ECC, residual and score of the mesh. `residuals`: of its points. `area`: of a triangle, in any unit.
 CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<double> residuals,
                       const std::function<double(const glm::uvec3&)>& area);
 

@@ -17,7 +17,7 @@ using aligning::Match;
 using aligning::PictureAlignment;
 
 constexpr unsigned kNone = ~0u;
-constexpr double kInsidePx = 2;      // that a point stays away from the border of its face
+constexpr double kInsidePx = 2;      // minimum distance of a point from the border of its face
 constexpr int kLargestFace = 16384;  // px
 
 glm::dvec3 rayOf(const Camera& camera, glm::vec2 pixel) {
@@ -92,7 +92,7 @@ class Sphere {
     return views;
   }
 
-  // Points in px of a face, and whether each is well inside it for all members.
+  // Points in px of a face, and flags: well inside the face for all members.
   struct Placed {
     Match match;
     std::vector<bool> inside;
@@ -120,7 +120,7 @@ class Sphere {
       const glm::uvec3& corner = before_.triangles[t];
       return at.inside[corner.x] && at.inside[corner.y] && at.inside[corner.z];
     };
-    // The part of the mesh around points of this face that may move.
+    // The part of the mesh around the movable points of this face.
     std::vector<unsigned> number(before_.pointCount(), kNone), point;
     std::vector<std::uint8_t> fixed;
     std::vector<bool> taken(before_.triangles.size(), false);
@@ -182,9 +182,9 @@ class Sphere {
     return at ? glm::vec2(*at) : otherwise;
   }
 
-  // As meshSigns, of directions: in each member, in the mean of two and of all.
+  // As meshSigns, but for directions: signs in each member, in the mean of each pair, and in the mean of all.
   std::uint32_t signs(const Match& match, const glm::uvec3& t) const {
-    constexpr double kLeast = 1e-13;  // beyond rounding
+    constexpr double kLeast = 1e-13;  // beyond rounding errors of a determinant
     std::vector<glm::dmat3> corner;
     glm::dmat3 sum(0.0);
     std::uint32_t signs = 0, bit = 1;
@@ -254,7 +254,7 @@ class Sphere {
     summary_.finalEcc = after / count;
   }
 
-  // A triangle is looked at in the face that its middle lies in; one that leaves it keeps its label.
+  // A triangle is labelled in the face that contains its middle. If a corner lies outside that face, the label stays.
   void label(MorphMesh& mesh, const std::vector<bool>& moved) const {
     const std::vector<std::size_t> changed = aligning::movedTriangles(mesh, moved);
     for (unsigned f = 0; f < rotations_.size(); ++f) {
@@ -274,7 +274,7 @@ class Sphere {
     }
   }
 
-  static constexpr std::size_t kCyclesOfFace = 6;  // about, for progress
+  static constexpr std::size_t kCyclesOfFace = 6;  // estimate, for progress reports only
 
   const CellToAlign& input_;
   AlignmentOptions options_;
@@ -286,7 +286,7 @@ class Sphere {
   std::vector<unsigned> faceOf_;       // of each point
   std::vector<std::vector<std::size_t>> trianglesOf_;
   AlignmentSummary summary_;
-  std::vector<RangeFit> range_;  // of points that may move
+  std::vector<RangeFit> range_;  // of movable points
   std::vector<double> residuals_, cycleStars_;
   double stars_ = 0, initialPaper_ = 0, finalPaper_ = 0;
   std::size_t movable_ = 0;

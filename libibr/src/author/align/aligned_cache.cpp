@@ -8,8 +8,8 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 3;     // raise it when cells come out differently
-constexpr const char* kKind = "aligned";  // of kept file
+constexpr std::uint64_t kVersion = 3;     // raise when the same input gives different cells
+constexpr const char* kKind = "aligned";  // of cache files
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
   hash.add(int(options.method));
   hash.add(int(options.definition));
   for (const double v : {double(options.instances), options.radiusPx, options.decay, options.threshold,
-                         double(options.mostCycles), options.varianceFloor})
+                         double(options.maxCycles), options.varianceFloor})
     hash.add(v);
   hash.add(options.levels);
   hash.add(options.escape);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finished cells of an unfinished optimisation, one file each, named by a hash of all that the cell depends on.
+// Cache of aligned cells, for resuming an optimisation. One file a cell, named by a hash of the cell's inputs.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace ibr {
 
-/// Of the cell's mesh, cameras and pictures, and of the options but for what is set for each cell.
+/// Hash of the cell's mesh, cameras, images and masks, and of all options except those set for each cell (threads).
 std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& options);
 
 void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const AlignedCell& cell);
 
-/// nullopt where there is none, or one that is damaged.
+/// Returns nullopt if the file is missing or damaged.
 std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std::uint64_t key);
 
 }  // namespace ibr

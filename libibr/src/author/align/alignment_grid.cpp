@@ -74,7 +74,7 @@ class Grid {
     return std::size_t(std::ranges::count_if(around_[p], [&](std::size_t t) { return folded(t); }));
   }
 
-  // Looks for a grid point nearby for one of the corners, in one picture, with which all around it is right.
+  // Searches a grid point nearby, for one corner in one image, that unfolds all triangles around the corner.
   void shift(std::size_t t) {
     for (int k = 0; k < 3; ++k)
       for (std::size_t i = 0; i < size_.size(); ++i)
@@ -114,8 +114,8 @@ class Grid {
   const MorphMesh& mesh_;
   const std::vector<glm::ivec2>& size_;
   std::uint32_t all_;
-  std::vector<glm::uvec3> triangles_;             // turned so that they are positive in the first picture
-  std::vector<std::vector<std::size_t>> around_;  // judged triangles, of each point
+  std::vector<glm::uvec3> triangles_;             // turned to be positive in the first image
+  std::vector<std::vector<std::size_t>> around_;  // judged triangles around each point
   std::vector<std::vector<glm::vec2>> place_;     // on the grid, px
   std::vector<std::uint8_t> fixed_;
   std::vector<bool> judged_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cell's mesh as the optimiser wants it (ibr/optimiser.h): on a grid of 1/128 px. Stored matches stand on a finer one
-// or on none; none of the triangles that are judged may turn over on the way.
+// Converts a cell's mesh to the optimiser's grid of 1/128 px (ibr/optimiser.h). Stored matches are finer than this
+// grid. Rounding must not fold any judged triangle over.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 namespace ibr {
 
 struct AlignmentGrid {
-  Alignment alignment;  // without pictures. Of tier 0, what turns the same way in all pictures and their means is
-                        // judged; triangles are positive in the first picture whichever way they turn in the mesh
-  std::vector<std::size_t> judged;  // number in the mesh of each of alignment.triangles
-  std::size_t fixed = 0;  // points that the grid cannot hold: no grid point around them keeps what lies around them; or
-                          // they lie outside a picture. They do not move, triangles around them are not judged
+  Alignment alignment;  // without images. Judged triangles: of tier 0, one orientation in all images and their means.
+                        // Stored positive in the first image, whatever the orientation in the mesh
+  std::vector<std::size_t> judged;  // index in the mesh of each of alignment.triangles
+  std::size_t fixed = 0;  // number of fixed points: outside an image, or without a nearby grid point that unfolds the
+                          // triangles around. Fixed points do not move; triangles around them are not judged
 };
 
-/// `size`: of each picture, px. `fixed`: n, or none: points that are not to move.
+/// `size`: of each image, px. `fixed`: n flags or empty: points that must not move.
 AlignmentGrid ontoGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
                        const std::vector<std::uint8_t>& fixed = {});
 
-/// What the optimiser did: matches of points that moved in a picture, or that only `to` has, are those of `to`, all
-/// others stay as they are in `mesh`, to the bit.
+/// Applies the optimiser's result. Points that moved in an image, and points that only `to` has, get the matches of
+/// `to`. All others keep their match in `mesh`, to the bit.
 std::vector<std::vector<glm::vec2>> movedMatch(const MorphMesh& mesh, const std::vector<std::vector<glm::ivec2>>& from,
                                                const std::vector<std::vector<glm::ivec2>>& to);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/optimise_scene.h"
+#include "ibr/author/optimise_scene.h"
 
 #include <algorithm>
 #include <atomic>
@@ -21,8 +21,8 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kBytesPerPixel = 40;  // that a cell takes, of all members' pixels
-constexpr double kUsualCycles = 3;     // after which half of a cell counts as done
+constexpr double kBytesPerPixel = 40;  // memory of a cell, per pixel of all its members
+constexpr double kUsualCycles = 3;     // after this number of cycles, half of a cell counts as done
 constexpr const char* kStage = "optimising cells";
 
 bool onProcessor(AlignmentMethod method) {
@@ -95,7 +95,7 @@ class Optimiser {
     std::optional<AlignedCell> kept;
     if (keeps) kept = fetchAligned(options_.finished, key);
     AlignedCell done = kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
-      // Nobody knows how many cycles there will be: most often five or so.
+      // The number of cycles is unknown in advance; about five is typical.
       shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
       return !cancelled_.load();
     });
@@ -133,13 +133,13 @@ class Optimiser {
   const Aligner& aligner_;
   const ProgressCallback& progress_;
   std::vector<std::size_t> cells_;  // ascending
-  std::vector<std::size_t> work_;   // of each: points in pictures
+  std::vector<std::size_t> work_;   // of each cell: points times images
   std::vector<std::atomic<double>> shareDone_;
   std::atomic<bool> cancelled_ = false;
   int threadsEach_ = 1;
 };
 
-// The scene's settings say how its cells were optimised.
+// Records in the scene's settings how its cells were optimised.
 std::string settingsWith(const std::string& settings, const OptimiseCellsOptions& options) {
   using Json = nlohmann::ordered_json;
   Json json = Json::parse(settings, nullptr, false);
@@ -181,7 +181,7 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
   for (AlignedCell& cell : done) {
     Cell& now = scene.cells[cell.facts.cell];
     now.mesh = std::move(cell.mesh);
-    now.mesh.confirmations.clear();  // they were those of the vertices before these moved
+    now.mesh.confirmations.clear();  // lists belong to the old positions
     now.mesh.consensus.clear();
     now.quality = cell.quality;
     takenBack += cell.facts.takenBack;

@@ -11,9 +11,9 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kSamples = 64;  // points that are asked for the level of the sweep
-constexpr int kHalvings = 30;         // of the interval that it lies in
-constexpr double kNoPrior = 1e3;      // standard deviation, in the points' own inverse depths
+constexpr std::size_t kSamples = 64;  // points sampled to estimate the level of the sweep
+constexpr int kHalvings = 30;         // bisection steps for the level
+constexpr double kNoPrior = 1e3;      // standard deviation without a prior, as a multiple of the point's inverse depth
 
 std::vector<glm::dvec2> pixelsOf(const std::vector<std::vector<glm::dvec2>>& match, std::size_t point) {
   std::vector<glm::dvec2> pixels;
@@ -21,7 +21,7 @@ std::vector<glm::dvec2> pixelsOf(const std::vector<std::vector<glm::dvec2>>& mat
   return pixels;
 }
 
-// What neighbours add to the uncertainty, of each point.
+// The part of each point's uncertainty that widenUncertainty adds from its neighbours.
 std::vector<float> byNeighbours(MorphMesh mesh) {
   std::ranges::fill(mesh.uncertainty, 0.0f);
   widenUncertainty(mesh, std::vector<double>(mesh.pointCount(), 0.0));
@@ -39,7 +39,7 @@ RangeSolver::RangeSolver(const Camera& frame, std::vector<Camera> members, const
   double largest = 0;
   for (std::size_t p = 0; p < n; ++p) {
     const double rho = mesh.inverseDistance[p];
-    glm::dvec3 seen(0.0);  // ρ × the way from the frame's centre to the point
+    glm::dvec3 seen(0.0);  // ρ × the vector from the frame's centre to the point
     for (std::size_t i = 0; i < d; ++i) {
       const Pose& pose = members_[i].pose;
       const glm::dvec3 ray = pose.rotation * unproject(members_[i].intrinsics, match[i][p]);
@@ -51,7 +51,7 @@ RangeSolver::RangeSolver(const Camera& frame, std::vector<Camera> members, const
     largest = std::max(largest, inverseDepth_[p]);
   }
 
-  // σ² = σ_triangulation(level)² + (1.1 level)² where it was widened, less what neighbours add: rises with the level.
+  // σ² = σ_triangulation(level)² + (1.1 level)² if widened, without the neighbours' part. Increases with the level.
   const std::vector<float> neighbours = widened ? byNeighbours(mesh) : std::vector<float>(n, 0.0f);
   std::vector<std::size_t> known;
   for (std::size_t p = 0; p < n; ++p)
@@ -73,7 +73,7 @@ RangeSolver::RangeSolver(const Camera& frame, std::vector<Camera> members, const
     const double perInverseDepth =
         triangulate(frame_, members_, pixels, {inverseDepth_[p], 1.0}, kNoisePx).perInverseDepth;
     double low = 0, high = 4 * own / perInverseDepth;
-    if (uncertainty(high) < own) continue;  // its match alone says as much: it tells nothing of the level
+    if (uncertainty(high) < own) continue;  // the match alone is as certain: the point says nothing about the level
     for (int step = 0; step < kHalvings; ++step) {
       const double middle = 0.5 * (low + high);
       (uncertainty(middle) < own ? low : high) = middle;
@@ -90,7 +90,7 @@ RangeSolver::RangeSolver(const Camera& frame, std::vector<Camera> members, const
   }
 }
 
-// The prior with which triangulation gives the stored ρ: nearly linear in it, so that two chords find it.
+// Finds the prior for which triangulation returns the stored ρ. Two secant steps suffice: ρ is nearly linear in it.
 RangePrior RangeSolver::priorOf(std::size_t point, std::span<const glm::dvec2> pixels, double deviation) const {
   RangePrior prior{inverseDepth_[point], deviation};
   if (!(inverseDistance_[point] > 0)) return prior;
@@ -100,7 +100,7 @@ RangePrior RangeSolver::priorOf(std::size_t point, std::span<const glm::dvec2> p
   for (int step = 0; step < 2; ++step) {
     const double here = found(prior.inverseDepth), there = found(prior.inverseDepth + deviation);
     const double slope = (there - here) / deviation;
-    if (!(slope > 1e-6 * here / std::max(prior.inverseDepth, 1e-12)) || !(here > 0)) break;  // the match decides alone
+    if (!(slope > 1e-6 * here / std::max(prior.inverseDepth, 1e-12)) || !(here > 0)) break;  // the match alone decides
     prior.inverseDepth += std::clamp((inverseDistance_[point] - here) / slope, -20 * deviation, 20 * deviation);
   }
   return prior;

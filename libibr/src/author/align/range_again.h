@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// ρ and a_i of a cell's points, solved again after points moved.
+// Solves ρ and a_i of a cell's points again after points moved.
 //
-// A scene holds what triangulation found (ranges.h), not what it started from: the depth of the sweep. That is found
-// again from the stored result, so that a point which did not move gets its stored ρ: the standard deviation of the
-// sweep's depth from the stored uncertainties, a point's prior from its ρ.
+// A scene stores the result of triangulation (ranges.h), not the swept depth that served as its prior. RangeSolver
+// recovers the prior from the stored result, so that an unmoved point gets its stored ρ. The standard deviation of the
+// swept depth follows from the stored uncertainties, a point's prior from its ρ.
 #pragma once
 
 #include <optional>
@@ -17,24 +17,24 @@ namespace ibr {
 
 class RangeSolver {
  public:
-  /// `frame`: what `members`, pinholes at the size that is matched, are triangulated in; the mesh's ratio and ρ are
-  /// used, and its uncertainty for the points for which `use` is not 0 (none: all). `match`: d × n, px of `members`.
-  /// `widened`: the uncertainty is that of widenUncertainty.
+  /// `frame`: camera in which `members` (pinholes at the matched size) are triangulated. Uses the mesh's ratio and ρ,
+  /// and its uncertainty for points with use != 0 (empty: all). `match`: d × n, px of `members`. `widened`: the stored
+  /// uncertainty is the output of widenUncertainty.
   RangeSolver(const Camera& frame, std::vector<Camera> members, const MorphMesh& mesh,
               const std::vector<std::vector<glm::dvec2>>& match, bool widened,
               const std::vector<std::uint8_t>& use = {});
 
-  /// With the point's matches at `pixels`, one in each member's picture.
+  /// Solves a stored point from its matches at `pixels`, one in each member's image.
   RangeFit solve(std::size_t point, std::span<const glm::dvec2> pixels) const;
-  /// A point that the mesh did not have, with the inverse depth that it should have, and how far that may be off
-  /// besides what the sweep's depth is.
+  /// Solves a new point with the prior `inverseDepth`. `spread`: uncertainty of the prior in addition to that of the
+  /// swept depth.
   RangeFit solve(double inverseDepth, double spread, std::span<const glm::dvec2> pixels) const;
-  /// As far as the point's matches alone tell.
+  /// Solves a point from its matches alone, without a prior.
   RangeFit solve(std::span<const glm::dvec2> pixels) const;
-  /// Where it stands now.
+  /// Fit of the point at its stored matches.
   const RangeFit& before(std::size_t point) const { return before_[point]; }
 
-  /// One level of the sweep as inverse depth, as far as the stored uncertainties tell; 0: they tell nothing.
+  /// Width of a sweep level in inverse depth, estimated from the stored uncertainties; 0 if there is no estimate.
   double level() const { return level_; }
 
  private:
@@ -48,7 +48,7 @@ class RangeSolver {
   std::vector<RangeFit> before_;
   double level_ = 0;
   double largest_ = 0;    // inverse depth
-  double deviation_ = 0;  // of all priors
+  double deviation_ = 0;  // standard deviation of all priors
 };
 
 }  // namespace ibr

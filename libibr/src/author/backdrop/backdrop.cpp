@@ -16,13 +16,13 @@
 namespace ibr {
 namespace {
 
-constexpr double kAffine = 1.0;       // px of parallax at the step
-constexpr double kStretched = 1.5;    // change of parallax along an edge, in its length
-constexpr float kKnownShare = 0.05f;  // one standard deviation of known values, of themselves
+constexpr double kAffine = 1.0;       // tolerated deviation from linear parallax, px at the step
+constexpr double kStretched = 1.5;    // change of parallax along an edge, relative to its length
+constexpr float kKnownShare = 0.05f;  // standard deviation of known values, relative to the value
 
 struct Vertex {
-  glm::dvec2 at;     // px of the depth's picture
-  glm::ivec2 pixel;  // whose depth it has
+  glm::dvec2 at;     // px of the depth map
+  glm::ivec2 pixel;  // whose depth the vertex takes
 };
 
 std::vector<Vertex> pickVertices(const ImageF& depth, double parallaxPx, int spacing) {
@@ -45,7 +45,7 @@ std::vector<Vertex> pickVertices(const ImageF& depth, double parallaxPx, int spa
   return vertices;
 }
 
-// Both ends of a panorama's rows are one place, and so is each pole.
+// Makes both ends of a panorama's rows equal, and each pole row constant: these pixels show the same direction.
 ImageF closedAround(ImageF depth) {
   const int right = depth.width - 1;
   for (int y = 0; y < depth.height; ++y)
@@ -57,7 +57,7 @@ ImageF closedAround(ImageF depth) {
   return depth;
 }
 
-// A mesh of one member as it grows.
+// Mesh of one member during construction.
 class BackdropMesh {
  public:
   BackdropMesh(const Intrinsics& stored, const ImageF& depth, const BackdropOptions& options)
@@ -73,7 +73,7 @@ class BackdropMesh {
     mesh_.ratio.resize(1);
   }
 
-  double parallaxPx() const { return parallaxPx_; }  // of inverse depth 1, at the step
+  double parallaxPx() const { return parallaxPx_; }  // px of parallax for inverse depth 1, at the step
 
   unsigned addPoint(glm::dvec2 at, float depth, bool isKnown) {
     const glm::dvec2 match = at * scale_;
@@ -101,7 +101,7 @@ class BackdropMesh {
 
  private:
   struct Point {
-    glm::dvec2 at;  // px of the depth's picture
+    glm::dvec2 at;  // px of the depth map
     float depth;
     bool isKnown;
   };
@@ -121,11 +121,11 @@ class BackdropMesh {
     return false;
   }
 
-  // Where on the way from a to b the depth is no longer like that of a but like that of b.
+  // Position on the way from a to b at which the depth changes from that of a to that of b.
   glm::dvec2 jump(const Point& a, const Point& b) const {
-    constexpr double kLeast = 0.1;  // of the way, from either end
+    constexpr double kLeast = 0.1;  // min distance from either end, as a share of the edge
     const int count = int(std::ceil(2 * glm::distance(a.at, b.at)));
-    int best = 0, balance = 0, most = 0;  // samples like a less samples like b, of those before
+    int best = 0, balance = 0, most = 0;  // samples like a minus samples like b, up to the current one
     for (int i = 0; i < count; ++i) {
       const glm::ivec2 at = glm::ivec2(glm::mix(a.at, b.at, (i + 0.5) / count));
       const float here = depth_.pixel(std::min(at.x, depth_.width - 1), std::min(at.y, depth_.height - 1))[0];
@@ -135,7 +135,7 @@ class BackdropMesh {
     return glm::mix(a.at, b.at, std::clamp(double(best) / count, kLeast, 1 - kLeast));
   }
 
-  // The place of an edge where one surface ends and the other begins, at the depth of its end `side`.
+  // Point of an edge where one surface ends and the other begins, with the depth of its end `side`.
   unsigned halfway(unsigned side, unsigned other) {
     const auto [it, isNew] = halfway_.try_emplace({side, other}, 0u);
     const Point &a = points_[std::min(side, other)], &b = points_[std::max(side, other)], &own = points_[side];
@@ -143,12 +143,12 @@ class BackdropMesh {
     return it->second;
   }
 
-  // Both surfaces go on to where one ends and the other begins.
+  // Splits a triangle across a depth jump: each surface continues to the position of the jump.
   void split(const glm::uvec3& t) {
     const auto difference = [&](int i) {
       return std::abs(points_[t[(i + 1) % 3]].depth - points_[t[(i + 2) % 3]].depth);
     };
-    int apart = 0;  // the corner whose depth is not that of the two others
+    int apart = 0;  // the corner whose depth differs from the other two
     for (const int i : {1, 2})
       if (difference(i) < difference(apart)) apart = i;
     const unsigned a = t[apart], b = t[(apart + 1) % 3], c = t[(apart + 2) % 3];
@@ -160,7 +160,7 @@ class BackdropMesh {
   const Intrinsics& stored_;
   const ImageF& depth_;
   bool isPanorama_;
-  glm::dvec2 scale_;  // px of the stored photograph a px of the depth's picture
+  glm::dvec2 scale_;  // px of the stored photograph per px of the depth map
   double parallaxPx_, cutPx_;
   MorphMesh mesh_;
   std::vector<Point> points_;

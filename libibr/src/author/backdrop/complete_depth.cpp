@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coarse to fine: each level starts from the one below and is relaxed by Gauss–Seidel.
+// Solves coarse to fine: each level starts from the next coarser one and is relaxed by Gauss–Seidel.
 #include "author/backdrop/complete_depth.h"
 
 #include <algorithm>
@@ -11,14 +11,14 @@
 namespace ibr {
 namespace {
 
-constexpr int kSweeps = 12;    // of a level, there and back
-constexpr float kEdge = 6.0f;  // change of colour over which the conductance falls to 1/e, of 255
+constexpr int kSweeps = 12;    // pairs of forward and backward sweeps per level
+constexpr float kEdge = 6.0f;  // change of colour at which the conductance falls to 1/e, 8-bit levels
 constexpr float kLeastConductance = 1e-3f;
 
 struct Level {
   int width, height;
   std::vector<float> value;  // ρ
-  std::vector<float> known;  // share of the pixel's area that is known; more than 0 fixes the value
+  std::vector<float> known;  // known share of the pixel's area; the value is fixed if > 0
   ImageF colour;
 
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
@@ -74,7 +74,7 @@ void relax(Level& level) {
       sum += share * level.value[from];
       weight += share;
     };
-    // The conductances across the picture's border are 0.
+    // Conductances across the image border are 0.
     if (at % row != 0) add(right[at - 1], at - 1);
     if (right[at] > 0) add(right[at], at + 1);
     if (at >= row) add(below[at - row], at - row);
@@ -87,7 +87,7 @@ void relax(Level& level) {
   }
 }
 
-// Each connected region without depth, into the range of what is known around it.
+// Clamps each connected region without depth to the range of the known values around it.
 void keepWithinRims(const ImageF& known, ImageF& completed) {
   const int width = known.width, height = known.height;
   std::vector<bool> seen(known.values.size(), false);

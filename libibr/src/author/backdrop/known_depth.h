@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a photograph from points of the world.
+// Depth map of a photograph from world points.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,8 +10,8 @@
 
 namespace ibr {
 
-/// Inverse depth along the camera's axis in its picture's own size: of the points in a pixel the median (the farther of
-/// two), kUnknownDepth where there is none.
+/// Inverse depth along the camera's axis, at the size of its image. A pixel gets the median of its points (of an even
+/// number the farther one of the middle two), kUnknownDepth without points.
 ImageF depthOfPoints(const Camera& camera, std::span<const glm::dvec3> points);
 
 }  // namespace ibr

@@ -11,7 +11,7 @@ namespace ibr {
 namespace {
 
 constexpr int kColumns = 16, kRows = 8;
-constexpr std::array kDistances{1.0, 2.0, 5.0, 20.0};  // spacings
+constexpr std::array kDistances{1.0, 2.0, 5.0, 20.0};  // distances, in median spacings of the capture sites
 
 }  // namespace
 

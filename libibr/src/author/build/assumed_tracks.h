@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points for photographs whose model has none, as panoramas' often has: nobody knows yet how far away anything is.
+// Assumed points for photographs without tracks (often panoramas), whose distances are still unknown.
 #pragma once
 
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/camera.h"
 
 namespace ibr {
 
-/// Points that each photograph for which `hasNone` is true observes alone: a grid of directions over its picture, at
-/// 1, 2, 5 and 20 times the median distance between neighbouring capture sites.
+/// Creates points for each photograph with `hasNone`, each observed by this photograph alone: a grid of directions over
+/// its image, at 1, 2, 5 and 20 times the median distance between neighbouring capture sites.
 std::vector<Track> assumedTracks(const std::vector<Camera>& photographs, const std::vector<bool>& hasNone);
 
 }  // namespace ibr

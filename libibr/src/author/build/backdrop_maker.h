@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One photograph's backdrop and depth texture after another, from the depth of all.
+// Makes the backdrop and the depth texture of one photograph at a time, from the depth maps of all.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace ibr {
 
-inline constexpr double kBackdropBytesPerPixel = 100;  // of memory that completing a depth and its mesh take
-// Of memory that a photograph's small picture and mask, matched depth, sky and evidence hold.
+inline constexpr double kBackdropBytesPerPixel = 100;  // memory for completing a depth map and meshing it
+// Memory for a photograph's scaled image and mask, matched depth, sky and evidence.
 inline constexpr double kDepthBytesPerPixel = 10;
 
 struct MadeBackdrop {
@@ -23,27 +23,27 @@ struct MadeBackdrop {
   double depthScale = 0;            // Node::depthScale
 };
 
-/// The world points of the photograph's tracks.
+/// World points of the photograph's tracks.
 std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t photograph);
 
 class BackdropMaker {
  public:
-  /// All outlive the object and do not change.
+  /// All arguments must outlive the object and must not change.
   BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene);
 
-  /// `depth`: the photograph's (depthOfPhotographs). Writes the depth texture into the scene's folder. May be called
-  /// from several threads. Throws Error.
+  /// `depth`: the photograph's (depthOfPhotographs). Writes the depth texture into the scene's folder. Thread-safe.
+  /// Throws Error.
   MadeBackdrop make(std::uint32_t photograph, const PhotographDepth& depth) const;
 
-  /// The memory that making one takes at most.
+  /// Peak memory of one make(), bytes.
   double bytes() const;
 
  private:
   const BuildInput& input_;
   const BuildOptions& options_;
-  std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
-  std::vector<double> sizes_;                        // of each cell: its longest edge
-  double spacing_ = 1;                               // of the capture, world units
+  std::vector<std::vector<std::size_t>> cellsWith_;  // cells of each photograph
+  std::vector<double> sizes_;                        // longest edge of each cell, world units
+  double spacing_ = 1;                               // of the capture sites, world units
 };
 
 }  // namespace ibr

@@ -8,16 +8,16 @@
 namespace ibr {
 namespace {
 
-// Processor time of the machine that they were measured on, ns a pixel, and s.
+// Processor time on the machine of the measurement: ns per pixel, or s where noted.
 constexpr double kRead = 10, kEncode = 18;
 constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
-constexpr double kFeatures = 450, kPair = 0.005;
+constexpr double kFeatures = 450, kPair = 0.005;  // kPair: s per pair of photographs
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
-constexpr double kSweep = 4500, kRefine = 4500, kConfirm = 400;  // a pixel of the depth maps
-constexpr double kObservation = 150e-6;                          // of a point, while poses are refined
-constexpr double kExposurePoint = 15e-6, kSolvingShare = 0.2;    // of a point in two photographs; one thread solves
-constexpr double kJudged = 250, kJudge = 240;  // a pixel of a photograph, and of each that it is compared with
+constexpr double kSweep = 4500, kRefine = 4500, kConfirm = 400;  // per pixel of the depth maps
+constexpr double kObservation = 150e-6;                          // s per observation, for refining poses
+constexpr double kExposurePoint = 15e-6, kSolvingShare = 0.2;    // s per point in two photographs; the solve is serial
+constexpr double kJudged = 250, kJudge = 240;  // per pixel of a photograph, and of each that it is compared with
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
@@ -34,7 +34,7 @@ double cellSeconds(const CellWork& cell) {
 std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
                               const MachineSpeed& speed) {
   std::vector<StageCost> stages;
-  // `longest`: a job that cannot be shared out.
+  // `longest`: duration of a job that cannot be divided among threads.
   const auto add = [&](const char* stage, double seconds, int side, double longest) {
     if (seconds <= 0) return;
     stages.push_back({stage, seconds * speed.processor, speed.passing * std::max(seconds / side, longest)});
@@ -62,7 +62,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   const auto addConfirmed = [&](double pixels) { addDepth("confirming depth", kConfirm, pixels); };
   addConfirmed(work.sweptPixels);
   add("matching cells", cells, threads.cells, longest);
-  add("refining poses", kObservation * work.refinedBy, 1, 0);  // after it, cells are made once more
+  add("refining poses", kObservation * work.refinedBy, 1, 0);  // cells are made again afterwards
   if (work.sweptPixels == 0) addConfirmed(work.backdropPixels);
   if (work.exposures) {
     const double points = kExposurePoint * double(mostOverlapPoints(work.photographs));
@@ -75,15 +75,15 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
 }
 
 double bytesToMake(const CellWork& cell) {
-  constexpr double kFrame = 70, kOfMember = 12, kOfLevel = 0.75;  // a pixel of the frame; costs are of half its size
+  constexpr double kFrame = 70, kOfMember = 12, kOfLevel = 0.75;  // bytes per pixel; cost volumes have half the sides
   constexpr double kOther = 300;
-  constexpr double kInFull = 8;  // a pixel beyond the matched ones: RGB once, grey of four
+  constexpr double kInFull = 8;  // bytes per pixel beyond the matched size: RGB, grey
   const double pixel = cell.swept ? kFrame + kOfMember * double(cell.members) + kOfLevel * cell.levels : kOther;
   return cell.loadingBytes + pixel * cell.pixels + kInFull * cell.beyondPixels;
 }
 
 double bytesToCompareExposures(const BuildWork& work) {
-  constexpr double kBytesPerPoint = 500;  // where it is looked at, what is seen, what is solved
+  constexpr double kBytesPerPoint = 500;  // of positions, samples and the solver
   return work.exposures ? kBytesPerPoint * double(mostOverlapPoints(work.photographs)) : 0;
 }
 

@@ -1,52 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a build will take, before it begins: a model of its stages' costs, whose constants were measured on one machine,
-// times how fast this one does a little of the same work right now (machine_speed.h).
+// Cost model of a build's stages, for predictions. The constants were measured on one machine. They are scaled by the
+// present speed of this machine on a small sample of the same work (machine_speed.h).
 //
-// Depth of photographs is by far the most of it, or, where that is not found, matching of cells. Of a cell's frame of
-// P px with m members: P·(a + b·m) for what is done once a pixel; where it is swept over L levels at a quarter of the
-// pixels, P·L·(c + d·m) for that and the semi-global paths.
+// Depth of photographs dominates; without it, matching of cells does. A cell's frame of P px with m members costs P·(a
+// + b·m) for work done once per pixel. A sweep over L levels at a quarter of the pixels adds P·L·(c + d·m), semi-global
+// paths included.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 
 namespace ibr {
 
-/// Of one cell.
+/// Work of one cell.
 struct CellWork {
-  double pixels = 0;  // of the frame in which it is matched
-  double levels = 0;  // of the sweep; 0: it has its members' depth
+  double pixels = 0;  // of the frame in which the cell is matched
+  double levels = 0;  // of the sweep; 0: the depth of the members is used
   std::size_t members = 0;
   double readPixels = 0;    // of the members' files
-  double loadingBytes = 0;  // of memory, while one member is read
-  double beyondPixels = 0;  // of one member, beyond those that are matched
-  bool swept = true;        // if not, matched by flow, by homographies, or of panoramas
+  double loadingBytes = 0;  // memory while one member is read
+  double beyondPixels = 0;  // of one member: its pixels that exceed the matched size
+  bool swept = true;        // false: matched by flow or homographies, or panoramas
 };
 
-/// All that a build has to do. Pixels are summed over photographs.
+/// Work of a build. Pixels are summed over photographs.
 struct BuildWork {
   std::size_t photographs = 0;
   double readPixels = 0;         // of the files
-  double storedPixels = 0;       // of which textures are made
-  double encodedPixels = 0;      // of pictures that are written anew, not copied
-  double featurePixels = 0;      // in which features are looked for
-  std::size_t pairs = 0;         // whose features are matched
-  double judgedSweptPixels = 0;  // of depth, by which moving objects are found
+  double storedPixels = 0;       // for which textures are made
+  double encodedPixels = 0;      // of photographs that are encoded again, not copied
+  double featurePixels = 0;      // in which features are searched
+  std::size_t pairs = 0;         // pairs of photographs whose features are matched
+  double judgedSweptPixels = 0;  // of the depth maps by which moving objects are found
   double judgedPixels = 0,
-         judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
+         judgePixels = 0;  // compared to find moving objects: of photographs, of their comparison photographs
   std::vector<CellWork> cells;
-  bool exposures = false;  // are compared
-  double refinedBy = 0;    // observations by which poses are refined; 0: they are not
+  bool exposures = false;  // exposures are compared
+  double refinedBy = 0;    // observations used to refine poses; 0: not refined
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
-  double sweptPixels = 0;     // in which depth is found
-  double refinements = 1;     // of depth, in those of DepthSearch::refined
+  double sweptPixels = 0;     // of the swept depth maps
+  double refinements = 1;     // cost of refinement, in units of DepthSearch::refined's
 };
 
-/// How much longer than the machine of the constants this one takes for the same work: of one thread's processor time,
-/// and of the time that passes, while `threads` do it side by side.
+/// Time of this machine for the same work, relative to the machine of the constants: processor time of one thread, and
+/// elapsed time while `threads` work in parallel.
 struct MachineSpeed {
   double processor = 1, passing = 1;
 };
@@ -57,21 +57,21 @@ struct StageCost {
   double seconds;
 };
 
-/// The stages of a build in their order, those without work left out. `threads`: as many as run jobs side by side in
-/// the stage of storing, of features, of cells, of backdrops, of movers.
+/// The stages of a build in their order, without those that have no work. `threads`: number of parallel jobs in the
+/// stages of storing, features, cells, backdrops and moving objects.
 struct StageThreads {
   int storing = 1, features = 1, cells = 1, backdrops = 1, movers = 1;
 };
 std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
                               const MachineSpeed& speed);
 
-/// Bytes of memory that making the cell takes, at most; of the sweep mostly its volume of costs and of their sums.
+/// Peak memory of making the cell, bytes. A sweep needs most of it for its cost volume and the volume's sums.
 double bytesToMake(const CellWork& cell);
 
-/// Bytes of memory, beside the photographs' depth and a photograph for each thread.
+/// Memory for comparing exposures, bytes, in addition to the photographs' depth and one photograph per thread.
 double bytesToCompareExposures(const BuildWork& work);
 
-/// Bytes of memory that the meshes of finished cells take, about, and of the disk.
+/// Approximate size of a cached cell mesh, bytes, both in memory and on disk.
 double bytesKept(const CellWork& cell);
 
 }  // namespace ibr

@@ -24,13 +24,13 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-// What can stand in a scene: names of files need not be UTF-8.
+// File names need not be valid UTF-8, but a scene can store only UTF-8: replaces invalid bytes.
 std::string utf8Of(const std::string& name) {
   using Json = nlohmann::json;
   return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
-// Pictures that a scene keeps below the photographs are its own.
+// Files of the photographs' folder that the model lacks. Skips images of the output scene below that folder.
 std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOptions& options) {
   std::set<std::string> known;
   for (const PosedImage& image : model.images) known.insert(image.name);
@@ -50,7 +50,7 @@ std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOpti
   return unknown;
 }
 
-// "IMG_1.jpg (there it is IMG_1.JPG), …": names of the model that the folder has not.
+// Lists images of the model that the folder lacks, e.g. "IMG_1.jpg (there it is IMG_1.JPG), …".
 std::string missingText(const std::vector<std::string>& missing, const fs::path& folder) {
   constexpr std::size_t kNamed = 5;
   const auto lowered = [](std::string text) {
@@ -69,7 +69,7 @@ std::string missingText(const std::vector<std::string>& missing, const fs::path&
                      missing.size() > kNamed ? fmt::format(" and {} more", missing.size() - kNamed) : "");
 }
 
-// All faults are told at once.
+// Reports all faults in one error.
 void findPhotographs(BuildInput& input, const BuildOptions& options) {
   std::vector<std::string> missing, faults;
   for (const PosedImage& image : input.model.images) {
@@ -93,7 +93,7 @@ void findPhotographs(BuildInput& input, const BuildOptions& options) {
   checkReadable(std::move(faults));
 }
 
-// Where a photograph's own shape does not say how it is turned, the others' do, if they agree.
+// Decides the orientation of photographs whose shape leaves the choice open: as the other photographs, if they agree.
 void settleOrientations(const PosedModel& model, const BuildOptions& options, std::vector<Photograph>& photographs,
                         const LogCallback& log) {
   if (options.orientation != Orientation::automatic) return;
@@ -117,7 +117,7 @@ void settleOrientations(const PosedModel& model, const BuildOptions& options, st
             turned ? "stored" : "exif"));
 }
 
-// "a.tif" is stored as "a.tif.png".
+// Stored names may collide: "a.tif" is stored as "a.tif.png".
 void checkStoredNames(const std::vector<Photograph>& photographs) {
   std::map<fs::path, std::string> stored;
   for (const Photograph& photo : photographs) {
@@ -127,7 +127,7 @@ void checkStoredNames(const std::vector<Photograph>& photographs) {
   }
 }
 
-// A mask of no photograph is worth a word: it may be misnamed. Those of photographs that are left out are not.
+// Warns about masks without a photograph, which may be misnamed. Masks of excluded photographs are expected.
 void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options, const LogCallback& log) {
   if (options.masks.empty()) return;
   std::set<fs::path> expected;
@@ -155,7 +155,7 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
                                        std::ranges::find_if(photographs, &fs::path::empty, &Photograph::mask)->name));
 }
 
-// Photographs that are to be left out may be so already. Names of none are faults.
+// Names to exclude. A name that only the folder has, not the model, is skipped; a name that neither has is an error.
 std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions& options) {
   std::vector<std::string> names = options.exclude;
   std::erase_if(names, [&](const std::string& name) {
@@ -203,7 +203,7 @@ bool isPanorama(const Photograph& photograph) {
 }
 
 fs::path keptFolder(const BuildOptions& options) {
-  return options.finishedCells.empty() ? options.output / ".build" : options.finishedCells;
+  return options.cacheFolder.empty() ? options.output / ".build" : options.cacheFolder;
 }
 
 void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t i) {

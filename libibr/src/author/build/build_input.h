@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a build starts from: its options checked, the model read, the photographs found.
+// Input of a build: checks the options, reads the model and finds the photographs.
 #pragma once
 
 #include <cstdint>
@@ -8,32 +8,32 @@
 
 #include "author/photographs/photographs.h"
 #include "base/hash.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "ibr/log.h"
 
 namespace ibr {
 
 struct BuildInput {
   PosedModel model;
-  std::vector<std::vector<std::uint32_t>> tracksOf;  // of each image: its tracks, ascending
-  std::vector<Photograph> photographs;               // of model.images
-  std::vector<std::uint64_t> hashes;                 // of their files, once they are stored
+  std::vector<std::vector<std::uint32_t>> tracksOf;  // for each image: its tracks, ascending
+  std::vector<Photograph> photographs;               // in the order of model.images
+  std::vector<std::uint64_t> hashes;                 // of the photographs' files, set once they are stored
   bool refine = false;                               // poses are estimates: matches are refined beyond them
-  std::vector<UnusedPhotograph> unknown;             // files that the model does not know
+  std::vector<UnusedPhotograph> unknown;             // files that are not in the model
 };
 
 /// Throws Error (io, invalidInput) that names the option.
 void checkOptions(const BuildOptions& options);
 
-/// Throws Error (io, invalidInput) that names the option or the file; nothing is written.
+/// Throws Error (io, invalidInput) that names the option or the file. Writes nothing.
 BuildInput readInput(const BuildOptions& options, const LogCallback& log);
 
 bool isPanorama(const Photograph& photograph);
 
-/// Finished cells wait here until the scene is written, or for the next build.
+/// Cache folder of finished cells, until the scene is written or for the next build.
 std::filesystem::path keptFolder(const BuildOptions& options);
 
-/// What a cell or a backdrop depends on.
+/// Hashes what a cell or a backdrop depends on.
 void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t photograph);
 void addPoints(Hash& hash, const std::vector<glm::dvec3>& points);
 

@@ -30,13 +30,13 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
+constexpr double kTypicalLevels = 100;  // assumed for cells that are not planned yet
 constexpr std::size_t kTypicalMembers = 3;
-constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
-constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept for the next build
-constexpr double kKeptDepthBytes = 5;              // of a pixel of depth, kept likewise
-constexpr double kSeenInCells = 700;               // observations of dense tracks, for each photograph
-constexpr double kProgram = 60e6;                  // of memory, whatever the work
+constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // bytes per pixel of an encoded image
+constexpr double kFeatureBytes = 3e6;              // bytes of a photograph's cached features
+constexpr double kKeptDepthBytes = 5;              // bytes per pixel of a cached depth map
+constexpr double kSeenInCells = 700;               // observations of dense tracks per photograph
+constexpr double kProgram = 60e6;                  // memory of the program itself, bytes
 
 double pixelsOf(const Intrinsics& k) {
   return double(k.width) * k.height;
@@ -58,8 +58,8 @@ double freeBelow(fs::path folder) {
   return error ? 0 : double(space.available);
 }
 
-// By what an earlier build of this scene left, which is replaced as this one goes on: what it kept is removed at the
-// end.
+// Bytes that an earlier build of this scene left in the output. This build replaces the files, so these bytes count as
+// free.
 double heldAlready(const BuildOptions& options) {
   double bytes = 0;
   for (const char* part : {"cells", "images", "textures", "masks", "depth"}) bytes += bytesBelow(options.output / part);
@@ -113,7 +113,7 @@ class Predictor {
       loading_ = std::max(loading_, bytesToLoad(photo));
       const glm::ivec2 size = backdropSize(k);
       const double whole = double(size.x) * size.y, finer = finerPixels(options_.depth);
-      depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
+      depths_ += kDepthBytesPerPixel * finer * whole;  // panoramas: the same for all faces together
       countDepth(photo);
       if (!options_.backdrops) continue;
       ++work_.backdrops;
@@ -143,7 +143,7 @@ class Predictor {
     made_.disk += kFeatureBytes * double(images.size());
   }
 
-  // Without tracks nobody knows yet who judges whom: as many as may.
+  // Without tracks the compared photographs are unknown: assumes the maximum number of comparisons.
   void countMovers() {
     const auto judges = judgesOf(input_);
     for (std::size_t i = 0; i < judges.size(); ++i) {
@@ -188,7 +188,7 @@ class Predictor {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
       if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
     }
-    made_.disk += 2 * kept_;  // in the scene, and in what is kept for the next build
+    made_.disk += 2 * kept_;  // in the scene, and in the cache for the next build
   }
 
   void shareOut() {
@@ -224,11 +224,11 @@ class Predictor {
   const CellPlan* const plan_;
   const CellMaker maker_;
   BuildWork work_;
-  // Bytes of one job, at most.
+  // Peak memory of one job, bytes.
   double storing_ = 0, loading_ = 0, reading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0,
          completing_ = 0;
   double kept_ = 0;    // bytes of all meshes
-  double depths_ = 0;  // bytes of all photographs' depth and evidence, and the pictures that it is found in
+  double depths_ = 0;  // bytes of all photographs' depth and evidence, and of the images that depth is found in
   BuildPrediction made_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From posed photographs to a scene folder ([T] §2.4.1): model → cells → matches and meshes, a cell at a time → scene.
-// Where a cell fails when it is matched, its faces are tried, then their edges.
+// Builds a scene folder from posed photographs ([T] §2.4.1): model → cells → matches and meshes, cell by cell → scene.
+// If a cell fails to match, its faces are tried, then their edges.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,15 +35,15 @@
 #include "base/file.h"
 #include "base/stopwatch.h"
 #include "base/usage.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "io/image_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kLeastCoverage = 0.05;
-constexpr double kHardlyUsed = 0.9;  // share of a photograph that a mask ignores by mistake
+constexpr double kLeastCoverage = 0.05;  // min share of the image that a cell must match
+constexpr double kHardlyUsed = 0.9;      // masked share of a photograph above which the mask may be inverted
 
 class Builder {
  public:
@@ -72,10 +72,10 @@ class Builder {
     makeCells(depths);
     useDepths(std::move(depths));
     listUnused();
-    if (options_.finish) finish();
+    if (options_.postProcess) finish();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    if (options_.finishedCells.empty() && !options_.draft) removeKeptBefore(keptFolder(options_), begun_);
+    if (options_.cacheFolder.empty() && !options_.draft) removeKeptBefore(keptFolder(options_), begun_);
     return std::move(report_);
   }
 
@@ -91,23 +91,23 @@ class Builder {
       makeCells({});
       refine();
     }
-    if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
+    if (options_.cacheFolder.empty()) removeKept(keptFolder(options_));
     return {std::move(input_.model), std::move(report_.refinement)};
   }
 
  private:
-  // Whether to go on.
+  // Returns false if the caller cancels the build.
   bool predict() {
-    if (!options_.predicted) return true;
-    const bool found = options_.tracks == TrackSource::own || input_.model.tracks.empty();  // later, of pinholes
+    if (!options_.onPrediction) return true;
+    const bool found = options_.tracks == TrackSource::own || input_.model.tracks.empty();  // found later, for pinholes
     if (!options_.draft && (!found || std::ranges::all_of(input_.photographs, isPanorama))) planCells();
     report_.prediction = predictBuild(input_, options_, planner_ ? &plan_ : nullptr);
-    const bool wanted = options_.predicted(report_.prediction);
+    const bool wanted = options_.onPrediction(report_.prediction);
     checkRoom(report_.prediction, options_, log_);
     return wanted;
   }
 
-  // With their masks, of the stored size, among the finished cells: there is no scene yet.
+  // Hashes the photographs and stores their masks at the stored size in the cache: no scene folder exists yet.
   void hashPhotographs() {
     makeFolders(keptFolder(options_));
     input_.hashes.resize(input_.photographs.size());
@@ -127,7 +127,7 @@ class Builder {
     input_.hashes.resize(input_.photographs.size());
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
-    std::vector<std::string> faults(input_.photographs.size());  // all are told at once
+    std::vector<std::string> faults(input_.photographs.size());  // all are reported at once
     jobs_.runAll("storing photographs", input_.photographs.size(), bytes, [&](std::size_t i) {
       try {
         input_.hashes[i] = storePhotograph(input_.photographs[i], options_.output, options_.texture);
@@ -167,11 +167,11 @@ class Builder {
     report_.refinement = refinePoses(input_, scene_.cells);
   }
 
-  // By swept cells, which look for matches where depth would have none yet; they are not the scene's.
+  // Refines poses by swept cells, which search all depths. These cells are dropped afterwards.
   void refineByCells() {
     const fs::path folder = options_.output / ".refined";
     std::error_code ignored;
-    if (!fs::equivalent(folder, posesFile(options_), ignored)) fs::remove_all(folder, ignored);  // of a build before
+    if (!fs::equivalent(folder, posesFile(options_), ignored)) fs::remove_all(folder, ignored);  // of an earlier build
     if (!input_.refine) return;
     makeCells({});
     refine();
@@ -186,7 +186,7 @@ class Builder {
     report_.dropped = plan_.dropped;
   }
 
-  // By depth found fast: the masks change the depth that is found with them.
+  // Finds moving objects with fast depth. Depth is found again later, because the masks change it.
   void maskMovers() {
     const std::vector<BitMask> moved = findMovers(input_, findDepths(DepthSearch::fast), jobs_);
     if (std::ranges::all_of(moved, &BitMask::empty)) return;
@@ -204,7 +204,7 @@ class Builder {
     }
   }
 
-  // To the mask that the photograph has, if any; its hash becomes another one.
+  // Adds `moved` to the photograph's mask, if any, and updates its hash.
   void addMask(std::size_t i, const BitMask& moved) {
     Photograph& photo = input_.photographs[i];
     Image8 mask = maskOf(moved, photo.camera.intrinsics.width, photo.camera.intrinsics.height);
@@ -246,7 +246,7 @@ class Builder {
     log_(LogLevel::warning, text);
   }
 
-  // `depths`: of the photographs, which the cells have too; none: the cells are swept.
+  // `depths`: of the photographs, from which the cells take theirs; empty: the cells are swept.
   void makeCells(std::span<const PhotographDepth> depths) {
     const CellMaker maker(input_, options_, depths);
     std::vector<CellMembers> wanted = plan_.cells, done;
@@ -280,7 +280,7 @@ class Builder {
     return dropBorder(cell.mesh, members);
   }
 
-  // Whether it is good enough for the scene.
+  // Adds the cell to the scene if its quality suffices.
   bool take(const CellMembers& members, MadeCell made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
     CellQuality& quality = cell.quality;
@@ -320,7 +320,7 @@ class Builder {
     report_.exposures.text = describedExposures(exposures);
   }
 
-  // From the photographs that are stored, and from `matches`.
+  // Fits vignetting to `matches` and removes it from the stored photographs.
   void takeVignetting(std::vector<ExposureMatch>& matches) {
     const std::vector<std::uint32_t> lenses = lensesOf(input_.photographs);
     const std::vector<glm::dvec2> vignetting = solveVignetting(input_.photographs.size(), matches, lenses);
@@ -350,7 +350,7 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
-  // All photographs' depth takes much memory: none is held any longer.
+  // Takes the depth maps by value, so that their memory is freed at the end.
   void useDepths(std::vector<PhotographDepth> depths) {
     if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return;
     const BackdropMaker maker(input_, options_, scene_);
@@ -358,9 +358,9 @@ class Builder {
     if (options_.backdrops) makeBackdrops(maker, depths);
   }
 
-  // In the order of the photographs.
+  // Depth maps in the order of the photographs.
   std::vector<PhotographDepth> findDepths(DepthSearch search) const {
-    constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
+    constexpr double kFaceShare = 0.5;  // share of a panorama's pixels: one face and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
@@ -387,7 +387,7 @@ class Builder {
              }});
   }
 
-  // Of the model's points, px of the stored photographs.
+  // Reprojection error of the model's points, px of the stored photographs.
   double storedResidualPx() const {
     if (input_.photographs.empty()) return 0;
     const double scale =
@@ -405,7 +405,7 @@ class Builder {
       node.depthScale = made[b].depthScale;
       MadeCell& making = made[b].made;
       Cell backdrop{{b}, std::move(making.cell.mesh), making.cell.quality};
-      cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
+      cutBorder(backdrop);  // the share of matched depth is unchanged: the border had none
       const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[b].name, mesh.pointCount(), mesh.triangles.size(),
                                    backdrop.quality.coverage, making.seconds, making.resumed});
@@ -415,7 +415,7 @@ class Builder {
 
   void finish() {
     scene_.folder = options_.output;
-    options_.finish(scene_, keptFolder(options_), progress_, log_);
+    options_.postProcess(scene_, keptFolder(options_), progress_, log_);
     for (std::size_t c = 0; c < scene_.cells.size(); ++c) report_.cells[c].quality = scene_.cells[c].quality;
   }
 
@@ -427,12 +427,12 @@ class Builder {
   BuildInput input_;
   std::optional<CellPlanner> planner_;
   CellPlan plan_;
-  std::map<std::uint32_t, std::string> failure_;  // of photographs whose cells failed: the last one's
+  std::map<std::uint32_t, std::string> failure_;  // of photographs whose cells failed: the last cell's message
   BuildReport report_;
   Scene scene_;
 };
 
-// With poses, estimated where none are given.
+// Adds estimated poses to options without poses.
 BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const LogCallback& log) {
   if (!posesFile(options).empty()) return options;
   options.model = estimatePoses({.photographs = options.photographs,
@@ -445,16 +445,16 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
                                  .masks = options.masks},
                                 progress, log)
                       .model;
-  if (options.orientation == Orientation::automatic) options.orientation = Orientation::exif;  // as they were given
+  if (options.orientation == Orientation::automatic) options.orientation = Orientation::exif;  // as the files are
   return options;
 }
 
-// What a first look leaves out, or takes the fast way.
+// Options of a draft: skips what a preview does not need, and uses fast depth.
 BuildOptions draftOf(BuildOptions options) {
   check(options.backdrops, ErrorCode::invalidInput, "a draft without photographs' depth would show nothing");
   options.depth = DepthSearch::fast;
   options.refinePoses = options.removeMovers = options.fitVignetting = false;
-  options.finish = nullptr;
+  options.postProcess = nullptr;
   return options;
 }
 
@@ -467,11 +467,11 @@ BuildReport build(const BuildOptions& asked, const ProgressCallback& progress, c
   if (const std::string unread = unreadText(lookInto(options.photographs).unread); log && !unread.empty())
     log(LogLevel::warning, unread);
   const double before = processorSeconds();
-  if (posesFile(options).empty() && options.predicted) {
+  if (posesFile(options).empty() && options.onPrediction) {
     const SingleThreadedOpenCv quiet;
     BuildReport told;
     told.prediction = predictWithoutPoses(options);
-    if (!options.predicted(told.prediction)) return told;
+    if (!options.onPrediction(told.prediction)) return told;
   }
   const BuildOptions known = posed(options, progress, log);
   BuildReport report = Builder(known, progress, log).run();

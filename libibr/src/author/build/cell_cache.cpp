@@ -7,7 +7,7 @@
 namespace ibr {
 namespace {
 
-constexpr const char* kKind = "cell";  // of kept file
+constexpr const char* kKind = "cell";  // of cache files
 
 }  // namespace
 

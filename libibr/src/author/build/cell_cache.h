@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finished cells of an unfinished build, one file each, named by a hash of all that the cell depends on.
+// Cache of cells, for resuming a build. One file a cell, named by a hash of all that the cell depends on.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace ibr {
 
 void storeCell(const std::filesystem::path& folder, std::uint64_t key, const CellMesh& cell);
 
-/// nullopt where there is none, or one that is damaged.
+/// Returns nullopt if the file is missing or damaged.
 std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key);
 
 }  // namespace ibr

@@ -23,21 +23,21 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 15;  // of the cells' making: raise it when they come out differently
-constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
-constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
+constexpr std::uint64_t kVersion = 15;  // of the algorithm: raise when cells change
+constexpr double kTolerablePx = 1.0;    // max median reprojection error, px of the matched images
+constexpr std::size_t kEnough = 30;     // min points seen by all members; below it, points seen by two are used
 
-// How a cell is to be matched, and with which points.
+// Method, cameras and points with which a cell is matched.
 struct CellPlanned {
-  std::vector<glm::dvec3> points;  // that all members see; if they are few, those that two see
-  std::vector<Camera> cameras;     // at the size and the poses that are matched; none for panoramas
+  std::vector<glm::dvec3> points;  // seen by all members; if these are few, by two or more
+  std::vector<Camera> cameras;     // at the matched size, poses adjusted; empty for panoramas
   CellMatchOptions match;
   std::vector<MemberDepth> depths;  // of the members; empty: the cell is swept
 };
 
 struct SharedPoints {
-  std::vector<std::uint32_t> tracks;  // that two members see
-  std::vector<glm::dvec3> points;     // that all see; if they are few, those that two see
+  std::vector<std::uint32_t> tracks;  // seen by two or more members
+  std::vector<glm::dvec3> points;     // seen by all; if these are few, by two or more
 };
 
 SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32_t>& members) {
@@ -91,7 +91,7 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   hash.add(kVersion);
   hash.add(options.seed);
   hash.add(input.refine);
-  if (input.refine)  // poses are adjusted to what members see
+  if (input.refine)  // poses are adjusted to the members' tracks
     for (const LocalTrack& track : localTracks(input.model, input.tracksOf, members)) {
       for (int c = 0; c < 3; ++c) hash.add(track.position[c]);
       for (const auto& pixel : track.pixel)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One cell after another: matched, meshed and kept, or taken from a build that was stopped.
+// Matches, meshes and caches one cell at a time, or reads the cell from the cache of an earlier build.
 //
-// A finished cell is kept until the scene is written, under a hash of its members' files, cameras and points, so that a
-// build that was stopped goes on, and one with other options takes over what is the same.
+// A finished cell is cached until the scene is written, under a hash of its members' files, cameras and points. A
+// stopped build resumes from the cache, and a build with other options reuses all unchanged cells.
 #pragma once
 
 #include <cstdint>
@@ -20,30 +20,30 @@ namespace ibr {
 struct MadeCell {
   CellMesh cell;
   double seconds = 0, processorSeconds = 0;
-  bool resumed = false;   // was kept
-  std::uint64_t key = 0;  // it is kept under
+  bool resumed = false;   // read from the cache
+  std::uint64_t key = 0;  // of the cache file
   MatchMethod matcher = MatchMethod::sweep;
 };
 
-/// A photograph at the size at which it is matched. Where that is smaller than the photograph, `whole` gets all of it
-/// in grey, if it is wanted.
+/// A photograph at its matched size. If the photograph is larger and `whole` is set, `whole` gets the full-size grey
+/// image.
 MatchView viewOf(const Photograph& photograph, Image8* whole = nullptr);
 
-/// At the size that is matched. Where poses are so far off that matching would fail they are adjusted: below that, what
-/// fits the model's poses renders better, and what is stored keeps the model's. Precondition: no panoramas.
+/// Cameras at the matched size. Poses are adjusted only where matching would fail with them, since views that fit the
+/// model's poses render better. The scene stores the model's poses. Precondition: no panoramas.
 std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members);
 
 class CellMaker {
  public:
-  /// All outlive the object. `depths`: of all photographs, as depthOfPhotographs gives them; cells that are matched by
-  /// MatchMethod::sweep have the depth that their members keep. Empty: it is swept.
+  /// All arguments must outlive the object. `depths`: of all photographs (depthOfPhotographs); cells with
+  /// MatchMethod::sweep use the confirmed depth of their members. Empty: the cells are swept.
   CellMaker(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths = {})
       : input_(input), options_(options), depths_(depths) {}
 
-  /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. Throws Error.
+  /// `members`: 2 to 4 photographs, all panoramas or none. Thread-safe. Throws Error.
   MadeCell make(const std::vector<std::uint32_t>& members) const;
 
-  /// What making one has to do. Of panoramas, and of cells whose points lie behind them, roughly.
+  /// Work of make(), for predictions. Approximate for panoramas and for cells whose points lie behind them.
   CellWork work(const std::vector<std::uint32_t>& members) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace ibr {
 namespace {
 
-// What one cell says of a seed.
+// Observations that one cell gives for a seed.
 struct Star {
   glm::dvec4 point;  // homogeneous, world
   std::vector<BundleObservation> others;
@@ -29,7 +29,7 @@ class Seeds {
   glm::dvec2 pixel(std::size_t seed) const {
     return step_ * (glm::dvec2(double(seed % std::size_t(across_)), double(seed / std::size_t(across_))) + 0.5);
   }
-  // Calls with each seed within a box.
+  // Calls `call` with each seed within a box.
   template <class F>
   void within(glm::dvec2 low, glm::dvec2 high, F&& call) const {
     const auto first = [&](double v) { return std::max(0, int(std::ceil(v / step_ - 0.5))); };
@@ -66,7 +66,7 @@ class StarsOfCell {
     for (const std::uint32_t i : cell.members) cameras_.push_back(nodes[i].camera);
   }
 
-  // Those of one member's seeds.
+  // Adds the stars of one member's seeds.
   void addTo(Seeds& seeds, std::size_t member) const {
     const MorphMesh& mesh = cell_.mesh;
     std::vector<std::optional<Star>> nearest(seeds.count());
@@ -86,7 +86,7 @@ class StarsOfCell {
   }
 
  private:
-  // A member sees vertices at their a_i along their rays: with these, what is linear on the triangle is so in space.
+  // Linear interpolation on the triangle is linear in space when vertices lie at their a_i along the member's rays.
   std::optional<Star> starAt(const glm::uvec3& triangle, const glm::dvec3& onPicture, std::size_t member) const {
     const MorphMesh& mesh = cell_.mesh;
     const auto seen = [&](std::size_t i, int corner) {
@@ -115,7 +115,7 @@ class StarsOfCell {
   std::vector<Camera> cameras_;
 };
 
-// The mean of what cells say of each member; nothing where they do not agree.
+// Mean of the cells' observations for each member; omits a member for which they disagree.
 std::vector<BundleObservation> agreed(const std::vector<Star>& stars, double agreePx) {
   std::vector<BundleObservation> all, kept;
   for (const Star& star : stars) all.insert(all.end(), star.others.begin(), star.others.end());

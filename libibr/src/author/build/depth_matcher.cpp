@@ -18,16 +18,16 @@
 #include "author/jobs/kept_values.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/resize.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 8;   // of the depth's making: raise it when it comes out differently
-constexpr const char* kKind = "depth";  // of kept file
-constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
+constexpr std::uint64_t kVersion = 8;   // of the algorithm: raise when depth changes
+constexpr const char* kKind = "depth";  // of cache files
+constexpr int kRefinedWindow = 5;       // px of the refined image: half a patch, plus 1 for interpolation
 
-// A photograph's picture as one of its views sees it, at any size; its mask likewise.
+// A photograph's image and mask as one of its views sees them, at any size.
 class LoadedPhotograph {
  public:
   explicit LoadedPhotograph(const Photograph& photograph)
@@ -56,7 +56,7 @@ class LoadedPhotograph {
   std::optional<PanoramaSampler> sphere_, sphereMask_;
 };
 
-// 0 where the camera does not see the point.
+// Returns 0 if the camera does not see the point.
 double inverseDepthSeen(const Camera& camera, const glm::dvec3& point) {
   const Intrinsics& k = camera.intrinsics;
   const auto at = project(k, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
@@ -84,7 +84,7 @@ std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
   return depth;
 }
 
-// Each pixel has the depth of the one that it lies in.
+// Nearest-neighbour enlargement: a pixel gets the depth of the small pixel that contains its corner.
 SweptDepth enlarged(const SweptDepth& depth, int width, int height) {
   SweptDepth large{ImageF(width, height, 1), Image8(width, height, 1), depth.level};
   for (int y = 0; y < height; ++y)
@@ -104,7 +104,7 @@ glm::ivec2 sweptSize(const Intrinsics& stored) {
 }
 
 double bytesToReadViews(const Photograph& photograph) {
-  constexpr double kSphereBytes = 4;  // a pixel: colours and mask with a border
+  constexpr double kSphereBytes = 4;  // per pixel: colours and mask with a border
   const Intrinsics& k = photograph.camera.intrinsics;
   return bytesToLoad(photograph) + (isPanorama(photograph) ? kSphereBytes * k.width * k.height : 0);
 }
@@ -131,7 +131,7 @@ DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::fil
   views_ = depthViews(cameras);
   small_.resize(views_.size());
   fine_.resize(views_.size());
-  std::vector<std::size_t> first;  // view of each photograph
+  std::vector<std::size_t> first;  // first view of each photograph
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].node == first.size()) first.push_back(v);
   std::vector<std::vector<double>> tracks;

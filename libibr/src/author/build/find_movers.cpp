@@ -14,8 +14,8 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kLeastShared = 20;  // tracks, to judge
-constexpr double kBytesPerPixel = 200;    // of a photograph's matched pixels, while it is compared with its judges
+constexpr std::size_t kLeastShared = 20;  // tracks
+constexpr double kBytesPerPixel = 200;    // per matched pixel of a photograph, while it is compared
 
 JudgedView judged(const BuildInput& input, const PhotographDepth& depth, const std::vector<std::uint32_t>& judges) {
   std::vector<std::uint32_t> members{depth.node};

@@ -13,9 +13,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kReferenceSeconds = 0.0151;  // processor time of one match, on the machine of the constants
-constexpr double kLongEnough = 0.25;          // s
-constexpr std::size_t kLeast = 2;             // matches a thread; the first one also warms caches
+constexpr double kReferenceSeconds = 0.0151;  // s of processor time for one match, on the machine of the constants
+constexpr double kLongEnough = 0.25;          // min duration, s
+constexpr std::size_t kLeast = 2;             // min matches per thread; the first one also warms the caches
 
 struct Pair {
   std::vector<MatchView> views;
@@ -28,7 +28,7 @@ Pair generatedPair() {
   options.cameras = {{k, {{-0.2, 0, 0}, {1, 0, 0, 0}}}, {k, {{0.2, 0, 0}, {1, 0, 0, 0}}}};
   options.planes = {{{0, 0, -4}, {1, 0, 0}, {0, 1, 0}, 8, 6, 1, 0.1},
                     {{0.3, 0, -3}, {1, 0, 0}, {0, 1, 0}, 1, 1, 2, 0.1}};
-  options.gridStep = 160;  // its mesh is not used
+  options.gridStep = 160;  // the generated mesh is unused
   options.samplesPerAxis = 1;
   SyntheticScene scene = makeScene(options);
   Pair pair;

@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-// As kExactPx, but of features that are found to about 0.13 px themselves.
+// Px. As kExactPx, but for own features, which are located to about 0.13 px.
 constexpr double kExactByFeaturesPx = 0.2;
 
 }  // namespace
@@ -22,7 +22,7 @@ std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource sourc
   if (source == TrackSource::model) return {};
   if (source == TrackSource::own) return pairsWithoutTracks({model.images, {}}, {});
   PairOptions wanted;
-  // Of a model with tracks, those that are far from each other and share few have been tried.
+  // In a model with tracks, distant pairs that share few tracks were already tried: matches only 5 neighbours.
   if (!model.tracks.empty()) wanted.neighbours = 5;
   return pairsWithoutTracks(model, wanted);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A build's tracks: those of its model, and where these are missing or few, our own (tracks.h).
+// Tracks of a build: those of its model and, for pairs that lack them, own tracks (tracks.h).
 #pragma once
 
 #include "author/build/build_input.h"
@@ -10,7 +10,7 @@ namespace ibr {
 
 const char* trackSourceName(TrackSource source);
 
-/// Pairs of photographs for which tracks of our own are wanted.
+/// Pairs of photographs that need own tracks.
 std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource source);
 
 /// Finds tracks for pairs of photographs that lack them. Precondition: the photographs are stored. Throws Error (io,

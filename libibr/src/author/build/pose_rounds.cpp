@@ -17,14 +17,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kRadians = 0.01, kShift = 0.02;  // one standard deviation of the priors; of the median edge of cells
-constexpr double kFocal = 0.05, kCentrePx = 2.0;
-constexpr double kCauchyPx = 0.15;  // errors of good matches; a dense matcher's others are large and one-sided
-constexpr double kSure = 3;         // standard errors by which a step must fit better to be taken
+constexpr double kRadians = 0.01, kShift = 0.02;  // standard deviations of the priors: rad; median edges of cells
+constexpr double kFocal = 0.05, kCentrePx = 2.0;  // standard deviations: relative focal length; principal point, px
+constexpr double kCauchyPx = 0.15;  // scale of good matches' errors; a dense matcher's outliers are large and one-sided
+constexpr double kSure = 3;         // standard errors by which a step must improve the fit
 
 struct Problem {
-  std::vector<BundleCamera> cameras;  // at the size that is matched
-  std::vector<BundlePoint> points;    // of cells first, then of the model
+  std::vector<BundleCamera> cameras;  // at the matched size
+  std::vector<BundlePoint> points;    // of the cells first, then of the model
   std::size_t ofCells = 0;
 };
 
@@ -32,7 +32,7 @@ bool isPinhole(const Photograph& photograph) {
   return photograph.camera.intrinsics.model == CameraModel::pinhole;
 }
 
-// Of pixels: across and down, as sizes are rounded.
+// Scale in x and y, which differ because sizes are rounded.
 glm::dvec2 scaleTo(const Intrinsics& to, const Intrinsics& from) {
   return {double(to.width) / from.width, double(to.height) / from.height};
 }
@@ -74,7 +74,7 @@ Problem problemOf(const BuildInput& input, const std::vector<Cell>& cells) {
   return problem;
 }
 
-// Median and nine tenths.
+// Median and 90 % quantile.
 PoseRefinement::Errors errorsOf(const Problem& problem, const Bundle& bundle) {
   std::vector<double> errors;
   for (std::size_t p = 0; p < bundle.points.size(); ++p)
@@ -89,12 +89,12 @@ PoseRefinement::Errors errorsOf(const Problem& problem, const Bundle& bundle) {
   return {median(errors), p90};
 }
 
-// What cameras are fitted to, and whether their intrinsics are.
+// Data that cameras are fitted to, and whether intrinsics are fitted.
 struct Fit {
   bool cells = false, intrinsics = false;
 };
 
-// Fits of more and more, each taken only if it suits what it was not fitted to (cross_validation.h).
+// Successive fits with more data or parameters; a fit is taken only if held-out points fit better (cross_validation.h).
 class Fits {
  public:
   Fits(const Problem& problem, const std::vector<std::size_t>& used, double edge) : problem_(problem) {
@@ -121,7 +121,7 @@ class Fits {
     return cameras;
   }
 
-  // nullopt: none is better than what was given.
+  // Returns nullopt if no fit is better than the given cameras.
   std::optional<Fit> best(std::vector<PoseRefinement::Step>& steps) const {
     std::optional<Fit> best;
     std::vector<double> costs = costsOf(problem_.cameras, problem_.points, kCauchyPx);
@@ -146,7 +146,7 @@ class Fits {
 
   int halfOf(std::size_t point) const { return int(patches_[point] % 2); }
 
-  // Of all points, by cameras that were fitted to the half where they are not.
+  // Costs of all points, each by the cameras fitted to the half that does not contain the point.
   std::vector<double> costsOfOthers(const Fit& fit) const {
     std::vector<double> costs(problem_.points.size());
     for (const int half : {0, 1}) {
@@ -171,7 +171,7 @@ class Fits {
   std::vector<std::uint32_t> patches_;
 };
 
-// Pinholes that see a point that another sees, too.
+// Pinholes that see a point which another camera sees too.
 std::vector<std::size_t> camerasThatShare(const Problem& problem, const BuildInput& input) {
   std::vector<bool> sees(problem.cameras.size(), false);
   for (const BundlePoint& point : problem.points)
@@ -192,7 +192,7 @@ double medianEdge(const BuildInput& input, const std::vector<Cell>& cells) {
   return edges.empty() ? 0 : median(edges);
 }
 
-// What `matched` changed from `was`.
+// Applies the change from `was` to `matched` to a camera.
 void setCamera(Camera& camera, const Camera& was, const Camera& matched) {
   Intrinsics& k = camera.intrinsics;
   const glm::dvec2 scale = scaleTo(k, was.intrinsics);

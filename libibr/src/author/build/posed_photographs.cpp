@@ -4,7 +4,7 @@
 #include "author/build/build_input.h"
 #include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 
 namespace ibr {
 

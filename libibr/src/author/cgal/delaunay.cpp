@@ -25,7 +25,7 @@ using Space = CGAL::Delaunay_triangulation_3<
 }  // namespace
 
 std::vector<glm::uvec3> delaunayTriangles(std::span<const glm::dvec2> points) {
-  // CGAL keeps any of two equal points; we decide which.
+  // CGAL keeps an arbitrary one of equal points; passing only the first makes the result deterministic.
   std::map<std::pair<double, double>, unsigned> first;
   for (std::size_t i = 0; i < points.size(); ++i) first.emplace(std::pair(points[i].x, points[i].y), unsigned(i));
   std::vector<std::pair<Plane::Point, unsigned>> input;

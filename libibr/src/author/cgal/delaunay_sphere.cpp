@@ -32,7 +32,7 @@ std::vector<glm::uvec3> delaunaySphere(std::span<const glm::dvec3> directions) {
     const glm::dvec3 d = glm::normalize(directions[i]);
     const std::size_t before = sphere.number_of_vertices();
     const auto vertex = sphere.insert(Kernel::Point_3(d.x, d.y, d.z), near);
-    if (sphere.number_of_vertices() == before) continue;  // there is one already, which keeps its number
+    if (sphere.number_of_vertices() == before) continue;  // equal to an earlier one, which keeps its index
     vertex->info() = unsigned(i);
     near = vertex->face();
   }

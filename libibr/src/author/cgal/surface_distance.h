@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far one surface lies from another (Cignoni, Rocchini, Scopigno, Metro, 1998).
+// Distance of one surface from another (Cignoni, Rocchini, Scopigno, Metro, 1998).
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ struct SurfaceDistance {
   std::size_t samples = 0;
 };
 
-/// From points of one mesh, spread evenly over its area and the same for a seed, to the nearest point of the other.
-/// Precondition: both have a face with an area.
+/// Distances from samples of one mesh, uniform over its area and determined by the seed, to the nearest point of the
+/// other. Precondition: both meshes have a face with an area.
 SurfaceDistance surfaceDistance(const TriangleMesh& from, const TriangleMesh& to, std::size_t samples = 20000,
                                 std::uint64_t seed = 1);
 

@@ -15,21 +15,21 @@ namespace ibr {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kLeastParallax = 1.5 * kDegree;                                            // of a witness
-constexpr double kBestParallax = 6 * kDegree, kNarrow = 3 * kDegree, kWide = 12 * kDegree;  // Gaussian, σ either side
-constexpr double kShareTolerance = 0.004;                                                   // of ρ
-constexpr int kGrid = 16;  // places a side by which sources are chosen
+constexpr double kLeastParallax = 1.5 * kDegree;                                            // for a witness to count
+constexpr double kBestParallax = 6 * kDegree, kNarrow = 3 * kDegree, kWide = 12 * kDegree;  // Gaussian, σ each side
+constexpr double kShareTolerance = 0.004;                                                   // relative to ρ
+constexpr int kGrid = 16;  // sample points per side, for choosing sources
 
 double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-// A point of one map in another one's picture.
+// Projection of a point of one map into another map's image.
 struct Sighting {
   glm::ivec2 pixel;
   double inverseDepth;  // of the point
   double parallax;      // angle at the point between the two centres, radians
-  double coarser;       // distance from the asker over distance from the witness
+  double coarser;       // distance of the point from the asker over that from the witness
 };
 bool sight(const Reprojection& towards, const Intrinsics& witness, glm::dvec2 from, double inverseDepth,
            Sighting& sighting) {
@@ -93,7 +93,7 @@ class Consistency {
     });
   }
 
-  // After all have been confirmed.
+  // Must run after confirm() has finished for all maps.
   void contradict(std::size_t asker) {
     ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
       if (evidence_[witness].confirmations.pixel(seen.pixel.x, seen.pixel.y)[0] == 0) return;

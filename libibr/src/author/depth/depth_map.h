@@ -6,8 +6,8 @@
 
 namespace ibr {
 
-/// Inverse depth along a pinhole's axis: one channel, `camera` has the map's size; kUnknownDepth
-/// (author/backdrop/complete_depth.h) where unknown.
+/// Inverse depth along a pinhole's axis, 1 / world unit: one channel, kUnknownDepth where unknown
+/// (author/backdrop/complete_depth.h). `camera` has the map's size.
 struct DepthMap {
   Camera camera;
   ImageF inverseDepth;

@@ -12,10 +12,10 @@ namespace ibr {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kGrid = 10;            // a side, over the picture
-constexpr double kUnobserved = 0.3;  // share of a track that only one of the two observes
+constexpr int kGrid = 10;            // cells per side, over the image
+constexpr double kUnobserved = 0.3;  // weight of a track that only one of the two observes
 constexpr double kLeastGain = 1e-9;
-// Parallaxes: where the weight is 1, and its standard deviations below and above.
+// Weight of a parallax: 1 at `best`, a Gaussian with different standard deviations below and above. Radians.
 struct Parallax {
   double best, below, above;
   double weight(double angle) const {
@@ -29,7 +29,7 @@ constexpr Parallax kWide{18 * kDegree, 6 * kDegree, 7 * kDegree};
 struct Place {
   glm::dvec3 position;
   std::uint32_t track;
-  double share;  // of the picture
+  double share;  // weight of the track after equalisation over the grid
 };
 
 std::optional<glm::dvec2> pixelOf(const Camera& camera, const glm::dvec3& point) {
@@ -62,7 +62,7 @@ std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const
                                         std::span<const std::vector<std::uint32_t>> tracksOf, std::uint32_t view) {
   const std::vector<Place> places = placesOf(model, views[view].camera, tracksOf[views[view].node]);
   const glm::dvec3 own = views[view].camera.pose.position;
-  std::vector<std::vector<float>> near(views.size()), wide(views.size());  // weights of the places
+  std::vector<std::vector<float>> near(views.size()), wide(views.size());  // weights of the tracks' points
   for (std::uint32_t j = 0; j < views.size(); ++j) {
     const Camera& camera = views[j].camera;
     const glm::dvec3 other = camera.pose.position;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pinhole pictures in which a scene's depth is found: its photographs, and the faces of its panoramas.
+// The pinhole images in which a scene's depth is found: its photographs, and the faces of its panoramas.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct DepthView {
   Camera camera;           // at the photograph's stored size
 };
 
-/// In the order of the photographs; a panorama has its depthFaces() in their order.
+/// Views in the order of the photographs; a panorama contributes its depthFaces() in their order.
 std::vector<DepthView> depthViews(std::span<const Camera> photographs);
 
 }  // namespace ibr

@@ -8,12 +8,12 @@
 
 #include "author/backdrop/complete_depth.h"
 #include "base/check.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kFaceFov = 96 * std::numbers::pi / 180;  // a little more than a quarter of the view
+constexpr double kFaceFov = 96 * std::numbers::pi / 180;  // a little more than the 90° of a cube's face
 
 // The face that sees a direction farthest from its edges.
 struct Sighting {
@@ -28,7 +28,7 @@ Sighting sightingOf(const std::vector<glm::dquat>& toFaces, glm::dvec3 direction
   return best;
 }
 
-// Of a direction before the face.
+// Pixel of a direction in front of the face.
 glm::ivec2 pixelOf(const Intrinsics& k, glm::dvec3 direction) {
   const glm::dvec2 at(k.cx - k.fx * direction.x / direction.z, k.cy + k.fy * direction.y / direction.z);
   return glm::clamp(glm::ivec2(glm::floor(at)), glm::ivec2(0), glm::ivec2(k.width, k.height) - 1);

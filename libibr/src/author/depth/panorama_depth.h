@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A panorama's depth by its faces: six pinholes of a cube, whose maps are read back over the sphere.
+// Depth of a panorama from its six cube faces, which are pinholes. Their maps are resampled to the sphere.
 #pragma once
 
 #include <span>
@@ -10,21 +10,21 @@
 
 namespace ibr {
 
-/// Depth of one picture with its evidence.
+/// Depth of one image with its evidence.
 struct MatchedDepth {
   ConsistentDepth matched;
-  Image8 sky;  // 255 where the picture shows it, else 0; empty: not known
+  Image8 sky;  // 255 for sky, else 0; empty: unknown
   DepthEvidence evidence;
 };
 
-/// In the order of cubeFaces(), with about as many pixels an angle as `panorama`.
+/// Faces in the order of cubeFaces(), with about the angular resolution of `panorama`.
 std::vector<Camera> depthFaces(const Camera& panorama);
 
-/// Their width and height, px, of a panorama of this width.
+/// Width and height of the faces, px, for a panorama of this width.
 int depthFaceSize(int panoramaWidth);
 
-/// The map of `panorama`: a pixel is the nearest one of the face that looks its way. Inverse depth along a face's axis
-/// becomes inverse distance along the ray. `faces`: of depthFaces(), at any
+/// Map of `panorama`: a pixel takes the nearest pixel of the face that contains its direction. Inverse depth
+/// along a face's axis is converted to inverse distance along the ray. `faces`: of depthFaces(), at any
 /// sizes.
 MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> faces);
 

@@ -11,10 +11,10 @@
 namespace ibr {
 namespace {
 
-constexpr float kColour = 25;  // grey levels over which a sample's weight falls to 1/e
-constexpr float kNoise = 4;    // variance that is not texture
+constexpr float kColour = 25;  // difference at which a sample's weight falls to 1/e, 8-bit levels
+constexpr float kNoise = 4;    // variance below which a patch counts as noise
 
-// Where the samples of a patch are, in its spacing from its middle; those beyond the last are the middle.
+// Sample positions of a patch relative to its middle, in sample distances. Padding samples lie at the middle.
 constexpr std::array<float, kPaddedSamples> offsets(bool down) {
   std::array<float, kPaddedSamples> result{};
   for (std::size_t k = 0; k < kPatchSamples; ++k)
@@ -23,7 +23,7 @@ constexpr std::array<float, kPaddedSamples> offsets(bool down) {
 }
 constexpr std::array<float, kPaddedSamples> kAcross = offsets(false), kDown = offsets(true);
 
-// In an order of its own, which is that of vectors of kLanes.
+// Sums in a fixed order, that of vectors of kLanes, so that the result does not depend on vectorisation.
 [[gnu::always_inline]] inline float total(const float* __restrict values) {
   float lanes[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l) lanes[l] = values[l];

@@ -18,7 +18,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kStepPx = 2;  // of a photograph: 1 px at half its size
+constexpr double kStepPx = 2;  // px of a photograph: 1 px at half its size
 
 void runInTurn(std::size_t count, const std::function<void(std::size_t)>& job) {
   for (std::size_t i = 0; i < count; ++i) job(i);
@@ -31,7 +31,7 @@ bool isSky(const PhotographDepth& depth, std::size_t pixel) {
 }  // namespace
 
 ImageF keptDepth(const PhotographDepth& depth) {
-  constexpr float kSurfaceSteps = 2;  // between neighbours of one surface
+  constexpr float kSurfaceSteps = 2;  // max depth step between neighbours of one surface
   ImageF kept = depth.matched.map.inverseDepth;
   const DepthEvidence& evidence = depth.evidence;
   for (std::size_t p = 0; p < kept.values.size(); ++p) {
@@ -64,7 +64,7 @@ double pxARadian(const Intrinsics& k) {
   return k.model == CameraModel::equirectangular ? k.width / (2 * std::numbers::pi) : k.fx;
 }
 
-// A view's depth before any other view is asked.
+// A view's depth before evidence from other views is counted.
 struct FoundDepth {
   DepthMap map;
   Image8 sky = {};
@@ -77,7 +77,7 @@ FoundDepth depthOf(std::span<const Camera> photographs, const DepthView& view, s
     return {
         {sizedAs(view.camera, {swept->inverseDepth.width, swept->inverseDepth.height}), std::move(swept->inverseDepth)},
         std::move(swept->sky)};
-  const glm::ivec2 size = backdropSize(photographs[view.node].intrinsics);  // a face is as fine as the panorama
+  const glm::ivec2 size = backdropSize(photographs[view.node].intrinsics);  // faces: same resolution per angle
   const Camera camera = sizedAs(view.camera, view.isFace ? glm::ivec2(depthFaceSize(size.x)) : size);
   const auto points = options.points ? options.points(view.node) : std::vector<glm::dvec3>{};
   return {{camera, depthOfPoints(camera, points)}, {}, true};
@@ -87,7 +87,7 @@ int finerThanBackdrop(const Intrinsics& map, const Intrinsics& stored) {
   return std::max(1, int(std::lround(double(map.width) / backdropSize(stored).x)));
 }
 
-// Beyond the seam of a panorama is its other end.
+// Pads a panorama's rows with pixels from the opposite ends, since its left and right ends adjoin.
 template <class T>
 Image<T> withEnds(const Image<T>& image, int wide) {
   Image<T> result(image.width + 2 * wide, image.height, image.channels);
@@ -105,8 +105,8 @@ ImageF completedAround(const ImageF& kept, const Image8& colours) {
   return result;
 }
 
-// The pixel whose depth a vertex has: the nearest one, unless that is of another surface, as where a triangle was
-// split.
+// Pixel from which a vertex takes its depth: the nearest one, unless that pixel lies on another surface, as where a
+// triangle was split.
 glm::ivec2 pixelOfDepth(const ImageF& map, glm::dvec2 at, double inverseDepth) {
   constexpr int kReach = 3;  // px: half the diagonal of the finest blocks of vertices
   constexpr double kSame = 1e-5;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a scene's photographs, at backdropSize or the size that it was matched at, with the evidence that the other
-// photographs give. Of a panorama it is found face by face (panorama_depth.h), and ρ is along the ray.
+// Depth of a scene's photographs with the evidence of the other photographs, at backdropSize or the matched size. Depth
+// of a panorama is found face by face (panorama_depth.h); its ρ is along the ray.
 //
-//   depth     as it was matched (photograph_sweep.h); of a photograph that was not its points
+//   depth     as matched (photograph_sweep.h); of an unmatched photograph: its points
 //   evidence  confirmations c and contradictions v (depth_consistency.h)
-//   kept      c >= 2, or c >= 1 and c > v, or no other photograph could have confirmed it, or sky; and that in
-//             surfaces of kLeastSurface px at least, but for points
-//   completed the rest from around (complete_depth.h), so that depth is known everywhere; consensus
-//             a = (c + .25) / (c + v + .5), with c = 2 in the sky. Where depth was completed c is 0 and a is .1
+//   kept      c >= 2, or c >= 1 and c > v, or no other photograph could have confirmed the depth, or sky. Kept surfaces
+//             have kLeastSurface px at least; depth of points is exempt
+//   completed elsewhere, from around (complete_depth.h), so that depth is known everywhere; consensus
+//             a = (c + 0.25) / (c + v + 0.5), with c = 2 in the sky; where depth was completed, c is 0 and a is 0.1
 #pragma once
 
 #include <cstdint>
@@ -25,17 +25,17 @@
 namespace ibr {
 
 inline constexpr float kCompletedConsensus = 0.1f;
-inline constexpr int kLeastSurface = 30;          // px of a depth's picture of backdropSize
-inline constexpr std::size_t kDepthSources = 10;  // photographs that are asked about one photograph's depth
+inline constexpr int kLeastSurface = 30;          // px of a depth map at backdropSize
+inline constexpr std::size_t kDepthSources = 10;  // photographs compared with one photograph's depth
 
-/// A photograph's depth as it was matched, and its evidence.
+/// A photograph's matched depth, and its evidence.
 struct PhotographDepth : MatchedDepth {
   std::uint32_t node = 0;
   bool sparse = false;  // the depth is that of points
-  int finer = 1;        // about how many px of its picture lie along one of backdropSize's
+  int finer = 1;        // px of the map along one px at backdropSize, rounded
 };
 
-/// The depth of one of the photographs' depthViews() as it was matched; nullopt where it was not.
+/// Matched depth of one of the photographs' depthViews(); nullopt if matching failed.
 using DepthMatches = std::function<std::optional<SweptDepth>(std::size_t view)>;
 
 /// World points that a photograph sees.
@@ -43,31 +43,31 @@ using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t nod
 
 struct PhotographDepthOptions {
   DepthMatches matches;          // of every view
-  PhotographPoints points = {};  // of a photograph without a match; empty: nothing is known of its depth
+  PhotographPoints points = {};  // of a photograph without a match; empty: its depth is unknown
   double residualPx = 0;         // of the poses, px of the stored photographs
-  JobRunner depths, evidence;    // run the jobs of both steps; empty: one after the other
+  JobRunner depths, evidence;    // run the jobs of the two steps; empty: serial
 };
 
-/// Of all photographs, in their order. Does not depend on the order in which jobs are run. 8 bytes a pixel. Throws what
-/// the runners throw.
+/// Depth of all photographs, in their order; does not depend on the order in which jobs run. Takes 8 bytes per pixel.
+/// Throws what the runners throw.
 std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> photographs,
                                                 const PhotographDepthOptions& options);
 
-/// The depth as far as it is kept; kUnknownDepth elsewhere.
+/// The depth that passes the rule above; kUnknownDepth elsewhere.
 ImageF keptDepth(const PhotographDepth& depth);
 
-/// Depth that is known everywhere. Four maps of one size.
+/// Depth that is known everywhere. All maps have the same size.
 struct CompletedDepth {
   DepthMaps maps;
-  ImageF kept;  // of maps.inverseDepth what was not completed; kUnknownDepth elsewhere
+  ImageF kept;  // maps.inverseDepth where not completed; kUnknownDepth elsewhere
   Image8 confirmations;
 };
 
-/// `colours`: RGB, of the map's size.
+/// Completes a photograph's depth. `colours`: RGB, of the map's size.
 CompletedDepth completed(const PhotographDepth& depth, const Image8& colours);
 
 /// Sets confirmations and consensus of a backdrop's vertices from the nearest pixel of their depth. `stored`: the
-/// photograph's intrinsics, in whose px the matches are.
+/// photograph's intrinsics; the matches are in px of the stored photograph.
 void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth& depth);
 
 }  // namespace ibr

@@ -16,29 +16,29 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 2;  // of the correlation window
+constexpr int kRadius = 2;  // px, of the correlation window
 constexpr float kShare = 1.0f / float((2 * kRadius + 1) * (2 * kRadius + 1));
 constexpr float kUnits = WarpedView::kUnits;
-constexpr float kNoise = 2.0f * kUnits * kUnits;  // variance that is not texture
-constexpr float kCostOfOne = 127.5f;              // c = 1 in units of the volume
+constexpr float kNoise = 2.0f * kUnits * kUnits;  // variance below which a window counts as noise
+constexpr float kCostOfOne = 127.5f;              // c = 1 in units of the cost volume
 constexpr float kAloneShare = 0.5f, kAloneMore = 0.35f, kUnseen = 0.78f;
-constexpr int kBetter = 5;  // most sources of a better half
-constexpr int kBlock = 16;  // levels that are matched before they are turned to lie side by side at each pixel
+constexpr int kBetter = 5;  // max number of sources averaged
+constexpr int kBlock = 16;  // levels computed before they are transposed to lie side by side for each pixel
 constexpr double kLeastLevels = 48, kMostLevels = 160;
-constexpr double kMostMotion = 1.5;  // px a level; sources that move more are halved …
-constexpr int kLeastSide = 64;       // … down to this, px
-constexpr double kBefore = 1.3;      // how far the range reaches before the tracks' inverse depths
-constexpr double kInfinity = 0.3;    // range from infinity on where the farthest is less than this share of the nearest
-constexpr double kBehind = 0.7;      // else from this share of the farthest on
+constexpr double kMostMotion = 1.5;  // px per level; sources that move more are halved …
+constexpr int kLeastSide = 64;       // … down to this side, px
+constexpr double kBefore = 1.3;      // near end of the range, times the nearest tracks' inverse depth
+constexpr double kInfinity = 0.3;    // the range starts at infinity if far / near of the tracks is below this
+constexpr double kBehind = 0.7;      // else at this share of the farthest tracks' inverse depth
 
-constexpr float kDearest = 3.0f;  // more than any cost
+constexpr float kDearest = 3.0f;  // above any cost
 
-// Of a row's pixels, ascending.
+// The kBetter smallest costs of a row's pixels, ascending.
 struct LeastCosts {
   float* row[kBetter];
 };
 
-// By value: through the references of std::max the loops below would not be vectorised.
+// By value: the references of std::max would prevent vectorisation of the loops below.
 [[gnu::always_inline]] inline float larger(float a, float b) {
   return a < b ? b : a;
 }
@@ -46,7 +46,7 @@ struct LeastCosts {
   return b < a ? b : a;
 }
 
-// px by which a source moves when ρ changes by 1, in the middle of the range: median over the picture.
+// Movement of a source, px, per change of ρ by 1, at the middle of the range: median over the image.
 double motionOf(const Camera& photograph, const Camera& source, double middle) {
   constexpr int kSamples = 12;
   const FrameToMember map = frameToMember(photograph, source);
@@ -87,12 +87,12 @@ SweepView halved(const SweepView& view) {
   for (int x = 0; x < width; ++x) out[x] = c[x - 2] + c[x - 1] + c[x] + c[x + 1] + c[x + 2];
 }
 
-// Of one picture, by column: b, b² and a·b over the window's rows; a is the photograph's.
+// Column sums over the window's rows: b, b² and a·b, where a is the photograph and b a source.
 struct ColumnSums {
   float *value, *square, *product;
 };
 
-// Adds the rows a, b; takes away c, d.
+// Adds the rows a, b; subtracts the rows c, d.
 [[gnu::always_inline]] inline void moveRows(const float* __restrict a, const float* __restrict b,
                                             const float* __restrict c, const float* __restrict d, ColumnSums sums,
                                             int width) {
@@ -104,12 +104,12 @@ struct ColumnSums {
   }
 }
 
-// Sums over the windows of a row, and of the photograph's the mean and the variance.
+// Window sums of a row, and the photograph's window means and variances.
 struct WindowRow {
   const float *value, *square, *product, *mean, *variance;
 };
 
-// Puts the costs of pixels first to last among their least.
+// Inserts the costs of pixels first to last into the smallest costs.
 [[gnu::always_inline]] inline void putCosts(WindowRow row, const std::uint8_t* ignored, int first, int last,
                                             float* __restrict count, LeastCosts least) {
   const float* __restrict const sa = row.value, * __restrict const sb = row.square, * __restrict const sc = row.product;
@@ -122,7 +122,7 @@ struct WindowRow {
     const float covariance = sc[x] * kShare - mean[x] * other;
     const float correlation = covariance / std::sqrt(variance[x] * spread);
     const bool seen = !ignored || !ignored[x];
-    // What is not seen is dearer than any.
+    // Unseen pixels cost more than any seen one.
     float c = seen ? 1.0f - smaller(larger(correlation, -1.0f), 1.0f) : kDearest;
     count[x] += seen ? 1.0f : 0.0f;
     for (float* const place : {&b0[x], &b1[x], &b2[x], &b3[x], &b4[x]}) {
@@ -133,7 +133,7 @@ struct WindowRow {
   }
 }
 
-// Mean of the better half, in units of the volume.
+// Mean of the better half, in units of the cost volume.
 [[gnu::always_inline]] inline void meanCosts(const float* __restrict count, LeastCosts least,
                                              std::uint8_t* __restrict out, int width) {
   for (int x = 0; x < width; ++x) {
@@ -148,7 +148,7 @@ struct WindowRow {
   }
 }
 
-// Sums over the window's rows, by column, of one picture; room for the window's radius on both sides.
+// Column sums over the window's rows, padded by the window's radius on both sides.
 class Columns {
  public:
   explicit Columns(int width) : width_(width), values_(std::size_t(width + 2 * kRadius), 0.0f) {}
@@ -169,7 +169,7 @@ const float* rowOf(const ImageF& picture, int y) {
   return &picture.values[std::size_t(std::clamp(y, 0, picture.height - 1)) * std::size_t(picture.width)];
 }
 
-// Costs of one plane. Keeps its working memory from one plane to the next.
+// Computes the costs of one plane at a time. Reuses its working memory.
 class SourceCorrelation {
  public:
   SourceCorrelation(const SweepView& photograph, std::size_t sources)
@@ -231,7 +231,7 @@ class SourceCorrelation {
     }
   }
 
-  // Adds row `in` to the columns; takes the row that leaves the window away.
+  // Adds row `in` to the column sums; with `takes`, subtracts the row that leaves the window.
   void move(const WarpedView& view, std::size_t s, int in, bool takes) {
     const float* const none = zero_.data();
     const float *const a = rowOf(own_, in), *const b = rowOf(view.grey, in);
@@ -241,7 +241,7 @@ class SourceCorrelation {
     runWide<moveRows>(a, b, c, d, sums, width_);
   }
 
-  // Puts the source's costs among the least of the row.
+  // Inserts the source's costs into the smallest costs of the row.
   void correlate(const WarpedView& view, std::size_t s, int y) {
     const int first = view.first[std::size_t(y)], last = view.last[std::size_t(y)];
     if (first > last) return;
@@ -266,7 +266,7 @@ class SourceCorrelation {
   ImageF own_, mean_, variance_;                   // of the photograph
   std::vector<Columns> value_, square_, product_;  // by source
   std::vector<float> sumA_, sumB_, sumC_, count_, zero_;
-  std::array<std::vector<float>, kBetter> best_;  // of the row: the least costs, ascending
+  std::array<std::vector<float>, kBetter> best_;  // the row's smallest costs, ascending
 };
 
 struct Levels {
@@ -275,7 +275,7 @@ struct Levels {
   double at(double level) const { return first + level * step; }
 };
 
-// Of inverse depths: all but a few outliers.
+// 0.5 % and 99.5 % quantiles of inverse depths, robust against outliers.
 struct DepthQuantiles {
   double far, near;
   bool reachInfinity() const { return far < kInfinity * near; }

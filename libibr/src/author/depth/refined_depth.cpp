@@ -15,11 +15,11 @@ namespace ibr {
 namespace {
 
 constexpr std::size_t kAgreeing = 5;
-constexpr float kUnlike = 1;                       // cost from which on a source does not agree
+constexpr float kUnlike = 1;                       // cost from which a source counts as not agreeing
 constexpr std::array kMoves{0.35f, 0.18f, 0.09f};  // of a level, by scan
-constexpr float kTurn = 0.25f;                     // change of slope a fine px, of a scan's move
-constexpr float kSurface = 1.5f;                   // levels between neighbours of one surface
-constexpr float kSame = 0.02f;                     // levels by which planes differ that are not told apart
+constexpr float kTurn = 0.25f;                     // max change of slope per fine px, relative to the scan's move
+constexpr float kSurface = 1.5f;                   // max levels between neighbours of one surface
+constexpr float kSame = 0.02f;                     // levels; planes that differ by less are treated as equal
 constexpr float kLeastGain = 0.004f, kMostCost = 0.42f;
 constexpr int kCostRadius = 2;
 
@@ -28,7 +28,7 @@ struct Agreeing {
   std::uint8_t count = 0;
 };
 
-// −1 to 1.
+// Deterministic noise, −1 to 1.
 float noise(std::size_t pixel, std::size_t scan, std::uint32_t axis) {
   std::uint32_t h = std::uint32_t(pixel) * 2654435761u + std::uint32_t(scan) * 40503u + axis * 2246822519u;
   h = (h ^ (h >> 15)) * 2246822519u;
@@ -78,7 +78,7 @@ class Refiner {
   glm::vec2 middleOf(int x, int y) const { return (glm::vec2(x, y) + 0.5f) * scale_; }
   bool isRefined(int x, int y) const { return agreeing_[at(x, y)].count > 0; }
 
-  // Change of the swept depth a px, from the neighbours on the same surface.
+  // Slope of the swept depth per px, from neighbours on the same surface.
   float slope(int x, int y, glm::ivec2 along) const {
     const float here = swept_.values[at(x, y)];
     float sum = 0;
@@ -107,7 +107,7 @@ class Refiner {
     if (agreeing.count > 0) cost_[p] = costOf(agreeing, patch, planes_[p], std::numeric_limits<float>::infinity());
   }
 
-  // `most`: where the cost is certainly more, something above it is enough.
+  // Stops early once the cost certainly exceeds `most`, and then returns a lower bound above `most`.
   float costOf(const Agreeing& agreeing, const Patch& patch, const DepthPlane& plane, float most) const {
     const std::size_t better = (2 * std::size_t(agreeing.count) + 2) / 3, left = agreeing.count - better;
     std::array<float, kAgreeing> ascending{};
@@ -116,7 +116,7 @@ class Refiner {
       for (std::size_t i = 0; i < k; ++i)
         if (cost < ascending[i]) std::swap(cost, ascending[i]);
       ascending[k] = cost;
-      float least = 0;  // of what is among the better whatever follows
+      float least = 0;  // sum of costs that remain among the better ones in any case
       for (std::size_t i = 0; i + left <= k; ++i) least += ascending[i];
       if (least > most * float(better)) return least / float(better);
     }
@@ -168,7 +168,7 @@ class Refiner {
 
   const ImageF &swept_, &grey_;
   float level_;
-  glm::vec2 scale_;  // px of the fine picture a px of the depth
+  glm::vec2 scale_;  // px of the fine image per px of the depth map
   std::vector<PatchSource> sources_;
   std::vector<DepthPlane> planes_;
   std::vector<float> cost_;

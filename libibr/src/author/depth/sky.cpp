@@ -7,14 +7,14 @@
 namespace ibr {
 namespace {
 
-constexpr float kMostExcess = 50;            // of infinity, path costs …
+constexpr float kMostExcess = 50;            // max excess of infinity, path costs …
 constexpr float kMostExcessUnmatched = 150;  // … and where no depth matches:
 constexpr std::uint8_t kUnmatched = 75;      // at this cost and above
-constexpr int kApart = 2;                    // px from what is no sky
-constexpr int kLeastRegion = 400;            // px
-constexpr float kCertain = 3;                // excess at which infinity is as good as any depth …
-constexpr double kCertainShare = 0.02;  // … as it is for this share of a region that reaches the upper border, …
-constexpr double kCertainShareInside = 0.5;  // … and of one that does not, cut off by a wire or under a mast
+constexpr int kApart = 2;                    // px, distance from pixels that are not sky
+constexpr int kLeastRegion = 400;            // min px of a region
+constexpr float kCertain = 3;                // excess up to which infinity is as good as any depth …
+constexpr double kCertainShare = 0.02;       // … for at least this share of a region at the upper border, …
+constexpr double kCertainShareInside = 0.5;  // … and of an inner region, cut off by a wire or a mast
 
 template <class Visit>
 void forNeighbours(int at, int width, int height, Visit&& visit) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cell's triangles are compared with where the surface that its first member sees is seen by the others.
-#include "ibr/accuracy.h"
+// Compares a cell's triangles with the true positions, in the other members, of the surface that the first member sees.
+#include "ibr/author/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ glm::dvec3 barycentric(const std::vector<glm::vec2>& at, const glm::uvec3& t, gl
   return {1 - y - z, y, z};
 }
 
-// The triangle that each pixel of the first member lies in: of the lowest tier, and there the nearest.
+// Index of the triangle at each pixel of the first member: of the lowest tier, and of these the nearest.
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 std::vector<std::uint32_t> triangleMap(const MorphMesh& mesh, int width, int height) {
   std::vector<std::uint32_t> map(std::size_t(width) * std::size_t(height), kNone);
@@ -76,7 +76,7 @@ class CellAccuracy {
   }
 
  private:
-  // px, the worst member's distance between where a surface is seen and where `t` puts it.
+  // Px: distance between a surface point's true position and its position by `t`, in the worst member.
   double error(const glm::uvec3& t, const ExactSurface::Sample& sample) const {
     const glm::dvec3 w = barycentric(mesh_.match[0], t, sample.pixel);
     double worst = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/baselines.h"
+#include "ibr/author/baselines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +25,10 @@ namespace ibr {
 namespace {
 
 constexpr int kProxySide = 1024;            // px, longest side of a view's proxy
-constexpr std::size_t kProxyMaps = 8;       // photographs whose depth it is made from
-constexpr std::size_t kPhotographs = 24;    // that are looked at for a view
-constexpr std::size_t kVotes = 6;           // photographs that a place in the view votes for
-constexpr float kMatchedConsensus = 0.15f;  // of depth; what was completed has less (author/depth/photograph_depth.h)
+constexpr std::size_t kProxyMaps = 8;       // photographs whose depth maps make the proxy
+constexpr std::size_t kPhotographs = 24;    // candidate photographs per view
+constexpr std::size_t kVotes = 6;           // photographs that each part of the view votes for
+constexpr float kMatchedConsensus = 0.15f;  // of depth; completed depth has less (author/depth/photograph_depth.h)
 
 Camera scaledCamera(Camera camera, glm::ivec2 size) {
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
@@ -62,7 +62,7 @@ class PhotographCache {
  private:
   const Scene& scene_;
   std::uint64_t bytes_, used_ = 0;
-  std::list<std::pair<std::uint32_t, Image8>> kept_;  // last used first
+  std::list<std::pair<std::uint32_t, Image8>> kept_;  // most recently used first
 };
 
 }  // namespace
@@ -85,13 +85,13 @@ struct Baselines::State {
     typicalInverseDistance = inverse.empty() ? 0 : median(inverse);
   }
 
-  // As it is shown.
+  // The photograph with its exposure correction.
   Image8 shown(std::uint32_t node) {
     const Image8& picture = photographs.picture(node);
     return exposure ? exposedPicture(picture, *exposure * scene.nodes[node].gain) : picture;
   }
 
-  // Depth as far as it was matched, and with what was completed. At infinity where the scene has no depth.
+  // Matched depth, and matched depth with completed pixels. At infinity if the scene has no depth.
   struct NodeDepth {
     DepthMap matched, completed;
   };
@@ -124,7 +124,7 @@ struct Baselines::State {
     return best;
   }
 
-  // Inverse depth of a plane across the view: the median of the points that it sees; 0 where there are none.
+  // Inverse depth of a plane across the view: median of the points inside; 0 if there are none.
   static double medianInverseDepth(const Camera& view, const std::vector<glm::dvec4>& points) {
     std::vector<double> inside;
     for (const glm::dvec4& point : points) {  // homogeneous
@@ -139,7 +139,7 @@ struct Baselines::State {
     return inside.empty() ? 0 : median(inside);
   }
   std::vector<glm::dvec4> pointsOf(std::uint32_t node) {
-    constexpr int kSpacing = 3;  // enough for a median
+    constexpr int kSpacing = 3;  // px; dense enough for a median
     const DepthMap& map = depthOf(node).matched;
     std::vector<glm::dvec4> points;
     for (int y = 0; y < map.inverseDepth.height; y += kSpacing)
@@ -153,7 +153,7 @@ struct Baselines::State {
     return points;
   }
 
-  // The weighted sum of photographs on one plane, of those that see it.
+  // Weighted mean of the photographs, projected onto one plane.
   Image8 onPlane(const Camera& view, double inverseDepth,
                  const std::vector<std::pair<std::uint32_t, double>>& weights) {
     const int width = view.intrinsics.width, height = view.intrinsics.height;
@@ -185,7 +185,7 @@ struct Baselines::State {
     return result;
   }
 
-  // Those that any part of the view might want, by how many parts do; then by number.
+  // Photographs that vote for parts of the view, sorted by number of votes, then by index.
   std::vector<std::uint32_t> candidates(const Camera& view) {
     constexpr int kParts = 16;
     const double inverseDepth = medianInverseDepth(view, pointsOf(nearestTo(view)));
@@ -199,7 +199,7 @@ struct Baselines::State {
       for (std::uint32_t i = 0; i < towards.size(); ++i) {
         const glm::dvec3 ray = towards[i].ray(pixel), direction = ray + inverseDepth * towards[i].shift();
         if (!(direction.z < 0) || !towards[i].inside(towards[i].pixel(direction))) continue;
-        // Behind the plane too: with the plane at infinity all angles would be 0.
+        // The distance breaks ties: with the plane at infinity all angles would be 0.
         seen.emplace_back(std::acos(std::clamp(glm::dot(glm::normalize(ray), glm::normalize(direction)), -1.0, 1.0)) +
                               1e-3 * distanceTo(view, i),
                           i);

@@ -16,8 +16,8 @@
 #include "author/pixels/resize.h"
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/accuracy.h"
-#include "ibr/matchers.h"
+#include "ibr/author/accuracy.h"
+#include "ibr/author/matchers.h"
 #include "image/bilinear.h"
 #include "image/raster.h"
 #include "io/image_file.h"
@@ -113,7 +113,7 @@ Subject subjectOf(const MatchCase& which) {
   return subject;
 }
 
-// Where the second photograph shows a pixel of the first, both in the matched pictures.
+// Ground truth: position in the second matched image of a pixel of the first.
 class PairTruth {
  public:
   PairTruth(const MatchCase& which, const Subject& subject) {
@@ -138,7 +138,7 @@ class PairTruth {
 
   std::optional<glm::dvec2> operator()(glm::dvec2 pixel) const {
     const glm::dvec2 at = pixel * scale_;
-    if (homography_) {  // between pixels counted from the centre of the first
+    if (homography_) {  // in pixel coordinates with the first centre at 0
       const cv::Vec3d q = *homography_ * cv::Vec3d(at.x - 0.5, at.y - 0.5, 1);
       return glm::dvec2(q[0] / q[2] + 0.5, q[1] / q[2] + 0.5) / scaleSecond_;
     }
@@ -166,9 +166,9 @@ std::vector<double> pairErrors(const PairTruth& truth, const MorphMesh& mesh) {
   return errors;
 }
 
-// The members as tier 0 shows them in the first one's picture, where it does.
+// Colours of all members, warped by the triangles of tier 0 to the first member's pixels, where covered.
 struct Warped {
-  std::vector<std::vector<glm::vec3>> colour;  // of each member, of the pixels below in turn
+  std::vector<std::vector<glm::vec3>> colour;  // of each member, for the pixels below in turn
   std::vector<glm::ivec2> pixel;
 };
 Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
@@ -194,7 +194,7 @@ Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
   return result;
 }
 
-// After the gain and offset of each channel that bring b nearest to a.
+// PSNR after the gain and offset per channel that fit b to a best.
 double compensatedPsnr(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
   if (a.empty()) return kNan;
   double square = 0;

@@ -13,12 +13,12 @@
 #include "author/geometry/mesh_signs.h"
 #include "author/match/ranges.h"
 #include "base/check.h"
-#include "ibr/accuracy.h"
+#include "ibr/author/accuracy.h"
 
 namespace ibr {
 namespace {
 
-// One point as a mesh has it.
+// One point as a mesh stores it.
 struct PointMatch {
   std::vector<glm::vec2> at;  // d
   std::vector<float> ratio;   // d
@@ -35,7 +35,7 @@ class ExactCell {
     random_.seed(seeds);
     for (const ExactSurface* surface : surfaces) cameras_.push_back(surface->camera());
     frame_ = meanFrame(cameras_);
-    constexpr double kFar = 1e6;  // standard deviation, in the scene's own inverse distances
+    constexpr double kFar = 1e6;  // standard deviation, relative to the scene's inverse distances
     for (const float rho : mesh.inverseDistance) noPrior_.deviation = std::max(noPrior_.deviation, kFar * double(rho));
     for (const glm::uvec3& t : mesh.triangles)
       for (int k = 0; k < 3; ++k) around_[t[k]].push_back(t);
@@ -73,7 +73,7 @@ class ExactCell {
     const auto point = surfaces_[0]->between(mesh_.match[0][p]);
     if (!point) return std::nullopt;
     PointMatch exact;
-    std::vector<double> distance;  // times the point's w, which ρ and a_i are free of
+    std::vector<double> distance;  // times the point's w; ρ and a_i do not depend on this factor
     for (std::size_t i = 0; i < surfaces_.size(); ++i) {
       const auto seen = surfaces_[i]->seen(*point);
       if (!seen || glm::distance(*seen, glm::dvec2(mesh_.match[i][p])) > options_.withinPx) return std::nullopt;
@@ -88,7 +88,7 @@ class ExactCell {
     return exact;
   }
 
-  // Of where the point really is nothing is left then: ρ, a_i and uncertainty are what the disturbed match says.
+  // Adds noise to the matches, then solves ρ, a_i and uncertainty from the noisy matches alone.
   void disturb(PointMatch& match) {
     std::vector<glm::dvec2> pixels{match.at[0]};
     for (std::size_t i = 1; i < match.at.size(); ++i) {
@@ -116,7 +116,7 @@ class ExactCell {
     return was;
   }
 
-  // In members alone and in their means, for both ways round: tier 1 may be folded over.
+  // Signs of all triangles around a point, for both orientations: triangles of tier 1 may be folded over.
   std::vector<unsigned> signsAround(std::size_t p) const {
     std::vector<unsigned> signs;
     for (const glm::uvec3& t : around_[p]) {
@@ -137,7 +137,7 @@ class ExactCell {
   std::size_t moved_ = 0;
 };
 
-// That a scene is not what was built from its photographs stays to be seen.
+// Records in the scene's settings that its matches were replaced.
 std::string settingsWith(const std::string& settings, const ExactMatchOptions& options) {
   using Json = nlohmann::ordered_json;
   Json json = Json::parse(settings, nullptr, false);
@@ -167,7 +167,7 @@ std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, cons
   for (std::size_t c = 0; c < meshes.size(); ++c)
     if (moved[c] > 0) {
       MorphMesh& mesh = scene.cells[c].mesh = std::move(meshes[c]);
-      mesh.confirmations.clear();  // they were those of the vertices before these moved
+      mesh.confirmations.clear();  // lists belong to the old positions
       mesh.consensus.clear();
     }
   return std::accumulate(moved.begin(), moved.end(), std::size_t(0));

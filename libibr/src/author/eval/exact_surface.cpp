@@ -13,8 +13,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kSameSurface = 0.02;  // of inverse depth; or …
-constexpr double kSameParallax = 1.5;  // … px, seen from a unit of length aside
+constexpr double kSameSurface = 0.02;  // relative to inverse depth; or …
+constexpr double kSameParallax = 1.5;  // … px, seen from one world unit aside
 
 }  // namespace
 
@@ -69,7 +69,7 @@ void ExactSurface::forAround(int x, int y, Visit&& visit) const {
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u) visit(pixels_[index(u, v)]);
 }
 
-// By the nearest surface around: views may have missed it in the pixel itself.
+// Compares with the nearest surface of 3×3 pixels: depth views may have missed the pixel itself.
 bool ExactSurface::hidden(int x, int y, double inverseDepth) const {
   double nearest = 0;
   forAround(x, y, [&](const Pixel& p) { nearest = std::max(nearest, double(p.inverseDepth)); });
@@ -88,7 +88,7 @@ std::optional<Homogeneous> ExactSurface::between(glm::dvec2 pixel) const {
     normal += glm::outerProduct(row, row);
     side += row * off;
   });
-  constexpr double kRidge = 1e-6;  // fewer than three pixels: no slope
+  constexpr double kRidge = 1e-6;  // regularises the slope where fewer than three pixels are known
   normal[1][1] += kRidge;
   normal[2][2] += kRidge;
   return point(pixel, std::max(here + (glm::inverse(normal) * side).x, 0.0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface of a place whose depth is known, as a photograph sees it: every depth view's surface is brought into the
-// photograph, nearest first.
+// Surface that a photograph sees in a scene of known depth. The surfaces of all depth views are projected into the
+// photograph; the nearest one wins.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,20 @@
 #include <string_view>
 #include <vector>
 
-#include "ibr/accuracy.h"
+#include "ibr/author/accuracy.h"
 #include "ibr/camera.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 
 namespace ibr {
 
-/// A point, or with w = 0 a direction.
+/// World point, homogeneous; a direction if w = 0.
 using Homogeneous = glm::dvec4;
 
-/// A surface point a pixel, where a view has seen one.
+/// One surface point per pixel, where a depth view has seen one.
 class ExactSurface {
  public:
-  /// Of a pinhole.
+  /// `camera`: a pinhole.
   ExactSurface(const Camera& camera, std::span<const DepthView> truth);
 
   const Camera& camera() const { return camera_; }
@@ -37,21 +37,21 @@ class ExactSurface {
     glm::dvec2 pixel;
     Homogeneous point;
   };
-  /// nullopt where it is not known, or something may stand before it.
+  /// Surface point of a pixel; nullopt where unknown or possibly occluded.
   std::optional<Sample> at(glm::ivec2 pixel) const;
 
-  /// Where the camera sees a point, if it is before it; inside the picture or not, hidden or not.
+  /// Projection of a point in front of the camera, inside the image or not, occluded or not; else nullopt.
   std::optional<glm::dvec2> seen(const Homogeneous& point) const;
-  /// Whether it is inside the picture and nothing stands before it.
+  /// True if the point is inside the image and unoccluded.
   bool sees(const Homogeneous& point) const;
 
-  /// The surface at a pixel's fraction: a plane through what is known around it.
+  /// Surface point at a sub-pixel position, on a plane fitted to the known pixels around.
   std::optional<Homogeneous> between(glm::dvec2 pixel) const;
 
  private:
   struct Pixel {
     glm::vec2 where{0.0f};
-    float inverseDepth = -1;  // along the axis
+    float inverseDepth = -1;  // along the axis, 1 / world unit
     bool front = false;
     bool known() const { return inverseDepth >= 0; }
   };
@@ -76,7 +76,7 @@ class ExactSurface {
   std::vector<Pixel> pixels_;
 };
 
-/// One for each node that a cell of pinholes alone has as its member; nullopt for the others. Throws as
+/// Surfaces of all nodes that are members of cells of pinholes only; nullopt for other nodes. Throws as
 /// matchAccuracy().
 std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::span<const DepthView> truth,
                                                        int threads, const ProgressCallback& progress);
@@ -85,7 +85,7 @@ std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::
 std::vector<const ExactSurface*> surfacesOf(const Scene& scene, const Cell& cell,
                                             const std::vector<std::optional<ExactSurface>>& surfaces);
 
-/// job(c) for each cell, as the stage's progress. Throws Error{cancelled}.
+/// Calls job(c) for each cell, with the stage's progress. Throws Error{cancelled}.
 void forEachCell(const Scene& scene, std::string_view stage, int threads, const ProgressCallback& progress,
                  const std::function<void(std::size_t)>& job);
 

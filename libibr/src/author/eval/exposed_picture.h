@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph at another exposure, on the CPU.
+// Changes a photograph's exposure, on the CPU.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -8,8 +8,8 @@
 
 namespace ibr {
 
-/// The picture as a renderer shows it with this gain: R, G, B of linear light, > 0 (shared/cell.h). Further channels
-/// are kept. Precondition: 3 channels or more.
+/// The image as a renderer shows it with this gain: R, G, B factors of linear light, > 0 (shared/cell.h). Further
+/// channels are unchanged. Precondition: 3 channels or more.
 Image8 exposedPicture(Image8 picture, glm::dvec3 gain);
 
 }  // namespace ibr

@@ -17,12 +17,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kLongestStretch = 4;      // of a map's pixel in the view, over its size there without parallax
-constexpr double kSameDepth = 0.04;        // of inverse depth: two maps see the same surface; or …
-constexpr double kSameFar = 0.02;          // … of the view's median inverse depth
-constexpr double kHidden = 100;            // added to the penalty, radians
-constexpr double kHiddenParallax = 0.006;  // of the photograph's width
-constexpr double kBorder = 0.03;           // of its width, along which a photograph comes and goes
+constexpr double kLongestStretch = 4;      // max size of a map's pixel in the view, over its size without parallax
+constexpr double kSameDepth = 0.04;        // relative inverse depth within which two maps see the same surface; or …
+constexpr double kSameFar = 0.02;          // … relative to the view's median inverse depth
+constexpr double kHidden = 100;            // added to the penalty of occluded photographs, radians
+constexpr double kHiddenParallax = 0.006;  // relative to the photograph's width
+constexpr double kBorder = 0.03;           // width of the fade at the border, relative to the photograph's width
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 void inBands(int height, int threads, const std::function<void(int row)>& job) {
@@ -35,7 +35,7 @@ void inBands(int height, int threads, const std::function<void(int row)>& job) {
       [](std::size_t) { return true; });
 }
 
-// The nearest of which two agree, else the middle one. Precondition: not empty.
+// The nearest value that two maps agree on, else the median. Precondition: not empty.
 float confirmed(std::vector<float>& depths, double same) {
   std::sort(depths.begin(), depths.end(), std::greater());
   for (std::size_t i = 0; i + 1 < depths.size(); ++i)
@@ -44,7 +44,7 @@ float confirmed(std::vector<float>& depths, double same) {
   return depths[depths.size() / 2];
 }
 
-// Every unknown pixel gets the value of the nearest one that is known.
+// Every unknown pixel gets the value of the nearest known one.
 void fillFromNearest(ImageF& depth) {
   cv::Mat unknown(depth.height, depth.width, CV_8U);
   std::size_t known = 0;
@@ -83,7 +83,7 @@ ImageF warpedDepth(const Camera& view, const DepthMap& map) {
       const double w = double(from.pixel(x, y)[0]);
       if (w < 0) continue;
       const glm::dvec3 direction = towards.ray({x + 0.5, y + 0.5}) + w * towards.shift();
-      // Nearly beside the view nothing is known well enough to be stretched over it.
+      // Skips points almost beside the camera: their depth is too uncertain to be stretched over the view.
       if (!(direction.z < -0.05)) continue;
       vertices[std::size_t(y) * std::size_t(from.width) + std::size_t(x)] = {towards.pixel(direction),
                                                                              w / -direction.z};
@@ -118,7 +118,7 @@ ImageF proxyDepth(const Camera& view, std::span<const DepthMap* const> maps, int
   ImageF proxy(view.intrinsics.width, view.intrinsics.height, 1, kUnknownDepth);
   std::vector<double> known;
   for (const ImageF& map : warped)
-    for (std::size_t at = 0; at < map.values.size(); at += 7)  // enough for a median
+    for (std::size_t at = 0; at < map.values.size(); at += 7)  // every 7th value suffices for a median
       if (map.values[at] >= 0) known.push_back(double(map.values[at]));
   const double same = known.empty() ? 0 : kSameFar * median(known);
   std::vector<float> depths;
@@ -183,7 +183,7 @@ Image8 LumigraphPicture::picture() const {
     const std::span<const Candidate> list(&candidates_[at * (count + 1)], count + 1);
     if (list[0].penalty == kNone) continue;
     const auto found = std::size_t(std::ranges::find(list, kNone, &Candidate::penalty) - list.begin());
-    constexpr double kLeast = 1e-7;  // penalty of a photograph from the view's own place, radians
+    constexpr double kLeast = 1e-7;  // penalty of a photograph at the view's position, radians
     const double limit = found > count ? double(list[count].penalty) : 1.5 * double(list[found - 1].penalty) + kLeast;
     double sum = 0;
     glm::dvec3 colour(0.0);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unstructured lumigraph rendering (Buehler, Bosse, McMillan, Gortler, Cohen 2001) with a depth map a photograph for
-// its geometric proxy.
+// Unstructured lumigraph rendering (Buehler, Bosse, McMillan, Gortler, Cohen 2001), with the photographs' depth maps as
+// geometric proxy.
 //
-//   proxy   the photographs' depth maps as grids of triangles, cut where they are stretched, brought into the view; a
-//           pixel gets the nearest surface that two of them agree on, else the median; holes take the nearest pixel's
-//   pixel   penalty of a photograph: angle between the view's ray and its own + β · how much coarser it sees the point;
-//           the k best are blended with weights (1 − p / p_k+1) / p, so that no photograph comes or goes with a step
-//           and one from the view's own place is alone. Towards a picture's border its penalty grows to infinity
-//   hidden  a photograph whose own depth stands before the point, by more than a few pixels of parallax from the view,
-//           comes after all that see it
+//   proxy   the depth maps as triangle grids, cut where stretched, projected into the view; a pixel gets the nearest
+//           surface that two maps agree on, else the median; holes take the value of the nearest pixel
+//   pixel   penalty of a photograph: angle between its ray and the view's + β · its coarseness at the point. The k best
+//           are blended with weights (1 − p / p_k+1) / p, so that photographs fade in and out, and a photograph at the
+//           view's position is shown alone. The penalty grows to infinity towards the photograph's border
+//   hidden  a photograph whose own depth occludes the point by more than a few pixels of parallax ranks behind all that
+//           see the point
 #pragma once
 
 #include <cstdint>
@@ -21,30 +21,30 @@
 
 namespace ibr {
 
-/// Inverse depth along the axis of `view`, of its size, in the picture of another depth map; kUnknownDepth where it
+/// Inverse depth of `map` as seen from `view`: along the axis and at the size of `view`; kUnknownDepth where the map
 /// shows nothing.
 ImageF warpedDepth(const Camera& view, const DepthMap& map);
 
-/// What the view sees: never unknown unless all maps are, then infinitely far everywhere.
+/// Fused inverse depth of the view, known everywhere. If all maps are unknown, 0 (infinity) everywhere.
 ImageF proxyDepth(const Camera& view, std::span<const DepthMap* const> maps, int threads);
 
 struct LumigraphOptions {
-  int best = 4;                   // photographs a pixel
-  double resolutionWeight = 0.2;  // β, radians a factor of 2 that the photograph is coarser
+  int best = 4;                   // photographs per pixel
+  double resolutionWeight = 0.2;  // β, radians per factor of 2 by which the photograph is coarser
   int threads = 1;
 };
 
-/// A view's picture, photograph after photograph: no more than one need be in memory. Their order matters only where
-/// two are equally good. 8 (best + 1) bytes a pixel.
+/// Renders a view from photographs that are added one by one, so only one need be in memory. Their order matters only
+/// for ties. Takes 8 (best + 1) bytes per pixel.
 class LumigraphPicture {
  public:
-  /// `proxy` is of the view's shape, and may be smaller.
+  /// `proxy`: of the view's aspect, may be smaller.
   LumigraphPicture(const Camera& view, ImageF proxy, const LumigraphOptions& options = {});
 
-  /// `depth` is the photograph's own.
+  /// `depth`: the photograph's own.
   void add(const Camera& photograph, const Image8& picture, const DepthMap& depth);
 
-  /// RGBA, alpha 0 and black where no photograph shows anything.
+  /// RGBA; alpha 0 and black where no photograph shows anything.
   Image8 picture() const;
 
  private:
@@ -57,7 +57,7 @@ class LumigraphPicture {
   Camera view_;
   ImageF proxy_;
   LumigraphOptions options_;
-  std::vector<Candidate> candidates_;  // best + 1 a pixel, best first, penalty infinite where there are no more
+  std::vector<Candidate> candidates_;  // best + 1 per pixel, best first; penalty infinite in free slots
 };
 
 }  // namespace ibr

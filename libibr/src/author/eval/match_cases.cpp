@@ -4,7 +4,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/matchers.h"
+#include "ibr/author/matchers.h"
 
 namespace fs = std::filesystem;
 

@@ -24,16 +24,16 @@ namespace ibr {
 namespace {
 
 constexpr int kAbsoluteRounds = 30, kTukeyRounds = 30;
-constexpr double kSettled = 1e-7;          // no log changes more: no further round
-constexpr double kTukey = 4.685;           // standard deviations beyond which nothing counts
-constexpr double kLeastDeviation = 0.005;  // of residuals, in units of what matches say of themselves
+constexpr double kSettled = 1e-7;          // change of all logs below which iteration stops
+constexpr double kTukey = 4.685;           // standard deviations; residuals beyond have weight 0
+constexpr double kLeastDeviation = 0.005;  // of residuals, relative to the matches' own deviations
 constexpr double kExifDeviation = 0.2;     // of log exposure: thirds of a stop, and shutters' tolerance
-constexpr double kLensDeviation = 1;       // of a lens's coefficients around 0, where matches say nothing of them
-constexpr double kRidge = 1e-10;           // of the mean weight, on what nothing holds
-constexpr std::size_t kEnough = 8;         // matches, to join two photographs
-constexpr double kAlike = 0.01;            // gains that are all as near to 1 change no level of 8 bits by more than one
+constexpr double kLensDeviation = 1;       // prior of a lens's coefficients around 0
+constexpr double kRidge = 1e-10;           // regularises unconstrained unknowns, relative to the mean weight
+constexpr std::size_t kEnough = 8;         // matches needed to connect two photographs
+constexpr double kAlike = 0.01;            // gains this near to 1 change no value by more than one 8-bit level
 
-// Σ factor·x[at] = difference, of the first `terms`.
+// Linear equation: Σ factor·x[at] = difference, over the first `terms` entries.
 struct Relation {
   std::array<std::uint32_t, 6> at{};
   std::array<float, 6> factor{};
@@ -55,7 +55,7 @@ double residualOf(const Relation& r, const Logs& x) {
   return glm::length(sum) / (std::sqrt(3.0) * r.deviation);
 }
 
-// The minimum of Σ weight·|Σ factor·x − difference|²; the three channels share one matrix.
+// Minimises Σ weight·|Σ factor·x − difference|²; the three channels share one matrix.
 Logs solved(const std::vector<Relation>& relations, const std::vector<double>& weights, std::size_t count) {
   const int n = int(count);
   cv::Mat matrix = cv::Mat::zeros(n, n, CV_64F), side = cv::Mat::zeros(n, 3, CV_64F), x;
@@ -106,7 +106,7 @@ Logs robustlySolved(const std::vector<Relation>& relations, std::size_t count) {
   return x;
 }
 
-// Which matches count: pairs of photographs that few points join say too little, and what is not finite nothing.
+// Indices of usable matches: finite ones, of pairs of photographs with at least kEnough matches.
 std::vector<std::uint32_t> matchesThatCount(const std::vector<ExposureMatch>& matches) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> count;
   const auto pairOf = [](const ExposureMatch& m) { return std::minmax(m.first, m.second); };
@@ -133,7 +133,7 @@ std::string cameraOf(const CaptureFacts& exif) {
   return exif.maker + '\n' + exif.model;
 }
 
-// What EXIF says of photographs that nothing else is known of: log gain + log exposure is the same for all of a camera.
+// Sets unmeasured gains from EXIF data: log gain + log exposure is the same for all photographs of a camera.
 void completeByExif(const std::vector<CaptureFacts>& exif, const std::vector<bool>& known, Logs& x) {
   std::map<std::string, std::pair<glm::dvec3, double>> sums;
   for (std::size_t n = 0; n < exif.size(); ++n)
@@ -197,7 +197,7 @@ std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vect
     relations.push_back(r);
   }
   const Logs x = robustlySolved(relations, photographs + 2 * lensCount);
-  // Glass and stop shade all colours alike, so that the least squares of all three are their mean.
+  // Lens and aperture darken all colours alike, so the least-squares solution for all three is their mean.
   const auto mean = [](const glm::dvec3& v) { return (v.r + v.g + v.b) / 3; };
   for (std::uint32_t n = 0; n < photographs; ++n) vignetting[n] = {mean(x[unknown(n, 0)]), mean(x[unknown(n, 1)])};
   return vignetting;
@@ -222,7 +222,7 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
     parts.unite(m.first, m.second);
     known[m.first] = known[m.second] = true;
   }
-  // Each camera of each part adds an unknown: what its log gain and log exposure sum up to.
+  // Each camera of each part adds an unknown: the constant sum of its log gain and log exposure.
   std::size_t count = photographs;
   std::map<std::pair<std::size_t, std::string>, std::size_t> cameras;
   for (std::size_t n = 0; n < std::min(exif.size(), photographs); ++n)
@@ -258,9 +258,8 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
   exposures.alike = std::ranges::all_of(
       x, [](const glm::dvec3& log) { return glm::all(glm::lessThan(glm::abs(log), glm::dvec3(kAlike))); });
   for (std::size_t n = 0; n < photographs; ++n)
-    exposures.gains.push_back(exposures.alike
-                                  ? glm::dvec3(1.0)
-                                  : glm::clamp(glm::exp(x[n]), glm::dvec3(1 / kLargestGain), glm::dvec3(kLargestGain)));
+    exposures.gains.push_back(
+        exposures.alike ? glm::dvec3(1.0) : glm::clamp(glm::exp(x[n]), glm::dvec3(1 / kMaxGain), glm::dvec3(kMaxGain)));
   return exposures;
 }
 

@@ -18,21 +18,21 @@
 namespace ibr {
 namespace {
 
-constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
+constexpr int kDarkest = 4, kBrightest = 250;  // 8-bit levels; beyond: clipped, or noise
 constexpr double kLeastMean = 0.003;           // linear light
-constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression
-constexpr double kTextureShare = 0.5;          // of a window's own spread: two photographs do not show the same window
-constexpr std::size_t kMostPartners = 12;      // of a photograph in a track
-constexpr double kTrackDeviation = 0.02;       // of a log ratio …
-constexpr double kTurnDeviation = 0.5;         // … and more of it by the radian between two rays to a point
-constexpr double kOverlapDeviation = 0.005;    // of what a rotation says; JPEG
-constexpr double kMostScale = 4;               // of windows
+constexpr double kLevelDeviation = 0.7 / 255;  // standard deviation of an encoded mean: rounding, compression
+constexpr double kTextureShare = 0.5;          // share of a window's own variation: two windows never match exactly
+constexpr std::size_t kMostPartners = 12;      // per photograph in a track
+constexpr double kTrackDeviation = 0.02;       // of a log ratio, from a track …
+constexpr double kTurnDeviation = 0.5;         // … plus this per radian between the two rays to the point
+constexpr double kOverlapDeviation = 0.005;    // of a log ratio, from an overlap: JPEG errors
+constexpr double kMostScale = 4;               // max ratio of window sizes
 
-// Linear light around a point.
+// Mean linear light of a window around a point.
 struct Colour {
   glm::vec3 logs{0.0f};
-  float noise = -1;   // variance of the logs, mean over channels; negative: there is none
-  float texture = 0;  // variance of what the window shows, over the square of its mean
+  float noise = -1;   // variance of the logs, mean over channels; negative: unusable
+  float texture = 0;  // variance of the window's pixels over their squared mean
   float radius = 0;   // ExposureMatch::firstRadius
 };
 
@@ -49,13 +49,13 @@ int radiusIn(const Image8& picture) {
   return std::clamp(std::max(picture.width, picture.height) / 400, 2, 8);
 }
 
-// Where a photograph is looked at, and where its colour goes to. The window's points are at + i·right + j·down.
+// A window of a photograph, and the index of its Colour. The window's points are at + i·right + j·down.
 struct Sample {
   glm::vec2 at, right, down;  // px
   std::size_t colour;
 };
 
-// Linear light between four pixels; nullopt where one of them is clipped, or noise.
+// Bilinear linear light; nullopt if one of the four pixels is clipped or noise.
 std::optional<glm::dvec3> lightAt(const Image8& picture, glm::vec2 at) {
   const std::array<double, 256>& linear = linearLight();
   const double u = double(at.x) - 0.5, v = double(at.y) - 0.5;
@@ -91,7 +91,7 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
   for (int c = 0; c < 3; ++c) {
     const double mean = sum[c] / count;
     if (mean < kLeastMean) return {};
-    const double slope = 2.4 / (linearToSrgb(mean) + 0.055);  // of the log by the encoded value
+    const double slope = 2.4 / (linearToSrgb(mean) + 0.055);  // of the log with respect to the encoded value
     colour.logs[c] = float(std::log(mean));
     colour.noise += float(slope * slope * kLevelDeviation * kLevelDeviation / 3);
     colour.texture += float(std::max(squares[c] / count - mean * mean, 0.0) / (mean * mean) / 3);
@@ -99,12 +99,12 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
   return colour;
 }
 
-// All of a build's points in all photographs that show them.
+// All windows of a build, by photograph.
 class Samples {
  public:
   explicit Samples(std::size_t photographs) : of_(photographs) {}
 
-  // The colour's place.
+  // Returns the index of the window's Colour.
   std::size_t add(std::uint32_t photograph, glm::vec2 at, glm::vec2 right, glm::vec2 down) {
     of_[photograph].push_back({at, right, down, count_});
     return count_++;
@@ -131,28 +131,28 @@ class Samples {
   std::size_t count_ = 0;
 };
 
-// Two places that show one point.
+// Two windows that show one point.
 struct Pair {
   std::uint32_t first, second;  // photographs
   std::size_t firstColour, secondColour;
   double deviation;  // of the log ratio …
-  double texture;    // … and more, of a window's own spread: they do not show quite the same
+  double texture;    // … plus this share of the windows' own variation, since windows never match exactly
 };
 
-// A small square of the world, or of the sky.
+// A small square in the world, or in the sky.
 struct Patch {
   glm::dvec4 centre;       // homogeneous
-  glm::dvec3 right, down;  // unit, of each other's length and across
+  glm::dvec3 right, down;  // unit, orthogonal
 };
 
-// Across `ray`, on which its centre lies.
+// Patch perpendicular to `ray`, on which its centre lies.
 Patch patchAcross(glm::dvec4 centre, glm::dvec3 ray) {
   const glm::dvec3 other = std::abs(ray.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(ray, other));
   return {centre, right, glm::cross(ray, right)};
 }
 
-// Where a photograph shows a patch: its centre, and pixels per unit of the world (of the sky: per radian) along its
+// Projection of a patch into a photograph: its centre, and px per world unit (in the sky: per radian) along its
 // sides.
 struct PatchView {
   glm::dvec2 at, right, down;
@@ -171,8 +171,8 @@ std::optional<PatchView> viewOf(const Camera& camera, const Patch& patch) {
   return PatchView{*at, (*right - *at) / step, (*down - *at) / step};
 }
 
-// Windows that show more of the world show something else, and features are spots that are lighter or darker than what
-// is around them: so windows show as much in all photographs, as many pixels as it takes in the coarsest.
+// Adds windows of equal extent in the world in all photographs, with the resolution of the coarsest. Windows of
+// different extent would have different means, since features are brighter or darker than their surroundings.
 void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, const std::vector<Photograph>& photographs,
               const std::vector<glm::dvec2>* places, double deviation, Samples& samples, std::vector<Pair>& pairs,
               DisjointSets* parts = nullptr) {
@@ -201,7 +201,7 @@ void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, cons
                          deviation + kTurnDeviation * glm::distance(ray(seen[i]), ray(seen[j])), kTextureShare});
 }
 
-// Only photographs of parts that nothing denser joins: a track's point is a spot, seen from far apart.
+// Adds pairs of photographs that overlaps leave unconnected: tracks are small features seen from afar, less reliable.
 void addTrack(const Track& track, const std::vector<Photograph>& photographs, const std::vector<glm::dvec2>& scale,
               DisjointSets& parts, Samples& samples, std::vector<Pair>& pairs) {
   std::vector<std::uint32_t> seenBy;
@@ -235,7 +235,7 @@ std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photog
     addOverlap(point, photographs, samples, pairs);
   DisjointSets parts(photographs.size());
   for (const Pair& pair : pairs) parts.unite(pair.first, pair.second);
-  std::vector<glm::dvec2> modelScale;  // from the model's pixels to those of the photographs
+  std::vector<glm::dvec2> modelScale;  // from px of the model to px of the photographs
   for (std::size_t n = 0; n < photographs.size(); ++n) {
     const Intrinsics &from = model.images[n].camera.intrinsics, &to = photographs[n].camera.intrinsics;
     modelScale.emplace_back(double(to.width) / from.width, double(to.height) / from.height);

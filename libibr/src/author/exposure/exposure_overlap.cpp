@@ -15,22 +15,22 @@
 namespace ibr {
 namespace {
 
-constexpr int kGridSide = 96;                                  // places along a photograph's longest side
-constexpr int kLeastConfirmations = 1;                         // of a depth that counts
-constexpr std::size_t kMostPoints = 1200, kFewestPoints = 20;  // of a pair …
-constexpr std::size_t kPointsInAll = 350000;                   // … and of as many photographs as one likes
+constexpr int kGridSide = 96;                                  // samples along a photograph's longest side
+constexpr int kLeastConfirmations = 1;                         // for a depth to be used
+constexpr std::size_t kMostPoints = 1200, kFewestPoints = 20;  // points of a pair …
+constexpr std::size_t kPointsInAll = 350000;                   // … limited by this total of all pairs
 constexpr std::size_t kLeastPoints = 60;
 constexpr std::size_t kPartners = 20, kTried = 60;
-constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
-constexpr double kDepthTolerance = 0.02;  // of the inverse distance, between two photographs
-constexpr double kMostTurn = 0.45;        // radians, between two rays to a place
-constexpr double kNearShare = 0.95;       // of what is known lies beyond `nearest`
+constexpr double kMostParallax = 0.002;   // radians; below, points are taken at half the nearest inverse distance
+constexpr double kDepthTolerance = 0.02;  // relative, between the inverse distances of two photographs
+constexpr double kMostTurn = 0.45;        // radians, between two rays to a point
+constexpr double kNearShare = 0.95;       // quantile of inverse distances that defines `nearest`
 
-// A photograph, and what is known of the depth in it.
+// A photograph with its known depth.
 struct Around {
   const Camera* camera;
   const PhotographDepth* depth;
-  double nearest = -1;  // inverse distance that little exceeds; < 0: not known
+  double nearest = -1;  // 95 % quantile of inverse distances, 1 / world unit; < 0: unknown
 };
 
 glm::dvec3 worldRay(const Camera& camera, glm::dvec2 pixel) {
@@ -45,7 +45,7 @@ std::vector<glm::dvec2> gridOf(const Intrinsics& k) {
   return grid;
 }
 
-// nullopt where the depth is not known.
+// Returns nullopt where the depth is unknown.
 std::optional<double> inverseDistanceAt(const Around& around, glm::dvec2 pixel) {
   const ImageF& map = around.depth->matched.map.inverseDepth;
   const Intrinsics& k = around.camera->intrinsics;
@@ -72,7 +72,7 @@ bool isInside(const Intrinsics& k, glm::dvec2 p) {
   return p.x >= 0 && p.y >= 0 && p.x < k.width && p.y < k.height;
 }
 
-// Half the angle that the picture's diagonal spans, at most.
+// Max angle between the optical axis and a corner of the image.
 double reachOf(const Intrinsics& k) {
   if (k.model == CameraModel::equirectangular) return std::numbers::pi;
   double most = 0;
@@ -81,7 +81,7 @@ double reachOf(const Intrinsics& k) {
   return most;
 }
 
-// Of a pair, in so many photographs.
+// Max number of points of a pair, for this number of photographs.
 std::size_t mostPoints(std::size_t photographs) {
   return std::clamp(kPointsInAll / std::max<std::size_t>(photographs * kPartners / 2, 1), kFewestPoints, kMostPoints);
 }
@@ -101,7 +101,7 @@ class Overlaps {
     return glm::distance(around_[a].camera->pose.position, around_[b].camera->pose.position);
   }
 
-  // What b shows of what a shows, evenly chosen.
+  // Points of a that b shows too, evenly sampled.
   std::vector<OverlapPoint> between(std::uint32_t a, std::uint32_t b) const {
     std::vector<OverlapPoint> all, points;
     for (const glm::dvec2 pixel : gridOf(around_[a].camera->intrinsics))
@@ -113,7 +113,7 @@ class Overlaps {
   }
 
  private:
-  // The inverse distance at which b shows what a shows at `pixel`; nullopt where it does not, or nobody knows.
+  // Inverse distance from a of the point at `pixel`; nullopt if b does not show the point, or depth is unknown.
   static std::optional<double> sharedAt(const Around& a, const Around& b, glm::dvec2 pixel) {
     const Camera &from = *a.camera, &to = *b.camera;
     const glm::dvec3 ray = worldRay(from, pixel), shift = from.pose.position - to.pose.position;
@@ -139,11 +139,11 @@ class Overlaps {
   }
 
   std::vector<Around> around_;
-  std::size_t most_;  // points of a pair
+  std::size_t most_;  // max points of a pair
   std::vector<double> reach_;
 };
 
-// Of each photograph the inverse distances of the model's points that it sees.
+// For each photograph the inverse distances of the model's points that it observes.
 std::vector<std::vector<double>> trackDistances(const std::vector<Photograph>& photographs, const PosedModel& model) {
   std::vector<std::vector<double>> inverse(photographs.size());
   for (const Track& track : model.tracks)

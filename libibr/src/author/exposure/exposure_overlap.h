@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two photographs show of the same places.
+// Finds points that two photographs both show, for comparing exposures.
 //
-// Where the depth of a photograph is confirmed, it says where another one shows the place, and that one's depth says
-// whether it does. Two photographs from one spot that look elsewhere (the faces of a split panorama, a turn of the
-// head) share a strip along their borders whose depth nobody may know; there a rotation alone says where one shows what
-// the other shows, as long as the parallax stays below a small window's size.
+// Confirmed depth of a photograph gives the pixel in the other photograph, whose own depth tests for occlusion. Two
+// photographs from one position with different directions (e.g. faces of a split panorama) share only a strip at their
+// borders, often without known depth. There a rotation alone maps one photograph to the other, as long as the parallax
+// stays below a small window's size.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,19 @@
 
 namespace ibr {
 
-/// What two photographs show of one place.
+/// A point that two photographs show.
 struct OverlapPoint {
   std::uint32_t first = 0, second = 0;  // photographs, first < second
-  glm::dvec3 ray{0};                    // unit, from the first
-  double inverseDistance = 0;           // from the first along it, per unit of the world; 0: at infinity
+  glm::dvec3 ray{0};                    // unit, from the first, world axes
+  double inverseDistance = 0;           // from the first along the ray, 1 / world unit; 0: at infinity
 };
 
-/// About how many points there are of so many photographs, at most.
+/// Approximate max number of points for this number of photographs.
 std::size_t mostOverlapPoints(std::size_t photographs);
 
-/// At most 1200 points (fewer of more than 29 photographs) for each two photographs, each with its 20 nearest
-/// neighbours that share enough with it, and those with it. `model` and `depths`: of these photographs, in their order.
-/// Throws Error{cancelled}.
+/// At most 1200 points per pair (fewer for more than 29 photographs). Pairs: each photograph with its 20 nearest
+/// neighbours that share enough points. `model` and `depths`: of these photographs, in their order. Throws
+/// Error{cancelled}.
 std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
                                         const std::vector<PhotographDepth>& depths, const BuildJobs& jobs);
 

@@ -17,10 +17,10 @@ namespace ibr {
 namespace {
 
 constexpr double kNegligible = 0.01;
-constexpr double kLeastShare = 1.0 / 8;  // up to there the curve of a gain holds (shared/cell.h)
-constexpr std::size_t kSteps = 4096;     // of r²: a step changes no level
+constexpr double kLeastShare = 1.0 / 8;  // min share of light; down to it the gain curve holds (shared/cell.h)
+constexpr std::size_t kSteps = 4096;     // of r²; so fine that a step changes no 8-bit level
 
-// By r² from 0 to 1.
+// Gains, and gains to the power of 1/2.4, for kSteps + 1 values of r² from 0 to 1.
 std::vector<std::pair<float, float>> gainsByRadius(glm::dvec2 vignetting) {
   std::vector<std::pair<float, float>> gains;
   for (std::size_t step = 0; step <= kSteps; ++step) {

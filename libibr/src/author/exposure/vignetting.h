@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lenses take from a picture's corners, and giving it back.
+// Vignetting: the darkening of an image's corners by the lens, and its correction.
 //
-// A lens lets the share exp(k.x·r² + k.y·r⁴) of the light through, r from the principal point in half diagonals of the
-// picture (even powers: the shade is smooth in its middle). Coefficients come from matches
-// (author/exposure/exposure.h); where a build is asked to, pictures and textures are stored without the shade, as they
-// are stored without distortion.
+// A lens transmits the share exp(k.x·r² + k.y·r⁴) of the light, where r is the distance from the principal point in
+// half diagonals. Powers are even because the shade is smooth in its middle. Coefficients come from matches
+// (author/exposure/exposure.h). On request a build stores images and textures without vignetting, as without
+// distortion.
 #pragma once
 
 #include <cstdint>
@@ -23,20 +23,20 @@ inline double logVignetting(glm::dvec2 k, double radius) {
   return square * (k.x + square * k.y);
 }
 
-/// In half diagonals. 0 all over a panorama: it was stitched, and has no lens of its own.
+/// Distance from the principal point in half diagonals; 0 everywhere on a panorama, which is stitched.
 double vignettingRadius(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
-/// Of each photograph the number of its lens, from 0: photographs share one if EXIF says the same of camera, lens,
-/// aperture and focal length, and their files have one size and, to a tenth, one focal length in pixels.
+/// Lens index of each photograph, from 0. Photographs share a lens if EXIF agrees on camera, lens, aperture and focal
+/// length, and their files have the same size and, within a tenth, the same focal length in px.
 std::vector<std::uint32_t> lensesOf(const std::vector<Photograph>& photographs);
 
-/// Whether it changes no pixel of the picture by more than 1 %.
+/// True if the vignetting changes no pixel by more than 1 % of linear light.
 bool isNegligible(glm::dvec2 vignetting);
 
-/// Linear light divided by the lens's share, but by no less than an eighth; what is clipped stays white.
+/// Divides linear light by the lens's share, at least 1/8; clipped pixels stay white.
 Image8 unvignetted(const Image8& picture, const Intrinsics& intrinsics, glm::dvec2 vignetting);
 
-/// For people: how dark corners were, a clause for each lens.
+/// Describes how dark the corners were, one clause per lens, for people.
 std::string describedVignetting(const std::vector<glm::dvec2>& vignetting, const std::vector<std::uint32_t>& lenses);
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Nearly all the time of sparse matching is spent in these distances: compiled with vectors, see CMakeLists.txt.
+// Descriptor distances dominate the time of sparse matching: this file is compiled with vectors, see CMakeLists.txt.
 #include <algorithm>
 #include <limits>
 
@@ -52,7 +52,7 @@ std::vector<FeatureMatch> mutualMatches(const Features& a, const Features& b, do
   for (std::uint32_t g = 0; g < b.count(); ++g)
     if (takenB.empty() || !takenB[g]) free.push_back(g);
   std::vector<Nearest> ofA(a.count()), ofB(b.count());
-  constexpr std::size_t kTile = 64;  // of b's features, which stay in the cache
+  constexpr std::size_t kTile = 64;  // number of b's features that stay in the cache
   for (std::size_t start = 0; start < free.size(); start += kTile)
     for (std::uint32_t f = 0; f < a.count(); ++f) {
       if (!takenA.empty() && takenA[f]) continue;

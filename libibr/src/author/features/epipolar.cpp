@@ -14,7 +14,7 @@ namespace ibr {
 namespace {
 
 constexpr float kSlab = 16;         // px
-constexpr float kElsewhere = 3.0f;  // px: nearer to the best, it is the same feature again
+constexpr float kElsewhere = 3.0f;  // px: within this distance of the best, a feature counts as the same
 
 // Features in slabs along one axis, sorted along the other.
 class Slabs {
@@ -31,7 +31,7 @@ class Slabs {
   }
 
   /// Calls visit(i) for features near the line n.x·x + n.y·y + n.z = 0, |(n.x, n.y)| = 1, whose direction along the
-  /// other axis is the smaller part; some that are farther off, too.
+  /// other axis is the smaller part. Some visited features are farther off.
   template <class Visit>
   void near(glm::dvec3 n, double distance, Visit&& visit) const {
     const double along = n[axis_], across = n[1 - axis_];
@@ -57,20 +57,20 @@ class Slabs {
 };
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr int kUnlike = 260 * 260;  // squared distance of descriptors that have nothing to do with each other
+constexpr int kUnlike = 260 * 260;  // squared distance of unrelated descriptors
 
 struct Best {
   std::uint32_t feature = kNone;
   int distance = 0;
 };
 
-// For each feature of `a` the one of `b` that it stands for.
+// For each feature of `a` its best match in `b`.
 std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera& cameraB, const Features& b,
                          const GuidedOptions& options) {
   const Intrinsics& k = cameraB.intrinsics;
   const Slabs columns(b, 0, k.width), rows(b, 1, k.height);
   const glm::dquat toB = glm::inverse(cameraB.pose.rotation);
-  const glm::dvec3 base = toB * (cameraA.pose.position - cameraB.pose.position);  // A's centre, in b's axes
+  const glm::dvec3 base = toB * (cameraA.pose.position - cameraB.pose.position);  // centre of A, in B's axes
   std::vector<glm::dvec3> rays;
   for (const glm::vec2 pixel : b.at) rays.push_back(unproject(k, pixel));
   std::vector<Best> result(a.at.size());
@@ -81,7 +81,7 @@ std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera&
   std::vector<Candidate> candidates;
   for (std::uint32_t i = 0; i < a.at.size(); ++i) {
     const glm::dvec3 ray = toB * (cameraA.pose.rotation * unproject(cameraA.intrinsics, a.at[i]));
-    const glm::dvec3 plane = glm::cross(ray, base);  // of the two centres and the point
+    const glm::dvec3 plane = glm::cross(ray, base);  // normal of the plane through the two centres and the point
     // plane · (direction of a pixel) as a line in px: directions are ((x − cx)/fx, (cy − y)/fy, −1).
     glm::dvec3 line(plane.x / k.fx, -plane.y / k.fy, -plane.x * k.cx / k.fx + plane.y * k.cy / k.fy - plane.z);
     const double length = std::hypot(line.x, line.y);
@@ -92,7 +92,7 @@ std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera&
     slabs.near(line, options.distancePx, [&](std::uint32_t j) {
       const glm::vec2 p = b.at[j];
       if (!(std::abs(line.x * p.x + line.y * p.y + line.z) <= options.distancePx)) return;
-      // base + s·ray = t·rays[j], of which s and t are to be positive: crossed with ray and with base.
+      // base + s·ray = t·rays[j] must have s, t > 0: signs follow from the cross products with ray and with base.
       if (!(glm::dot(glm::cross(rays[j], ray), plane) < 0 && glm::dot(glm::cross(base, rays[j]), plane) < 0)) return;
       candidates.push_back({j, descriptorDistance(a, i, b, j)});
     });
@@ -100,7 +100,7 @@ std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera&
     const Candidate best = *std::ranges::min_element(candidates, [](const Candidate& l, const Candidate& r) {
       return std::pair(l.distance, l.feature) < std::pair(r.distance, r.feature);
     });
-    // Alone near its line, it is judged by what any two descriptors are apart.
+    // A single candidate is compared with the typical distance of unrelated descriptors.
     int next = kUnlike;
     for (const Candidate& c : candidates)
       if (glm::distance(b.at[c.feature], b.at[best.feature]) > kElsewhere) next = std::min(next, c.distance);

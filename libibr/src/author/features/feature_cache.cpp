@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two counts, then the numbers.
+// File format: two counts, then the arrays.
 #include "author/features/feature_cache.h"
 
 #include <cstring>
@@ -22,7 +22,7 @@ void storeFeatures(const fs::path& file, const Features& features) {
 }
 
 std::optional<Features> fetchFeatures(const fs::path& file) {
-  const auto bytes = fetchKept(file);  // whole: the counts can be trusted
+  const auto bytes = fetchKept(file);  // complete: the counts can be trusted
   std::uint64_t counts[2];
   if (!bytes || bytes->size() < sizeof(counts)) return std::nullopt;
   std::memcpy(counts, bytes->data(), sizeof(counts));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Features of a photograph (features.h) kept in a file, private to a build on one machine.
+// Cache of a photograph's features (features.h), private to a build on one machine.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace ibr {
 
 void storeFeatures(const std::filesystem::path& file, const Features& features);
 
-/// nullopt where there is none, or one that is damaged.
+/// Returns nullopt if the file is missing or damaged.
 std::optional<Features> fetchFeatures(const std::filesystem::path& file);
 
 }  // namespace ibr

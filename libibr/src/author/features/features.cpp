@@ -11,14 +11,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kContrast = 0.004;  // a tenth of what is usual
+constexpr double kContrast = 0.004;  // a tenth of SIFT's usual threshold
 constexpr double kEdge = 12;
 constexpr double kBlur = 1.4;     // of the first octave, px
-constexpr double kPerSquare = 4;  // features that a square of the grid holds
-// OpenCV's pixels have their centres at 0, and its SIFT enlarges the picture to twice its size without minding where
-// centres come to lie: what it finds is a quarter of a pixel too far right and down.
+constexpr double kPerSquare = 4;  // features kept per square of the grid
+// OpenCV puts pixel centres at 0. Its SIFT doubles the image without correcting for the shift of the centres: keypoints
+// are a quarter of a pixel too far right and down.
 constexpr float kToCentre = 0.5f - 0.25f;
-constexpr int kLeastSide = 16;  // px, of a picture that has features
+constexpr int kLeastSide = 16;  // px; smaller images get no features
 
 using KeypointPosition = std::tuple<float, float, float>;
 KeypointPosition placeOf(const cv::KeyPoint& k) {
@@ -34,7 +34,7 @@ Descriptor rooted(const float* values) {
   return result;
 }
 
-// Of each square of a grid the strongest places, all of their orientations.
+// Keeps the strongest keypoints of each square of a grid, with all their orientations.
 std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> found, int width, int height, int most) {
   const double side = std::max(1.0, std::sqrt(kPerSquare * width * height / most));
   const int columns = int(width / side) + 1;

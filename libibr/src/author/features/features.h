@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparse features everywhere in a picture, and their matches by descriptor.
+// Sparse features all over an image, and their matches by descriptor.
 //
-// SIFT (Lowe 2004) with a low threshold; of each square of a grid the strongest are kept, so that weak texture has
-// features too and strong texture not all of them. One place may have several orientations: its descriptors are joined
-// in one feature, whose distance from another is that of the nearest two. Descriptors are rooted (Arandjelović &
-// Zisserman 2012).
+// SIFT (Lowe 2004) with a low threshold. Of each square of a grid the strongest features are kept, so that weak texture
+// is covered and strong texture does not dominate. A keypoint with several orientations is one feature with several
+// descriptors. The distance of two features is that of their nearest descriptors. Descriptors are rooted (Arandjelović
+// & Zisserman 2012).
 #pragma once
 
 #include <array>
@@ -17,30 +17,30 @@
 
 namespace ibr {
 
-using Descriptor = std::array<std::int16_t, 128>;  // 0 … 512; its square sum is about 512²
+using Descriptor = std::array<std::int16_t, 128>;  // 0 … 512; the sum of squares is about 512²
 
 struct Features {
-  std::vector<glm::vec2> at;            // px, in an order that depends on the picture only
-  std::vector<std::uint32_t> first{0};  // descriptors first[f] … first[f + 1] − 1 are those of feature f
+  std::vector<glm::vec2> at;            // px, in an order that depends on the image only
+  std::vector<std::uint32_t> first{0};  // descriptors of feature f: first[f] … first[f + 1] − 1
   std::vector<Descriptor> descriptor;
 
   std::size_t count() const { return at.size(); }
 };
 
-/// `grey`: 1 channel. About `most` features at most. A picture without texture has none.
+/// `grey`: 1 channel. Finds about `most` features at most; none in an image without texture.
 Features detectFeatures(const Image8& grey, int most);
 
 struct FeatureMatch {
   std::uint32_t a, b;
-  int distance;  // square distance of descriptors, see descriptorDistance
+  int distance;  // squared distance of descriptors, see descriptorDistance
 };
 
-/// Each feature of `a` and the feature of `b` nearest to it, where the second nearest is farther by 1/`ratio` and where
-/// it is the other's nearest, too. Features with `takenA` or `takenB` set are left out (empty: none is). In order of a.
+/// Mutually nearest features, where the second nearest is farther by 1/`ratio`. Features with `takenA` or `takenB` set
+/// are excluded (empty: none is). In order of a.
 std::vector<FeatureMatch> mutualMatches(const Features& a, const Features& b, double ratio,
                                         const std::vector<bool>& takenA = {}, const std::vector<bool>& takenB = {});
 
-/// Square distance of the nearest two descriptors of two features; 0 … 2·512² about.
+/// Squared distance of the nearest two descriptors of two features; 0 to about 2·512².
 int descriptorDistance(const Features& a, std::size_t featureA, const Features& b, std::size_t featureB);
 
 }  // namespace ibr

@@ -23,10 +23,10 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kFeaturesVersion = 1;  // raise it when features come out differently
-constexpr std::uint64_t kMatchesVersion = 1;   // … and when matches do
-constexpr int kFeatures = 20000;               // of a photograph
-constexpr double kResidualPx = 2.0;            // of an observation
+constexpr std::uint64_t kFeaturesVersion = 1;  // raise when features change
+constexpr std::uint64_t kMatchesVersion = 1;   // raise when matches change
+constexpr int kFeatures = 20000;               // per photograph
+constexpr double kResidualPx = 2.0;            // max of an observation
 
 glm::dvec3 rayOf(const Camera& camera, glm::dvec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, pixel);
@@ -36,7 +36,7 @@ std::optional<glm::dvec2> seenAt(const Camera& camera, glm::dvec3 point) {
   return project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (point - camera.pose.position));
 }
 
-// Where the rays are nearest to each other.
+// Point with the least sum of squared distances from the rays.
 std::optional<glm::dvec3> nearestToRays(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels) {
   glm::dmat3 sum(0.0);
   glm::dvec3 right(0.0);
@@ -52,7 +52,7 @@ std::optional<glm::dvec3> nearestToRays(std::span<const Camera> cameras, std::sp
   return origin + glm::inverse(sum) * right;
 }
 
-// One step of Gauss and Newton for the sum of squared distances in px.
+// One Gauss–Newton step for the sum of squared reprojection errors in px.
 std::optional<glm::dvec3> nearer(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels,
                                  glm::dvec3 point) {
   glm::dmat3 normal(0.0);
@@ -73,10 +73,10 @@ std::optional<glm::dvec3> nearer(std::span<const Camera> cameras, std::span<cons
   return std::isfinite(next.x + next.y + next.z) ? std::optional(next) : std::nullopt;
 }
 
-// Shared features of tracks: union by size, each set with the photographs that it has, sorted.
+// Disjoint sets of features: union by size. Sets are joined only if they have no photograph in common.
 class Sets {
  public:
-  using Feature = std::pair<std::uint32_t, std::uint32_t>;  // photograph, feature of it
+  using Feature = std::pair<std::uint32_t, std::uint32_t>;  // photograph, index of its feature
 
   void join(Feature a, Feature b) {
     std::size_t left = rootOf(indexOf(a)), right = rootOf(indexOf(b));
@@ -143,7 +143,7 @@ std::optional<std::vector<FeatureMatch>> fetchMatches(const fs::path& file) {
   return matches;
 }
 
-// Leaves out the worst observation while it is too far off. Fewer than two: no track.
+// Drops the worst observation until all are within kResidualPx. Returns an empty track if fewer than two remain.
 Track trackOf(const PosedModel& model, std::vector<TrackObservation> seen) {
   while (seen.size() >= 2) {
     std::vector<Camera> cameras;

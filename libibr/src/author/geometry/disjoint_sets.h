@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Disjoint sets (union by the smaller name, paths halved): a set's name is its smallest member.
+// Disjoint sets (the smaller root wins, path halving): the root of a set is its smallest member.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class DisjointSets {
     while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
     return a;
   }
-  /// Whether they were two.
+  /// Returns true if a and b were in different sets.
   bool unite(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);

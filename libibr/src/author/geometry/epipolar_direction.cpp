@@ -7,8 +7,8 @@
 
 namespace ibr {
 
-// From the camera, ρ × the point is the ray through the pixel, whatever ρ is; as ρ = 1/distance from the centre grows,
-// it changes by the way from the camera to the centre. The rest is the quotient rule.
+// In camera axes, ρ × the point keeps the direction of the pixel's ray. As ρ = 1/distance from the centre grows, ρ ×
+// the point changes by the vector from the camera to the centre. The projection's quotient rule gives the rest.
 glm::dvec2 epipolarDirection(const Camera& camera, glm::dvec3 centre, glm::dvec2 pixel) {
   const Intrinsics& k = camera.intrinsics;
   const glm::dvec3 ray((pixel.x - k.cx) / k.fx, (k.cy - pixel.y) / k.fy, -1.0);
@@ -18,7 +18,7 @@ glm::dvec2 epipolarDirection(const Camera& camera, glm::dvec3 centre, glm::dvec2
   const glm::dvec3 way = towards / length;
   const glm::dvec2 slope(k.fx * (way.x + ray.x * way.z), -k.fy * (way.y + ray.y * way.z));
   const double steepness = glm::length(slope);
-  constexpr double kAtEpipole = 1e-9;  // of the focal length
+  constexpr double kAtEpipole = 1e-9;  // relative to the focal length
   return steepness > kAtEpipole * k.fx ? slope / steepness : glm::dvec2(0);
 }
 

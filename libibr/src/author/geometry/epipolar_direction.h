@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a match slides in a picture when its point goes nearer or further as seen from somewhere else (Hartley and
+// Direction in which a match slides along its epipolar line when its point approaches another centre (Hartley and
 // Zisserman 2004, chapter 9).
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace ibr {
 
-/// Unit direction in px of the pinhole `camera` in which the image of a point at `pixel` moves while the point moves
-/// along its ray from `centre`, a place in the world, as it comes nearer. (0, 0) at the epipole itself, and where
-/// `centre` is the camera's own: the match then stays where it is, or may be anywhere.
+/// Unit direction, px of the pinhole `camera`, in which the image of a point at `pixel` moves while the point
+/// approaches `centre` (world) along its ray. (0, 0) at the epipole, and if `centre` is the camera's own position: the
+/// match then stays fixed, or its direction is undefined.
 glm::dvec2 epipolarDirection(const Camera& camera, glm::dvec3 centre, glm::dvec2 pixel);
 
 }  // namespace ibr

@@ -13,7 +13,7 @@ namespace ibr {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSteepest = 89.9 / 180.0 * kPi;  // angle to the axis up to which perspective models are used
+constexpr double kSteepest = 89.9 / 180.0 * kPi;  // max angle to the axis for perspective models
 
 constexpr std::array<std::size_t, kLensModels> kParameterCounts{3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
 
@@ -22,7 +22,7 @@ bool isFisheye(LensModel model) {
          model == LensModel::radialFisheye || model == LensModel::thinPrismFisheye;
 }
 
-// One focal length for both axes.
+// True for models with one focal length for both axes.
 bool isSimple(LensModel model) {
   return model == LensModel::simplePinhole || model == LensModel::simpleRadial || model == LensModel::radial ||
          model == LensModel::simpleRadialFisheye || model == LensModel::radialFisheye;
@@ -82,8 +82,8 @@ Factor factor(const LensDistortion& l, double s) {
   return {n.value / d.value, (n.slope - n.value / d.value * d.slope) / d.value};
 }
 
-// The radius where the radial part stops growing, at most `most`. `angle` says how it is walked: by equal steps of the
-// angle to the axis.
+// Radius at which the radial part stops growing, limited to a maximum. Searched in equal steps of the angle to the
+// axis; `fisheye` selects how an angle is converted to a radius.
 double foldOf(const LensDistortion& l, bool fisheye) {
   const auto radius = [&](double angle) { return fisheye ? angle : std::tan(angle); };
   const auto grows = [&](double angle) {
@@ -106,8 +106,8 @@ bool isRadial(const LensDistortion& l) {
   return l.tangential == std::array<double, 2>{} && l.prism == std::array<double, 2>{};
 }
 
-// The radius that the radial part takes to `value`, within [0, limit]: Newton, with bisection where it would leave the
-// interval that is known. At the ends where `value` is beyond them.
+// Inverts the radial part within [0, limit]: Newton, with bisection where a step would leave the current interval.
+// Returns an end of the range if `value` lies beyond it.
 double inverseRadial(const LensDistortion& l, double value, double limit) {
   double low = 0, high = limit, r = std::min(value / radial(l, 0).slope, limit);
   for (int step = 0; step < 200; ++step) {
@@ -233,7 +233,7 @@ std::optional<glm::dvec3> Lens::unproject(glm::dvec2 pixel) const {
   glm::dvec2 m = d;
   if (!(distortion_ == LensDistortion{})) {
     if (!(limit_ > 0)) return std::nullopt;
-    // Newton from the inverse of the radial part, which is exact where there is no other.
+    // Newton, starting from the inverse of the radial part, which is exact for purely radial distortion.
     m = length > 0 ? d * (inverseRadial(distortion_, length, limit_) / length) : d;
     Distorted at = distort(distortion_, m);
     double error = glm::distance(at.point, d);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views of a match and its result: types that matchers, features and meshes share.
+// The views of a match and its result: types shared by matchers, features and meshes.
 #pragma once
 
 #include <cstddef>
@@ -13,35 +13,35 @@
 
 namespace ibr {
 
-/// Members of a cell at most, hence views of a match: the corners of a tetrahedron.
+/// Max members of a cell, i.e. views of a match: the corners of a tetrahedron.
 inline constexpr std::size_t kMostMembers = 4;
 
-/// A member's photograph at the size that is matched; the intrinsics are those of that size.
+/// A member's photograph at the matched size; the intrinsics are for that size.
 struct MatchView {
   Camera camera;
   Image8 picture;    // RGB
-  Image8 mask = {};  // author/photographs/masks.h, of the picture's size; or empty
+  Image8 mask = {};  // author/photographs/masks.h, of the image's size; or empty
 };
 
-/// Where vertices of a mesh are to stand, sub-pixel.
+/// Sub-pixel positions of mesh vertices, where the matcher itself chooses them.
 struct MatchedVertices {
   std::vector<glm::vec2> frame;                 // px of the frame
-  std::vector<double> inverseDepth;             // along its axis
-  std::vector<std::vector<glm::vec2>> matched;  // of each view, px of its picture
-  std::vector<glm::u16vec4> planes;             // that each lies on, as MorphMesh::planes; empty: not known
+  std::vector<double> inverseDepth;             // along the frame's axis
+  std::vector<std::vector<glm::vec2>> matched;  // for each view: px of its image
+  std::vector<glm::u16vec4> planes;             // that contain each vertex, as MorphMesh::planes; empty: unknown
 };
 
-/// All pictures have the frame's size; pixel (x, y) stands for its centre.
+/// Dense match. All images have the frame's size; entry (x, y) is for the pixel's centre.
 struct DenseMatch {
   Camera frame;
   ImageF inverseDepth;           // along the frame's axis
   float inverseDepthStep = 0;    // one level of the sweep
-  std::vector<ImageF> position;  // of each member: 2 channels, px in its picture; outside it where good is 0
-  Image8 good;                   // 1 channel: 1 where all members agree that are not masked, two at least
-  std::vector<Image8> seen;      // of each member: 1 where its texture is that of another one, and it sees the point
-  bool refined = false;          // by step 4: positions are not quite what inverseDepth says
-  bool depthKnown = true;        // positions follow from inverseDepth, not the other way round
-  std::optional<MatchedVertices> vertices;  // where the matcher itself puts them; else the quadtree does
+  std::vector<ImageF> position;  // for each member: 2 channels, px in its image; outside the image where good is 0
+  Image8 good;                   // 1 channel: 1 where all unmasked members agree, at least two
+  std::vector<Image8> seen;      // for each member: 1 where it sees the point, with texture that others share
+  bool refined = false;          // by step 4: positions differ slightly from those of inverseDepth
+  bool depthKnown = true;        // positions were computed from inverseDepth, not the reverse
+  std::optional<MatchedVertices> vertices;  // chosen by the matcher; else by the quadtree
 };
 
 }  // namespace ibr

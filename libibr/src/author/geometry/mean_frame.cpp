@@ -27,7 +27,7 @@ Camera meanFrame(std::span<const Camera> members) {
   axis = glm::normalize(axis);
   auto across = [&](glm::dvec3 v) { return v - glm::dot(v, axis) * axis; };
   up = across(up);
-  // Members that are turned against each other about the axis have no mean: then the first decides.
+  // Members rotated against each other about the axis have no mean up vector: the first member decides.
   if (glm::length(up) < 0.3 * double(members.size())) up = across(members[0].pose.rotation * glm::dvec3(0, 1, 0));
   up = glm::normalize(up);
   const glm::dmat3 rotation(glm::cross(axis, up), up, -axis);
@@ -45,7 +45,7 @@ Camera meanFrame(std::span<const Camera> members) {
 
 FrameToMember frameToMember(const Camera& frame, const Camera& member) {
   const Intrinsics &f = frame.intrinsics, &m = member.intrinsics;
-  // glm's matrices are given column by column.
+  // glm's matrices are column-major.
   const glm::dmat3 toRay(glm::dvec3(1 / f.fx, 0, 0), glm::dvec3(0, -1 / f.fy, 0),
                          glm::dvec3(-f.cx / f.fx, f.cy / f.fy, -1));  // pixel → camera axes, depth 1
   const glm::dmat3 toPixel(glm::dvec3(m.fx, 0, 0), glm::dvec3(0, -m.fy, 0), glm::dvec3(-m.cx, -m.cy, -1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mean camera of a cell: all matches are sampled in its picture, which is symmetric in the members and, to first
-// order, the mean position on which [T] §2.4.1 triangulates.
+// The mean camera of a cell, in whose image all matches are sampled. All members have the same influence. To first
+// order, the camera's centre is the mean position at which [T] §2.4.1 triangulates.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -12,11 +12,11 @@
 namespace ibr {
 
 /// Mean centre, direction, focal length and field of view; upright as the members are on average. Precondition: at
-/// least one pinhole member; their axes lie within 90 degrees of their mean.
+/// least one pinhole member; axes within 90 degrees of their mean.
 Camera meanFrame(std::span<const Camera> members);
 
-/// Where a member sees what the frame sees at a pixel and an inverse depth (along the frame's axis, 0 = at infinity):
-/// homogeneous pixel = a·(x, y, 1) + inverseDepth·b, its third component positive in front of the member.
+/// Maps a pixel and an inverse depth of the frame (along its axis, 0 = infinity) to a member: homogeneous pixel = a·(x,
+/// y, 1) + inverseDepth·b, whose third component is positive in front of the member.
 struct FrameToMember {
   glm::dmat3 a;
   glm::dvec3 b;
@@ -32,7 +32,7 @@ struct FrameToMember {
 };
 FrameToMember frameToMember(const Camera& frame, const Camera& member);
 
-/// Inverse depth along the frame's axis of a point of the world; not positive behind the frame.
+/// Inverse depth of a world point along the frame's axis; not positive behind the frame.
 double inverseDepth(const Camera& frame, glm::dvec3 point);
 
 }  // namespace ibr

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a triangle of a morphing mesh is not turned over: in each picture, in the mean of each two and in that of all.
+// Signs of a triangle of a morphing mesh: in each image, in the mean of each pair of images, and in the mean of all.
 //
-// Positions on a grid of up to 1/512 px (orientation.h, ibr/optimiser.h) in pictures of up to 16384 px give exact signs
-// in double precision, for sums of four of them too. Elsewhere an area that rounding could turn over counts as turned.
+// Signs are exact in double precision for positions on a grid of up to 1/512 px (orientation.h, ibr/optimiser.h) in
+// images of up to 16384 px, also for sums of four. Elsewhere an area within rounding errors counts as not positive.
 #pragma once
 
 #include <cmath>
@@ -13,13 +13,13 @@
 
 namespace ibr {
 
-/// Whether a triangle's corners turn as the picture's axes do, x to y, for certain.
+/// True if a triangle is certainly positive: its corners turn from the x axis towards the y axis.
 inline bool turnsRight(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
   return left - right > 0x1p-50 * (std::abs(left) + std::abs(right));
 }
 
-/// A bit each: pictures, means of two, mean of all; set where the triangle is positive. `match`: d × n, d <= 4, px.
+/// One bit each: images, means of pairs, mean of all; set where the triangle is positive. `match`: d × n, d <= 4, px.
 inline std::uint32_t meshSigns(const std::vector<std::vector<glm::vec2>>& match, const glm::uvec3& t) {
   std::uint32_t signs = 0, bit = 1;
   const auto note = [&](const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
@@ -38,12 +38,12 @@ inline std::uint32_t meshSigns(const std::vector<std::vector<glm::vec2>>& match,
   return signs;
 }
 
-/// The same triangle the other way round.
+/// The same triangle with opposite orientation.
 inline glm::uvec3 turned(const glm::uvec3& t) {
   return {t.x, t.z, t.y};
 }
 
-/// All bits, for d pictures.
+/// All bits, for d images.
 constexpr std::uint32_t allPositive(std::size_t d) {
   return (1u << (d + d * (d - 1) / 2 + 1)) - 1;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// On which side triangles of a mesh lie, without rounding: positions stand on a grid of 1/512 px, signed areas are
-// whole numbers. What is positive here is positive for everybody who reads the stored floats.
+// Exact orientation of mesh triangles: positions lie on a grid of 1/512 px, so signed areas are integers. Every reader
+// of the stored floats gets the same sign.
 #pragma once
 
 #include <cmath>
@@ -13,14 +13,14 @@ namespace ibr {
 
 inline constexpr double kGridPerPixel = 512.0;
 
-/// The grid point nearest to a position; a float holds it for pictures of up to 32768 px.
+/// Grid point nearest to a position; exact in float for images of up to 32768 px.
 inline glm::vec2 snapped(glm::dvec2 px) {
   return {float(std::round(px.x * kGridPerPixel) / kGridPerPixel),
           float(std::round(px.y * kGridPerPixel) / kGridPerPixel)};
 }
 
-/// Twice the signed area of a triangle, in squares of the grid: exact. Positive: as the picture's axes turn, x to y.
-/// Precondition: corners on the grid, within ±32768 px.
+/// Twice the signed area of a triangle, in grid squares: exact. Positive: corners turn from the x axis towards the y
+/// axis. Precondition: corners on the grid, within ±32768 px.
 inline std::int64_t twiceArea(std::span<const glm::vec2> at, const glm::uvec3& t) {
   const auto whole = [](float px) { return std::int64_t(double(px) * kGridPerPixel); };
   const std::int64_t x = whole(at[t.x].x), y = whole(at[t.x].y);

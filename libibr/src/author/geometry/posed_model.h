@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions to a posed model and its cameras, and leaving images of it out.
+// Queries about a posed model and its cameras, and removal of its images.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "base/median.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr {
 
-/// Leaves images out, with their observations and the tracks that nobody else saw. Throws Error{invalidInput} for a
-/// name that is not there.
+/// Removes images, with their observations and the tracks that no other image observes. Throws Error{invalidInput} for
+/// a name that the model lacks.
 void removeImages(PosedModel& model, const std::vector<std::string>& names);
 
-/// Median distance between observations and projections of the tracks' points, px; 0 without tracks.
+/// Median reprojection error of the tracks' points, px; 0 without tracks.
 double reprojectionError(const PosedModel& model);
 
-/// Median reprojection error up to which the poses of a model count as exact, px.
+/// Max median reprojection error at which a model's poses count as exact, px.
 inline constexpr double kExactPx = 0.1;
 
-/// Of each image the tracks that it observes, ascending; one that it observes twice is there once.
+/// For each image the tracks that it observes, ascending and without duplicates.
 std::vector<std::vector<std::uint32_t>> tracksOfImages(const PosedModel& model);
 
-/// Photographs are matched at no more pixels than this.
+/// Max pixels of a matched image.
 inline constexpr double kMatchPixels = 2e6;
 
-/// The camera at the size that its photograph is matched at. Limits in px of what matching tells apart refer to it.
+/// The camera at its photograph's matched size. Limits of matching in px refer to this size.
 Camera matchedCamera(Camera camera);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums of squared distances to planes (Garland, Heckbert, Surface simplification using quadric error metrics, 1997).
+// Sums of squared distances from planes (Garland, Heckbert, Surface simplification using quadric error metrics, 1997).
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ struct Quadric {
   glm::dvec3 b = glm::dvec3(0.0);
   double c = 0;
 
-  /// A plane through a point; `normal` of length 1.
+  /// Adds a plane through a point; `normal` has length 1.
   void addPlane(glm::dvec3 normal, glm::dvec3 through, double weight) {
     const double d = glm::dot(normal, through);
     a += weight * glm::outerProduct(normal, normal);
@@ -30,11 +30,11 @@ struct Quadric {
     c += other.c;
     return *this;
   }
-  /// At least 0 but for rounding.
+  /// Value at x, >= 0 up to rounding.
   double at(glm::dvec3 x) const { return glm::dot(x, a * x) - 2.0 * glm::dot(b, x) + c; }
 
-  /// Where it is least, drawn towards `near` where planes leave a direction (almost) free; `near` itself if there are
-  /// no planes.
+  /// Minimum, pulled towards `near` in directions that the planes leave (almost) free; `near` itself if there are no
+  /// planes.
   glm::dvec3 least(glm::dvec3 near) const {
     const double trace = a[0][0] + a[1][1] + a[2][2];
     if (!(trace > 0)) return near;

@@ -12,7 +12,7 @@ namespace ibr {
 namespace {
 
 constexpr int kRounds = 20;
-constexpr double kLeastRadians = 1e-7, kLeastShift = 1e-7;  // as far as sums of squares tell; of the extent
+constexpr double kLeastRadians = 1e-7, kLeastShift = 1e-7;  // rounding limit of the sums of squares; of the extent
 
 // The rotation nearest to a matrix (Kabsch 1976).
 glm::dmat3 nearestRotation(const glm::dmat3& m) {
@@ -49,7 +49,7 @@ Similarity aligned(std::span<const Pose> from, std::span<const Pose> to) {
     spreadFrom += glm::dot(a, a);
     spreadTo += glm::dot(b, b);
   }
-  // Both sums of squares are expanded: Σ θ² = 3n − tr(RᵀM_r), Σ d² = spreadTo + s² spreadFrom − 2 s tr(RᵀM_p).
+  // Expanded sums of squares: Σ θ² = 3n − tr(RᵀM_r), Σ d² = spreadTo + s² spreadFrom − 2 s tr(RᵀM_p).
   const auto along = [](const glm::dmat3& a, const glm::dmat3& b) {
     return glm::dot(a[0], b[0]) + glm::dot(a[1], b[1]) + glm::dot(a[2], b[2]);
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What turns, scales and shifts the world of one set of poses into that of another.
+// Similarity transform between the worlds of two sets of poses.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -20,12 +20,12 @@ struct Similarity {
   Pose operator()(const Pose& pose) const { return {(*this)(pose.position), glm::normalize(rotation * pose.rotation)}; }
 };
 
-/// The similarity that brings poses closest to as many others: by least squares of positions (Umeyama 1991) and of
-/// rotations together, each weighed by how far they stay off, so that whichever is better known tells more. Rotations
-/// alone tell the turn where positions lie on a line; the scale stays 1 where all are in one place. None: identity.
+/// Similarity that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations together, each
+/// weighted by its residual, so that the more accurate one counts more. Collinear positions take the rotation from the
+/// rotations; coincident positions keep scale 1. No poses: identity.
 Similarity aligned(std::span<const Pose> from, std::span<const Pose> to);
 
-/// The angle of the turn between them, radians.
+/// Angle between two rotations, radians.
 double angleBetween(const glm::dquat& a, const glm::dquat& b);
 
 }  // namespace ibr

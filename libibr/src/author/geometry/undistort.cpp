@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures freed of lens distortion (ibr/lens.h). The plane below is z = −1 in camera axes, y down: its points are
-// (x, y), and where they are seen by the lens decides what a pinhole can show.
+// Removes lens distortion from images (ibr/author/lens.h). Plane points (x, y) below lie on z = −1 in camera axes, y
+// down. Their projections by the lens decide which pixels a pinhole can show.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "ibr/lens.h"
+#include "ibr/author/lens.h"
 
 namespace ibr {
 namespace {
@@ -27,7 +27,7 @@ struct Rectangle {
   double left, right, top, bottom;
 };
 
-// Whether all of it was photographed: its edges, and a coarse grid within.
+// True if the whole rectangle was photographed: tests its edges and a coarse inner grid.
 bool whole(const Lens& lens, const Rectangle& r) {
   constexpr int kEdge = 96, kEvery = 8;
   for (int i = 0; i <= kEdge; ++i)
@@ -41,7 +41,7 @@ bool whole(const Lens& lens, const Rectangle& r) {
   return true;
 }
 
-// The largest t in [0, 1] up to which `holds`, which holds at 0 and does not come back once it is lost.
+// Largest t in [0, 1] up to which `holds` is true. Precondition: true at 0, and false for all t above a limit.
 template <class F>
 double largest(F&& holds) {
   if (holds(1.0)) return 1.0;
@@ -53,12 +53,12 @@ double largest(F&& holds) {
   return low;
 }
 
-// First as far as the axes reach, in proportion; then each side as far out as it goes.
+// Largest rectangle that was photographed completely: first scaled in proportion, then each side extended.
 Rectangle cropped(const Lens& lens, glm::dvec2 middle) {
   const double w = kWidestTangent;
   const Rectangle limits{-w, w, -w, w};
   const auto reach = [&](glm::dvec2 end) {
-    // In small steps: what lies behind a gap does not count.
+    // In small steps: parts behind a gap do not count.
     constexpr int kSteps = 256;
     const auto seen = [&](double t) {
       const auto pixel = seenAt(lens, middle + t * (end - middle));
@@ -87,7 +87,7 @@ Rectangle cropped(const Lens& lens, glm::dvec2 middle) {
   return r;
 }
 
-// Around all that was photographed.
+// Bounding rectangle of all that was photographed.
 Rectangle kept(const Lens& lens, glm::dvec2 middle) {
   constexpr int kGrid = 128, kFold = 720;
   Rectangle r{middle.x, middle.x, middle.y, middle.y};
@@ -101,7 +101,7 @@ Rectangle kept(const Lens& lens, glm::dvec2 middle) {
     for (int j = 0; j <= kGrid; ++j)
       if (const auto ray = lens.unproject({double(lens.width()) * i / kGrid, double(lens.height()) * j / kGrid}))
         add(*ray);
-  // Near a fold a step in the picture is a large one in the plane.
+  // Near a fold, a small step in the image is a large one in the plane.
   for (int i = 0; i < kFold; ++i) {
     const double angle = 2 * std::numbers::pi * i / kFold, most = (1 - 1e-9) * lens.limit();
     const glm::dvec3 ray = lens.perspective() ? glm::dvec3(most * std::cos(angle), most * std::sin(angle), -1.0)
@@ -138,7 +138,7 @@ class Sampler {
  public:
   explicit Sampler(const Image8& picture) : picture_(picture), weights_(makeWeights()) {}
 
-  // At a position in px (pixel centres at .5); beyond the edge it is repeated.
+  // Samples at a position in px (pixel centres at .5); the border pixels are repeated.
   void sample(glm::dvec2 at, std::span<std::uint8_t> result) const {
     const double x = std::floor(at.x - 0.5), y = std::floor(at.y - 0.5);
     const auto& across = weights_[std::size_t(std::lround((at.x - 0.5 - x) * kPhases))];
@@ -171,7 +171,7 @@ Intrinsics undistorted(const Lens& lens, Border border) {
         "the middle of a picture of {}x{} px is not seen within {}° of the axis of its lens", lens.width(),
         lens.height(), kWidestHalfAngle);
   const Rectangle r = border == Border::crop ? cropped(lens, middle) : kept(lens, middle);
-  // In its middle the lens magnifies by its distortion's derivative.
+  // At its centre the lens magnifies by the derivative of its distortion.
   const double magnified =
       lens.distortion().omega != 0 ? 2 * std::tan(0.5 * lens.distortion().omega) / lens.distortion().omega : 1.0;
   Intrinsics k;

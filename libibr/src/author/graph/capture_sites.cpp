@@ -10,11 +10,11 @@
 namespace ibr {
 namespace {
 
-constexpr double kGap = 4.0;          // least ratio of neighbouring edge lengths where the tree may be cut
-constexpr double kCompact = 0.5;      // largest extent of a spot, in lengths of the shortest edge between spots
-constexpr double kOnePoint = 0.01;    // likewise: below it, directions do not matter
-constexpr double kLoneShare = 0.25;   // of spots that may hold a single photograph
-constexpr double kSameAxis = 0.9397;  // cos 20°: photographs that look the same way
+constexpr double kGap = 4.0;          // min ratio of successive edge lengths where the tree may be cut
+constexpr double kCompact = 0.5;      // max extent of a site, relative to the shortest edge between sites
+constexpr double kOnePoint = 0.01;    // likewise: below, directions do not matter
+constexpr double kLoneShare = 0.25;   // max share of sites with a single photograph
+constexpr double kSameAxis = 0.9397;  // cos 20°: max angle of photographs in the same direction
 
 bool lookLikeSpots(std::span<const Camera> cameras, const std::vector<std::uint32_t>& spot, double between) {
   const std::size_t spots = 1 + *std::max_element(spot.begin(), spot.end());
@@ -92,7 +92,7 @@ std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
   std::vector<glm::dvec3> positions;
   for (const Camera& camera : cameras) positions.push_back(camera.pose.position);
   const std::vector<TreeEdge> tree = spanningTree(positions);
-  // Lengths below this are rounding: positions are good to about 1e-15 of their size.
+  // Lengths below this are rounding errors: positions are accurate to about 1e-15 of their size.
   double floor = 0;
   for (const Camera& camera : cameras) floor = std::max(floor, glm::length(camera.pose.position) * 1e-12);
   floor = std::max(floor, tree.back().length * 1e-9);
@@ -112,7 +112,7 @@ std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
     const auto spot = components(n, std::span(tree).first(jump.edges));
     if (lookLikeSpots(cameras, spot, tree[jump.edges].length)) return spot;
   }
-  // Photographs at the very same point can never span a cell, whatever the rest looks like.
+  // Photographs at exactly the same point can never span a cell, so they always share a site.
   const auto apart = std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > floor; });
   return components(n, std::span(tree.begin(), apart));
 }

@@ -118,7 +118,7 @@ std::string CellPlanner::whyUnused(std::uint32_t image) const {
   if (twin != i)
     return fmt::format("it stands within {:.2g} of {}, which looks the same way (the next place is {:.2g} away)",
                        twinDistance, views_[twin].name, nearest);
-  // Of what was refused, the pair that came closest.
+  // Among the refused pairs of this photograph, reports the one that shares the most tracks.
   const std::string* reason = nullptr;
   std::uint32_t most = 0;
   for (const auto& [simplex, why] : refused_)

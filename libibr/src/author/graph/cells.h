@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which photographs make a morphing cell ([T] §2.4.1: nodes of similar rotation that span a simplex).
+// Plans the morphing cells of a set of photographs ([T] §2.4.1: nodes of similar rotation that span a simplex).
 //
-//   1. spots: photographs from one place (capture_sites.h), and whether those stand on a grid (lattice.h)
-//   2. groups of similar rotation, one photograph a spot (view_groups.h)
-//   3. the simplices of a group (split_group.h)
-//   4. which of them become cells, and lines between those that are left apart (choose_cells.h)
-//   5. once cells are matched: for those that failed, their faces stand in, then edges
+//   1. capture sites (capture_sites.h), which may lie on a grid (lattice.h)
+//   2. groups of similar rotation, one photograph per site (view_groups.h)
+//   3. simplices of each group (split_group.h)
+//   4. choice of cells, and lines between photographs that remain apart (choose_cells.h)
+//   5. after matching: cells that failed are replaced by their faces, then by edges
 #pragma once
 
 #include <cstdint>
@@ -18,38 +18,38 @@
 #include "author/graph/choose_cells.h"
 #include "author/graph/graph_views.h"
 #include "author/graph/view_relations.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 
 namespace ibr {
 
-/// Indices into PosedModel::images, by name.
+/// Indices into PosedModel::images, in the order of the images' names.
 using CellMembers = std::vector<std::uint32_t>;
 
 struct CellPlan {
   std::vector<CellMembers> cells;
   std::vector<BuildReport::Dropped> dropped;  // simplices that were refused
   std::vector<UnusedPhotograph> unused;       // photographs that are in no cell
-  bool ordered = false;                       // several photographs were taken from each spot ([T] §2.4.2)
+  bool ordered = false;                       // several photographs were taken from each capture site ([T] §2.4.2)
 };
 
-/// Throws Error{invalidInput} for a `dimension` or `thetaDegrees` that cannot be.
+/// Throws Error{invalidInput} for an invalid `dimension` or `thetaDegrees`.
 void checkPlanOptions(const BuildOptions& options);
 
 class CellPlanner {
  public:
-  /// Uses `dimension` and `thetaDegrees` of the options. The model outlives the object. Throws as checkPlanOptions.
+  /// Uses the options' `dimension` and `thetaDegrees`. The model must outlive the object. Throws as checkPlanOptions.
   CellPlanner(const PosedModel& model, const BuildOptions& options);
 
-  /// Does not depend on the order of images or tracks, nor on where the world lies, how it is turned, and its scale.
+  /// The plan does not depend on the order of images or tracks, or on the world's origin, rotation and scale.
   CellPlan plan();
 
-  /// Faces of cells that failed, which are no part of those that were made, nor lie in one, and did not fail earlier.
+  /// Faces that replace failed cells. Excludes faces of made cells, faces inside one, and faces returned earlier.
   std::vector<CellMembers> standIns(const std::vector<CellMembers>& failed, const std::vector<CellMembers>& made);
 
-  /// choose_cells.h
+  /// CellJudge::score (choose_cells.h).
   double score(const CellMembers& members) const;
 
-  /// Why no cell was planned for a photograph, for people.
+  /// Reason why no cell was planned for a photograph, for people.
   std::string whyUnused(std::uint32_t image) const;
 
  private:
@@ -65,7 +65,7 @@ class CellPlanner {
   std::set<Simplex> tried_;
 };
 
-/// A planner's plan.
+/// Plans the cells of a model with a temporary CellPlanner.
 CellPlan planCells(const PosedModel& model, const BuildOptions& options);
 
 }  // namespace ibr

@@ -16,13 +16,13 @@ namespace ibr {
 namespace {
 
 constexpr std::uint32_t kLeastShared = 30;  // tracks
-constexpr double kLeastCovisible = 0.10;    // of the tracks of the poorer member
-constexpr double kWideCovisible = 0.20;     // likewise, of a wide line
-constexpr double kWideAngle = 45.0;         // degrees between its axes
-constexpr int kApart = 3;                   // cells from one photograph to the other, without it
-constexpr double kGoodSpread = 0.15;        // of disparities, in widths: what is farther apart hides more
-constexpr double kCovered = -0.06;          // weights above this: inside another cell …
-constexpr double kNear = 0.05;              // … and no further off its span than this, in longest edges
+constexpr double kLeastCovisible = 0.10;    // of the tracks of the member with fewer
+constexpr double kWideCovisible = 0.20;     // likewise, for a wide line
+constexpr double kWideAngle = 45.0;         // max degrees between the axes of a wide line
+constexpr int kApart = 3;                   // a wide line must join photographs more than this number of cells apart
+constexpr double kGoodSpread = 0.15;        // disparity spread in image widths; a larger one hides more
+constexpr double kCovered = -0.06;          // barycentric weights above this: inside another cell …
+constexpr double kNear = 0.05;              // … if the distance from its span is below this, in longest edges
 
 bool hasFace(const Simplex& cell, const Simplex& face) {
   return std::includes(cell.begin(), cell.end(), face.begin(), face.end());
@@ -101,7 +101,7 @@ bool liesIn(const Views& views, const Simplex& simplex, std::span<const Simplex>
 
 std::vector<Simplex> chooseCells(const Views& views, const CellJudge& judge, const ViewGroup& group, GroupSplit split,
                                  std::map<Simplex, std::string>& refused) {
-  // From the highest rank downwards; what is refused hands its faces on. Delaunay's simplices do not overlap.
+  // From the highest rank down; refused simplices are replaced by their faces. Delaunay simplices do not overlap.
   std::vector<Simplex> kept, candidates = std::move(split.simplices);
   bool mayOverlap = split.overlaps;
   for (std::size_t d = candidates.empty() ? 0 : candidates[0].size(); d >= 2; --d, mayOverlap = true) {
@@ -129,7 +129,7 @@ std::vector<Simplex> chooseCells(const Views& views, const CellJudge& judge, con
 
 namespace {
 
-// Which views are joined by cells.
+// Graph of the views that cells connect.
 class CellGraph {
  public:
   CellGraph(std::size_t views, const std::set<Simplex>& cells) : joined_(views) {
@@ -142,10 +142,10 @@ class CellGraph {
       for (const std::uint32_t j : joined_[i]) edges.push_back({1, i, j});
     component_ = components(views, edges);
   }
-  /// Joined to no other view, or to one.
+  /// True if the view has at most one neighbour.
   bool isEnd(std::uint32_t view) const { return joined_[view].size() <= 1; }
   bool connected(std::uint32_t a, std::uint32_t b) const { return component_[a] == component_[b]; }
-  /// Views within so many cells of one.
+  /// Views that at most `cells` cells connect to `seed`.
   std::set<std::uint32_t> within(std::uint32_t seed, int cells) const {
     std::set<std::uint32_t> reached{seed}, rim{seed};
     for (int step = 0; step < cells; ++step) {

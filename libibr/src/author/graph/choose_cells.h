@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which simplices of photographs become cells ([T] §2.4.1).
+// Chooses the simplices of photographs that become cells ([T] §2.4.1).
 //
-//   accepted   axes within θ of each other, no sliver, and each pair shares enough of the points it sees, if there are
-//              any; a refused simplex hands on its faces, those their edges
-//   pruned     faces of accepted cells; handed-on ones whose middle lies in another cell of the group; handed-on edges
-//              that are no relative neighbours
-//   wide       where that leaves a photograph alone, at the end of a chain, or without a way to others, though it
-//   shares
-//              much with them (rings around an object, which turn by more than θ from one photograph to the next):
-//              lines between relative neighbours of those that share much
+//   accepted   axes within θ of each other, no sliver, and each pair shares enough of its points, if there are any; a
+//              refused simplex is replaced by its faces, a refused face by its edges
+//   pruned     faces of accepted cells; replacements whose middle lies in another cell of the group; replacement edges
+//              that are not relative neighbours
+//   wide       lines between photographs whose axes are more than θ apart, as in rings around an object. Added
+//              where a photograph would remain alone, at the end of a chain, or unconnected, although it shares
+//              much with others: between relative neighbours among the photographs
+//              that share much
 #pragma once
 
 #include <map>
@@ -23,20 +23,20 @@
 
 namespace ibr {
 
-/// Says which simplices are good for a cell.
+/// Decides which simplices are suitable cells.
 class CellJudge {
  public:
-  /// Both outlive the object.
+  /// Both must outlive the object.
   CellJudge(const Views& views, const ViewRelations& relations) : views_(views), relations_(relations) {}
 
-  /// nullopt: accepted. "": of a shape that needs no words. Else the reason, for people.
+  /// Returns nullopt if accepted; "" if the shape is unsuitable, which needs no report; else the reason, for people.
   std::optional<std::string> refusal(const Simplex& simplex) const;
-  /// Whether two photographs could make a line although their axes lie further apart than θ.
+  /// True if two photographs may form a line although their axes are more than θ apart.
   bool acceptsWide(std::uint32_t a, std::uint32_t b) const;
 
   const ViewRelation& between(std::uint32_t a, std::uint32_t b) const;
-  /// How good a cell is to be expected to be, 0 to 1: its shape × the poorest pair's covisible share × (the widest
-  /// pair's disparity spread leaves little to see twice: .15 / spread, at most 1). Without tracks the shape alone.
+  /// Expected quality of a cell, 0 to 1: its shape × the least covisible share of its pairs × min(1, 0.15 / the largest
+  /// disparity spread of its pairs), since a large spread hides much. Without tracks the shape alone.
   double score(const Simplex& simplex) const;
 
  private:
@@ -46,14 +46,14 @@ class CellJudge {
   const ViewRelations& relations_;
 };
 
-/// Whether the middle of a simplex lies in one of some cells, of which those count that look as it does.
+/// True if the middle of a simplex lies in one of the cells; counts only cells of similar viewing direction.
 bool liesIn(const Views& views, const Simplex& simplex, std::span<const Simplex> cells);
 
-/// Cells of a group out of its split, sorted by size; what was refused is added to `refused`, with the reason.
+/// Cells from a group's split, sorted by size; refused simplices are added to `refused`, with the reason.
 std::vector<Simplex> chooseCells(const Views& views, const CellJudge& judge, const ViewGroup& group, GroupSplit split,
                                  std::map<Simplex, std::string>& refused);
 
-/// Lines to add to the cells of all groups.
+/// Lines to add to the cells of all groups, between photographs that would remain apart.
 std::vector<Simplex> wideLines(const Views& views, const CellJudge& judge, const ViewRelations& relations,
                                const std::set<Simplex>& cells);
 

@@ -13,7 +13,7 @@
 namespace ibr {
 namespace {
 
-// The field of view along the shorter way, in radians.
+// The smaller of the horizontal and vertical fields of view, radians.
 double smallerFieldOfView(const Intrinsics& k) {
   if (k.model == CameraModel::equirectangular) return std::numbers::pi;
   return std::min(std::atan(k.cx / k.fx) + std::atan((k.width - k.cx) / k.fx),
@@ -27,7 +27,7 @@ void findSpots(Views& views) {
   std::vector<double> count;
   for (std::size_t i = 0; i < views.size(); ++i) {
     views.list[i].spot = spot[i];
-    if (spot[i] == count.size()) {  // spots are numbered in the order of their first view
+    if (spot[i] == count.size()) {  // sites are numbered in the order of their first view
       count.push_back(0);
       views.spotCentre.emplace_back(0.0);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photographs of a model as the image graph sees them: in the order of their names, with the spots they stand on.
+// The photographs of a model as the image graph uses them: sorted by name, with their capture sites.
 //
-// Everything that plans cells goes by this order, so that the order of a model's images changes nothing.
+// All planning of cells uses this order, so that the order of a model's images has no effect.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 #include "author/geometry/simplex.h"
 #include "author/graph/lattice.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr {
 
@@ -22,31 +22,31 @@ struct View {
   std::uint32_t image = 0;  // index into PosedModel::images
   Camera camera;
   glm::dvec3 axis{0.0};    // viewing direction
-  double theta = 0;        // largest angle to the axis of a photograph in the same cell, radians
-  bool panorama = false;   // looks everywhere
+  double theta = 0;        // max angle to the axis of a photograph in the same cell, radians
+  bool panorama = false;   // covers all directions
   std::uint32_t spot = 0;  // capture_sites.h
 };
 
 struct Views {
   std::vector<View> list;
   std::vector<glm::dvec3> spotCentre;
-  std::optional<Lattice> lattice;  // of the spots
+  std::optional<Lattice> lattice;  // of the capture sites
 
   std::size_t size() const { return list.size(); }
   const View& operator[](std::size_t i) const { return list[i]; }
   bool sameKind(std::uint32_t a, std::uint32_t b) const { return list[a].panorama == list[b].panorama; }
 };
 
-/// `thetaDegrees`: 0 for half the smaller field of view of each.
+/// `thetaDegrees`: 0 selects half of each photograph's smaller field of view.
 Views viewsOf(const PosedModel& model, double thetaDegrees);
 
-/// Between the axes of two views, radians; 0 for panoramas.
+/// Angle between the axes of two views, radians; 0 for panoramas.
 double axisAngle(const Views& views, std::uint32_t a, std::uint32_t b);
 
-/// Where the views of a simplex stand.
+/// Camera centres of the views of a simplex.
 std::vector<glm::dvec3> cornersOf(const Views& views, std::span<const std::uint32_t> simplex);
 
-/// The centres of their spots.
+/// Centres of the views' capture sites.
 std::vector<glm::dvec3> spotsOf(const Views& views, std::span<const std::uint32_t> group);
 
 }  // namespace ibr

@@ -16,17 +16,17 @@
 namespace ibr {
 namespace {
 
-constexpr double kSameAxis = 0.9397;   // cos 20°: edges of the tree along one axis
-constexpr double kRightAngle = 0.139;  // cos 82°: axes stand at right angles to within 8°
-constexpr double kLevelWidth = 0.3;    // of a level's places, in shortest steps along its axis
-constexpr double kFilled = 0.6;        // least share of the grid's places that are there
+constexpr double kSameAxis = 0.9397;   // cos 20°: max angle between tree edges along one axis
+constexpr double kRightAngle = 0.139;  // cos 82°: axes are at right angles to within 8°
+constexpr double kLevelWidth = 0.3;    // max width of a level, in shortest steps along its axis
+constexpr double kFilled = 0.6;        // min share of the grid's positions that exist
 
 struct Axis {
   glm::dvec3 direction;
-  double step;  // shortest edge of the tree along it
+  double step;  // shortest edge of the tree along the axis
 };
 
-// The direction that edges of any sign have in common.
+// Common direction of edges of any sign.
 glm::dvec3 commonDirection(std::span<const glm::dvec3> edges) {
   cv::Matx33d sum = cv::Matx33d::zeros();
   for (const glm::dvec3& edge : edges) {
@@ -39,12 +39,12 @@ glm::dvec3 commonDirection(std::span<const glm::dvec3> edges) {
   return {vectors.at<double>(0, 0), vectors.at<double>(0, 1), vectors.at<double>(0, 2)};
 }
 
-// Empty where edges run in other ways than along at most three axes at right angles. Longest steps first.
+// Axes, longest steps first; empty unless all edges run along at most three axes at right angles.
 std::vector<Axis> axesOf(std::vector<glm::dvec3> edges) {
   std::vector<Axis> axes;
   while (!edges.empty()) {
     if (axes.size() == 3) return {};
-    // Noise turns long edges least.
+    // Noise rotates long edges least.
     const glm::dvec3 seed = glm::normalize(*std::max_element(
         edges.begin(), edges.end(), [](glm::dvec3 a, glm::dvec3 b) { return glm::dot(a, a) < glm::dot(b, b); }));
     const auto others = std::partition(edges.begin(), edges.end(), [&](glm::dvec3 edge) {
@@ -60,7 +60,7 @@ std::vector<Axis> axesOf(std::vector<glm::dvec3> edges) {
   return axes;
 }
 
-// The level of each coordinate, from 0; empty where they fall into no levels of that step.
+// Level of each coordinate, from 0; empty if the coordinates do not form levels at this step.
 std::vector<int> levelsOf(const std::vector<double>& coordinates, double step) {
   std::vector<std::size_t> order(coordinates.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -76,7 +76,7 @@ std::vector<int> levelsOf(const std::vector<double>& coordinates, double step) {
     if (coordinates[order[k]] - lowest > kLevelWidth * step) return {};
     levels[order[k]] = level;
   }
-  // One direction, whatever sign the axis came with.
+  // Fixes the direction, so that the sign of the axis has no effect.
   for (const int its : levels) {
     if (2 * its == level) continue;
     if (2 * its > level)
@@ -86,7 +86,7 @@ std::vector<int> levelsOf(const std::vector<double>& coordinates, double step) {
   return levels;
 }
 
-// Coordinates along axes that are not quite at right angles.
+// Coordinates along axes that are not exactly at right angles.
 std::vector<std::vector<double>> coordinatesOf(std::span<const glm::dvec3> places, const std::vector<Axis>& axes) {
   glm::dmat3 frame(1.0);
   for (std::size_t a = 0; a < axes.size(); ++a) frame[int(a)] = axes[a].direction;
@@ -102,8 +102,8 @@ std::vector<std::vector<double>> coordinatesOf(std::span<const glm::dvec3> place
   return coordinates;
 }
 
-// Lattices whose steps and the sum of which, turned round, stand at obtuse angles to each other: A* in space, nearly it
-// in the plane. Whole numbers, so that what lies on a line does so exactly.
+// Lattice whose steps, and their negated sum, are at obtuse angles to each other: A* in space, nearly so in the plane.
+// Integer coordinates make collinear positions exactly collinear.
 glm::dvec3 laidOut(const std::array<int, 3>& levels, int rank) {
   const double i = levels[0], j = levels[1], k = levels[2];
   if (rank == 1) return {i, 0, 0};
@@ -137,7 +137,7 @@ std::optional<Lattice> findLattice(std::span<const glm::dvec3> places) {
   }
   if (double(places.size()) < kFilled * whole) return std::nullopt;
 
-  // Axes in an order that does not depend on how the world is turned: by the levels of the first places.
+  // Sorts the axes by the levels of the first positions, so that the world's rotation has no effect.
   std::vector<std::size_t> order(axes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return levels[a] < levels[b]; });
@@ -165,7 +165,7 @@ std::vector<Simplex> splitLattice(const Lattice& lattice, std::span<const std::u
   if (rank == 3) {
     for (const glm::uvec4& t : delaunayTetrahedra(points)) simplices.push_back({t.x, t.y, t.z, t.w});
   } else if (rank == 2) {
-    // Two of three axes, laid out in the plane.
+    // Two of the three axes, laid out in the plane.
     std::size_t first = 0, second = 1;
     const auto flat = [&](std::size_t a) {
       return std::all_of(chosen.begin(), chosen.end(),

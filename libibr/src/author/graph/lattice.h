@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether places stand on a rectangular grid, noise allowed, and simplices that split such a grid consistently.
+// Detects capture sites on a rectangular grid (up to noise), and splits such a grid consistently into simplices.
 //
-//   1. edges of the shortest spanning tree run along the axes of a grid, whatever its steps: their directions fall
-//      into at most three, at right angles to each other
-//   2. along each axis the places fall into levels; the steps between levels may differ
-//   3. no two places have the same levels, and most combinations of levels are there
-//   4. the simplices are Delaunay's for the levels laid out on steps at obtuse angles (Selling's reduced bases; A* is
-//      the regular one): a whole square or cube is split as Kuhn splits it, into 2 triangles or 6 tetrahedra along one
-//      diagonal that is the same everywhere, and faces of neighbours agree; where places are missing, what Delaunay
-//      finds stands in
+//   1. the edges of the minimum spanning tree run along the axes of a grid, whatever its steps: they have at most three
+//      directions, at right angles to each other
+//   2. along each axis the positions form levels; the steps between levels may differ
+//   3. no two positions have the same levels, and most combinations of levels exist
+//   4. simplices: Delaunay on the levels, laid out with steps at obtuse angles (Selling's reduced bases; A* is the
+//      regular one). A whole square or cube is split as by Kuhn, into 2 triangles or 6 tetrahedra along one
+//      diagonal that is the same everywhere, so faces of neighbours agree. Gaps of missing positions are filled by
+//      Delaunay
 //
-// So the split of a place's surroundings depends on no noise, and is the same for all photographs of each place.
+// The split is independent of noise, and the same for all photographs of each capture site.
 #pragma once
 
 #include <array>
@@ -25,18 +25,18 @@ namespace ibr {
 
 struct Lattice {
   int rank = 0;                            // axes, 1 to 3
-  std::vector<std::array<int, 3>> levels;  // of each place along each axis, from 0; 0 beyond the rank
+  std::vector<std::array<int, 3>> levels;  // of each position along each axis, from 0; 0 beyond the rank
 };
 
-/// nullopt where they stand on none. Directions of the axes are such that the first place that is not in the middle has
-/// the lower level: neither the world's position, rotation nor scale change the result.
+/// Returns nullopt without a grid. The first position off the middle has the lower level on each axis: the world's
+/// origin, rotation and scale do not change the result.
 std::optional<Lattice> findLattice(std::span<const glm::dvec3> places);
 
-/// Simplices of some of a lattice's places as indices into `chosen` (which holds indices into lattice.levels), of the
-/// rank that those span; each ascending, all sorted.
+/// Simplices of the lattice's positions `chosen` (indices into lattice.levels), of the rank that they span. Returns
+/// indices into `chosen`; each simplex ascending, all sorted.
 std::vector<Simplex> splitLattice(const Lattice& lattice, std::span<const std::uint32_t> chosen);
 
-/// How many axes a simplex of the lattice's places extends along.
+/// Number of axes along which a simplex of the lattice's positions extends.
 int extent(const Lattice& lattice, std::span<const std::uint32_t> places);
 
 }  // namespace ibr

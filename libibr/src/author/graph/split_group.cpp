@@ -15,12 +15,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kFlat = 0.10;              // ratio of spreads below which a dimension does not count
+constexpr double kFlat = 0.10;              // ratio of spreads below which a dimension is dropped
 constexpr double kLeastTriangle = 0.12;     // shape
 constexpr double kLeastTetrahedron = 0.06;  // shape
-constexpr double kSimilar = 1.25;           // ratio of areas
+constexpr double kSimilar = 1.25;           // max ratio of areas
 
-// Positions about their mean, along their principal axes (greatest spread first), and the rank they span.
+// Positions relative to their mean, along their principal axes (largest spread first), and the rank that they span.
 struct Frame {
   std::vector<glm::dvec3> positions;
   int rank = 0;
@@ -55,7 +55,7 @@ Frame principalFrame(std::vector<glm::dvec3> positions) {
   return frame;
 }
 
-// Indices into `places`.
+// Simplices of indices into `places`.
 std::vector<Simplex> splitPlaces(std::vector<glm::dvec3> places) {
   const Frame frame = principalFrame(std::move(places));
   std::vector<Simplex> simplices;
@@ -74,10 +74,10 @@ std::vector<Simplex> splitPlaces(std::vector<glm::dvec3> places) {
   return simplices;
 }
 
-// A group's places on the lattice of all spots, or on one of its own; without simplices where they span none.
+// A group's positions on the lattice of all sites, or on an own one. No simplices if the positions span none.
 struct LatticeSplit {
   Lattice lattice;
-  std::vector<std::uint32_t> place;  // of each view of the group: index into lattice.levels
+  std::vector<std::uint32_t> place;  // for each view of the group: index into lattice.levels
   std::vector<Simplex> simplices;    // of views
 };
 
@@ -125,9 +125,9 @@ std::vector<Simplex> alongAxes(const LatticeSplit& split, const ViewGroup& group
 }
 
 std::vector<Simplex> similarParts(const Views& views, const std::vector<Simplex>& simplices, std::size_t members) {
-  std::map<Simplex, bool> candidates;  // → similar to the smallest part of one of its simplices
+  std::map<Simplex, bool> candidates;  // → true if similar to the smallest part of one of its simplices
   for (const Simplex& simplex : simplices) {
-    // The faces of a sliver lie across each other.
+    // Skips slivers: their faces overlap.
     if (members == 3 && shape(cornersOf(views, simplex)) < leastShape(simplex.size())) continue;
     const std::vector<Simplex> parts = partsWith(simplex, members);
     double smallest = std::numeric_limits<double>::infinity();

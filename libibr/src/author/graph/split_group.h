@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simplices that the places of a group of photographs are split into.
+// Splits the positions of a group of photographs into simplices.
 //
-// On a lattice, the lattice's (lattice.h). Else their rank is line, plane or space, by the spread of the places, and
-// Delaunay's triangulation of that rank: without it noise would make slivers of a plane.
+// On a lattice, by lattice.h. Otherwise by a Delaunay triangulation of the rank of the positions (line, plane or space
+// by their spread): in full rank, noise would turn a plane into slivers.
 #pragma once
 
 #include <vector>
@@ -14,16 +14,16 @@
 namespace ibr {
 
 struct GroupSplit {
-  std::vector<Simplex> simplices;  // of views, each ascending, all sorted; all of one size, empty for a single place
-  bool overlaps = false;           // they are faces of larger simplices, and may lie across each other
+  std::vector<Simplex> simplices;  // of views, each ascending, all sorted; all of one size, empty for one position
+  bool overlaps = false;           // simplices are faces of larger ones, and may overlap
 };
 
-/// `mostMembers` 2 to 4: where the places span more, faces (or edges) of their simplices come instead: on a lattice
-/// those along its axes; else of each simplex those whose size is like that of its smallest; no place is left without
-/// one.
+/// `mostMembers`: 2 to 4. If the positions span larger simplices, their faces (or edges) are used: on a lattice those
+/// along its axes, otherwise those of each simplex that are about as small as its smallest one. Every position stays in
+/// a simplex.
 GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mostMembers);
 
-/// Least shape (simplex.h) of a cell with as many members.
+/// Min shape (simplex.h) of a cell with this number of members.
 double leastShape(std::size_t members);
 
 }  // namespace ibr

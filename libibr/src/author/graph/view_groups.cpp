@@ -13,19 +13,19 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kAround = 12;    // nearest spots that a view is to stand in a group with
-constexpr double kBridge = 8.0;        // longer than so many median edges of the tree: to something far off
-constexpr std::size_t kLeastPart = 4;  // views of a part that has a rank of its own
-constexpr double kMost = 0.8;          // of a group, that its parts hold
+constexpr std::size_t kAround = 12;    // nearest sites that must be in a group with a view
+constexpr double kBridge = 8.0;        // tree edges longer than this, in median edges, lead to distant parts
+constexpr std::size_t kLeastPart = 4;  // min views of a part with its own rank
+constexpr double kMost = 0.8;          // min share of a group in parts of that size
 
-// The angle to the seed is the same from both sides; the smaller θ decides.
+// Symmetric: the smaller θ decides.
 bool looksAlike(const Views& views, std::uint32_t a, std::uint32_t b) {
   if (!views.sameKind(a, b)) return false;
   return a == b || axisAngle(views, a, b) <= std::min(views[a].theta, views[b].theta);
 }
 
 ViewGroup groupAround(const Views& views, std::uint32_t seed) {
-  std::map<std::uint32_t, std::pair<double, std::uint32_t>> best;  // of each spot: angle, view
+  std::map<std::uint32_t, std::pair<double, std::uint32_t>> best;  // for each site: angle, view
   for (std::uint32_t i = 0; i < views.size(); ++i) {
     if (!looksAlike(views, seed, i)) continue;
     const std::pair choice(i == seed ? -1.0 : axisAngle(views, seed, i), i);
@@ -38,7 +38,7 @@ ViewGroup groupAround(const Views& views, std::uint32_t seed) {
   return group;
 }
 
-// A view's nearest of its group, itself among them.
+// The kAround nearest views of a group, and the view itself.
 ViewGroup around(const Views& views, const ViewGroup& group, std::uint32_t seed) {
   const glm::dvec3 centre = views.spotCentre[views[seed].spot];
   std::vector<std::pair<double, std::uint32_t>> near;

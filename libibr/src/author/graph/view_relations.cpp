@@ -13,7 +13,7 @@
 namespace ibr {
 namespace {
 
-// The angle of one picture width near the axis.
+// Angle of one image width near the axis.
 double widthInRadians(const Intrinsics& k) {
   return k.model == CameraModel::equirectangular ? 2 * std::numbers::pi : k.width / k.fx;
 }
@@ -39,8 +39,8 @@ const ViewRelation& ViewRelations::between(std::uint32_t a, std::uint32_t b) con
                                : known_.emplace(key, find(std::min(a, b), std::max(a, b))).first->second;
 }
 
-// A point's disparity is the angle at the point between its rays, in widths of the picture: for rays near the axes
-// what the point moves by from one picture to the other when both are turned alike.
+// A point's disparity is the angle at the point between its rays, in image widths: for rays near the axes, the point's
+// movement between the two images if both had the same rotation.
 ViewRelation ViewRelations::find(std::uint32_t a, std::uint32_t b) const {
   const Camera &first = model_.images[a].camera, &second = model_.images[b].camera;
   ViewRelation relation;
@@ -67,7 +67,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> ViewRelations::neighbours(s
                                                                                std::uint32_t least) const {
   std::map<std::uint32_t, std::uint32_t> shared;
   for (const std::uint32_t t : tracks_[image]) {
-    std::vector<std::uint32_t> others;  // each once, though it may observe a point twice
+    std::vector<std::uint32_t> others;  // without duplicates: an image may observe a point twice
     for (const TrackObservation& seen : model_.tracks[t].observations)
       if (seen.image != image) others.push_back(seen.image);
     std::sort(others.begin(), others.end());

@@ -18,21 +18,21 @@ struct Points {
   glm::dvec3 origin{0.0};
 };
 
-// A camera about the points' origin: p is seen at turn · p + shift, with the axes of a Pose.
+// A camera relative to the points' origin: p has the coordinates turn · p + shift, with the axes of a Pose.
 struct Placed {
   Intrinsics k;
   glm::dquat turn;
   glm::dvec3 shift;
 };
 
-constexpr int kUnknowns = 7;  // a small turn, a shift by parts of the distance, the focal lengths' logarithm
+constexpr int kUnknowns = 7;  // small rotation, shift relative to the distance, logarithm of the focal length
 using Row = std::array<double, kUnknowns>;
 using Matrix = std::array<Row, kUnknowns>;
 
 struct NormalEquations {
   Matrix matrix{};
   Row side{};
-  double squares = 0;  // infinite where a point is not before the camera
+  double squares = 0;  // infinite if a point is not in front of the camera
 
   void add(const Row& row, double residual) {
     for (std::size_t a = 0; a < kUnknowns; ++a) {
@@ -76,15 +76,15 @@ Placed moved(Placed camera, const Row& by) {
   return camera;
 }
 
-// Levenberg and Marquardt over all unknowns at once: a focal length and a distance that stand in for one another are
-// found too slowly in turn.
+// Levenberg-Marquardt over all unknowns together: alternating between focal length and distance, which compensate each
+// other, converges too slowly.
 Placed fitted(Placed camera, const Points& points) {
   NormalEquations now = normalEquations(camera, points);
   double damping = 1e-4;
   for (int step = 0; step < 60 && damping < 1e8; ++step) {
     Matrix matrix = now.matrix;
     Row by{};
-    // The second term keeps what no point tells where it is.
+    // The second term keeps unknowns that no point constrains.
     for (std::size_t a = 0; a < kUnknowns; ++a)
       matrix[a][a] += damping * matrix[a][a] + 1e-9 * now.matrix[6][6] + 1e-12;
     if (!cv::solve(cv::Mat(kUnknowns, kUnknowns, CV_64F, matrix.data()), cv::Mat(kUnknowns, 1, CV_64F, now.side.data()),

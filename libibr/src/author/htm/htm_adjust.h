@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras that agree better: what all pictures say about one another, put into poses and focal lengths.
+// Adjusts poses and focal lengths to the matches between all images.
 #pragma once
 
 #include <span>
@@ -11,14 +11,14 @@ namespace ibr {
 
 struct AdjustedCamera {
   Camera camera;
-  double beforePx = 0, afterPx = 0;  // RMS distance between where it sees the vertices and where it should
-  bool adjusted = false;             // false: too few vertices, or no better
-  bool known = false;                // enough vertices to tell
+  double beforePx = 0, afterPx = 0;  // RMS distance between projected vertices and the positions wanted
+  bool adjusted = false;             // false: too few vertices, or no improvement
+  bool known = false;                // enough vertices to adjust the camera
 };
 
-/// Cameras that see each vertex `offsets` px (consensusOffsets: n_c × n_v) from where those given do, as well as a pose
-/// and a focal length can (least squares; principal points and the ratio of focal lengths stay). Vertices count for the
-/// cameras of which they are members. The mesh stays where it is, so that the cameras' mean error stays.
+/// Fits a pose and a focal length of each camera (least squares) so that vertices project `offsets` px
+/// (consensusOffsets: n_c × n_v) from where they do. Principal points and the ratio of focal lengths are kept. A vertex
+/// counts for the cameras of its `members`. The mesh is kept, and with it the cameras' mean error.
 std::vector<AdjustedCamera> adjustedCameras(const TriangleMesh& mesh, std::span<const HtmView> views,
                                             std::span<const CameraSet> members, std::span<const glm::vec2> offsets);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 2: matching and refining until textures agree, after Alg. 1 has made the mesh coarse.
+// Implements [H] Alg. 2: after Alg. 1 has coarsened the mesh, matches and refines until textures agree.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -23,7 +23,7 @@
 #include "author/jobs/build_jobs.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr {
 namespace {
@@ -32,14 +32,14 @@ double mean(std::span<const double> values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
-// A mesh with what the cameras see of it.
+// A mesh, projected into all cameras, and the visibility of its faces.
 struct ViewedMesh {
   std::vector<ProjectedMesh> views;
   std::vector<FaceVisibility> faces;
 };
 
 class Harmoniser {
-  // Counts a stage's time and reports it.
+  // Measures a stage's time and reports progress.
   template <class Work>
   auto timed(const char* name, Work&& work) {
     jobs_.step(name, 0, 1);
@@ -129,7 +129,7 @@ class Harmoniser {
     collapse.faceArea = options_.inconsistentSize * meanFaceArea_;
     collapse.floor = options_.inconsistentDifference;
     collapse.mostCollapses = most;
-    collapse.batch = std::max<std::size_t>(1, most / 16);  // what hides what is looked at anew before each
+    collapse.batch = std::max<std::size_t>(1, most / 16);  // visibility is computed again before each batch
     collapse.progress = progress_;
     CollapsedMesh collapsed = timed("reduction by texture", [&] {
       return collapseDifferences(
@@ -156,10 +156,10 @@ class Harmoniser {
       near_ = true;
       const std::vector<double> without = differences(mesh, now, {}), with = differences(mesh, now, complements_);
       EvaluatedFaces evaluated;
-      if (round < options_.rounds && mesh.triangles.size() < options_.mostFaces)
+      if (round < options_.rounds && mesh.triangles.size() < options_.maxFaces)
         evaluated = evaluateFaces(
             mesh, now.views, now.faces, with,
-            {options_.meanDifference, options_.faceDifference, options_.selfOccluded, options_.leastFacePx});
+            {options_.meanDifference, options_.faceDifference, options_.selfOccluded, options_.minFacePx});
       result_.report.rounds.push_back({mesh.positions.size(), mesh.triangles.size(), mean(without), mean(with),
                                        measured(), evaluated.divided, evaluated.hidden});
       if (evaluated.divided == 0) {
@@ -175,7 +175,7 @@ class Harmoniser {
     }
   }
 
-  // Cameras, then the shape, move to where matches say; then all is matched anew.
+  // Adjusts the cameras and then the shape to the matches, adjustRounds times, each time with new matches.
   void settle(TriangleMesh& mesh) {
     for (int round = 0; round < options_.adjustRounds; ++round) {
       const ViewedMesh now = timed("visibility", [&] { return looked(mesh); });
@@ -185,21 +185,21 @@ class Harmoniser {
       timed("settling", [&] {
         const std::size_t known = adjustCameras(mesh, line);
         near_ = known == views_.size();
-        // Else the shape would make up for what is the cameras' fault.
+        // Without adjusted cameras the shape would absorb the cameras' errors.
         if (options_.reshape && known > 0) reshape(mesh, line);
         return 0;
       });
     }
   }
 
-  // How many cameras have enough vertices for it.
+  // Returns the number of cameras with enough vertices to be adjusted.
   std::size_t adjustCameras(const TriangleMesh& mesh, HtmReport::Adjustment& line) {
     const std::vector<AdjustedCamera> adjusted = adjustedCameras(
         mesh, views_, members_,
         consensusOffsets(mesh, views_, members_, matches_,
                          {.smoothness = options_.adjustSmoothness, .outlierPx = options_.outlierPx}, progress_));
     const std::size_t n = mesh.positions.size();
-    std::vector<glm::vec2> shifts(views_.size() * n, glm::vec2(0.0f));  // of vertices, by the cameras' moves
+    std::vector<glm::vec2> shifts(views_.size() * n, glm::vec2(0.0f));  // of projected vertices, by the cameras' moves
     for (std::size_t i = 0; i < views_.size(); ++i) {
       line.beforePx += adjusted[i].beforePx / double(views_.size());
       line.afterPx += adjusted[i].afterPx / double(views_.size());
@@ -209,7 +209,7 @@ class Harmoniser {
           shifts[i * n + v] = glm::vec2(to->pixel - from->pixel);
       views_[i].camera = adjusted[i].camera;
     }
-    // What the cameras now explain is no longer the shape's.
+    // Subtract the displacements that the adjusted cameras explain: the rest is left to the shape.
     const std::vector<glm::vec2> explained = consistentComplements(mesh, views_, members_, shifts);
     for (std::size_t k = 0; k < matches_.size(); ++k) matches_[k].displacement -= explained[k];
     return std::size_t(std::ranges::count(adjusted, true, &AdjustedCamera::known));
@@ -228,7 +228,7 @@ class Harmoniser {
     VertexMatchOptions how;
     how.measure = options_.measure;
     how.radius = near_ ? options_.laterRadius : options_.radius;
-    how.leastTexture = options_.leastTexture;
+    how.minTexture = options_.minTexture;
     how.threads = options_.threads;
     const MakeTemplateSearch search = options_.search ? options_.search : processorTemplateSearch;
     matches_ = timed("matching", [&] {
@@ -281,11 +281,11 @@ class Harmoniser {
   const ProgressCallback& progress_;
   BuildJobs jobs_;
   std::vector<HtmView> views_;
-  double meanFaceArea_ = 0;  // of the mesh that is reduced by shape
-  bool near_ = false;        // matches lie near where they are looked for
+  double meanFaceArea_ = 0;  // of the mesh after reduction by shape
+  bool near_ = false;        // matches are expected near the start of the search: laterRadius is enough
   std::vector<CameraSet> members_;
   std::vector<VertexMatch> matches_;
-  std::vector<glm::vec2> complements_;  // also the start of the next round's
+  std::vector<glm::vec2> complements_;  // also the start of the next round's search
   HtmResult result_;
 };
 

@@ -20,9 +20,9 @@ void checkHtmOptions(const HtmOptions& o) {
   inRange("adjustRounds", o.adjustRounds, 0, 16);
   inRange("adjustSmoothness", o.adjustSmoothness, 0, 1e6);
   inRange("shapeSmoothness", o.shapeSmoothness, 0, 1e6);
-  inRange("radius", o.radius, 1, 2 * kLargestTemplateRadius);
-  inRange("laterRadius", o.laterRadius, 1, 2 * kLargestTemplateRadius);
-  inRange("leastTexture", o.leastTexture, 0, 255);
+  inRange("radius", o.radius, 1, 2 * kMaxTemplateRadius);
+  inRange("laterRadius", o.laterRadius, 1, 2 * kMaxTemplateRadius);
+  inRange("minTexture", o.minTexture, 0, 255);
   inRange("smoothness", o.smoothness, 0, 1e6);
   inRange("complementPx", o.complementPx, 0, 1e6);
   inRange("outlierPx", o.outlierPx, 1e-3, 1e6);
@@ -31,7 +31,7 @@ void checkHtmOptions(const HtmOptions& o) {
   inRange("rounds", o.rounds, 1, 16);
   inRange("meanDifference", o.meanDifference, 0, 255);
   inRange("faceDifference", o.faceDifference, 0, 255);
-  inRange("leastFacePx", o.leastFacePx, 0, 1e12);
+  inRange("minFacePx", o.minFacePx, 0, 1e12);
   inRange("rejectDifference", o.rejectDifference, 0, 255);
   inRange("rejectCorrelation", o.rejectCorrelation, -1, 1);
   inRange("softPx", o.softPx, 1e-3, 1e3);
@@ -49,8 +49,8 @@ void checkHtmMesh(const TriangleMesh& mesh) {
 }
 
 void checkHtmPhotographs(std::span<const HtmPhotograph> photographs) {
-  check(!photographs.empty() && photographs.size() <= kLargestHtmCameraCount, ErrorCode::invalidInput,
-        "harmonise: {} cameras, not 1 to {}", photographs.size(), kLargestHtmCameraCount);
+  check(!photographs.empty() && photographs.size() <= kMaxHtmCameraCount, ErrorCode::invalidInput,
+        "harmonise: {} cameras, not 1 to {}", photographs.size(), kMaxHtmCameraCount);
   HtmModel model;
   for (const HtmPhotograph& p : photographs) {
     check(p.camera.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "{}: is no pinhole",

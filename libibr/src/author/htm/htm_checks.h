@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What harmonise() refuses before it begins: each throws Error{invalidInput} that names what is wrong.
+// Checks harmonise()'s arguments. Each function throws Error{invalidInput} that names what is wrong.
 #pragma once
 
 #include <span>
 
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr {
 

@@ -46,7 +46,7 @@ class Collapsing {
   }
 
  private:
-  // Largest difference first, then smallest index.
+  // Sorts by largest difference, then by smallest index.
   using Entry = std::pair<double, std::uint32_t>;
 
   bool eligible(std::uint32_t f) const {
@@ -72,7 +72,7 @@ class Collapsing {
     deferred_.clear();
   }
 
-  // Up to a batch of collapses; false when there is nothing more to do.
+  // Collapses up to a batch of faces; returns false when there is nothing more to do.
   bool round() {
     std::size_t done = 0;
     while (!waiting_.empty() && done < options_.batch) {
@@ -82,7 +82,7 @@ class Collapsing {
       }
       const std::uint32_t face = waiting_.begin()->second;
       waiting_.erase(waiting_.begin());
-      if (!collapse(face)) continue;  // until something beside it changes
+      if (!collapse(face)) continue;  // until a face beside this one changes
       ++done;
       ++report_.collapses;
       if (options_.progress && !options_.progress({"collapsing faces that disagree", report_.collapses, 0}))
@@ -91,7 +91,7 @@ class Collapsing {
     return done > 0;
   }
 
-  // The edges of a face, shortest first.
+  // Returns the edges of a face, shortest first.
   std::array<std::pair<std::uint32_t, std::uint32_t>, 3> edgesOf(std::uint32_t face) const {
     const glm::uvec3& t = mesh_.mesh().triangles[face];
     std::array<std::pair<std::uint32_t, std::uint32_t>, 3> edges;
@@ -116,7 +116,7 @@ class Collapsing {
       const glm::dvec3 to = mesh_.placement(a, b, planes);
       if (!mesh_.keepsNormals(a, b, to, leastCosine_)) continue;
       mesh_.collapse(a, b, to);
-      // What touches the changed faces is free to be tried again, once all of it is known.
+      // Faces around the changed ones may be tried again, except those whose difference is not computed yet.
       for (const std::uint32_t f : mesh_.facesAt(a)) changed_.insert(f);
       for (const std::uint32_t other : mesh_.neighbours(a))
         for (const std::uint32_t f : mesh_.facesAt(other)) wait(f);
@@ -151,9 +151,9 @@ class Collapsing {
   const HtmCollapseOptions& options_;
   CollapseMesh mesh_;
   std::vector<double> known_;
-  std::set<std::uint32_t> changed_;  // whose differences must be computed anew
+  std::set<std::uint32_t> changed_;  // faces whose differences must be computed again
   std::set<Entry> waiting_;
-  std::vector<std::uint32_t> deferred_;  // that touch what this batch has changed
+  std::vector<std::uint32_t> deferred_;  // faces that touch those changed in this batch
   double leastCosine_;
   HtmCollapseReport report_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 1, second step: faces whose textures disagree are made larger, so that they hold more for matching to go by.
+// Second step of [H] Alg. 1: enlarges faces whose textures disagree, so that they give matching more texture.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,21 @@
 
 namespace ibr {
 
-/// D_f ([H] Alg. 4) of each of `faces`, indices into the mesh's triangles, in their order. NaN or infinite: unknown. Of
-/// the mesh's triangles those with three equal corners are no longer there; vertices and faces keep their indices from
-/// call to call.
+/// Returns D_f ([H] Alg. 4) of each of `faces` (indices into the mesh's triangles), in their order. NaN or
+/// infinite: unknown. Triangles with three equal corners are removed faces. Vertices and faces keep their
+/// indices from call to call.
 using FaceDifferences =
     std::function<std::vector<double>(const TriangleMesh& mesh, std::span<const std::uint32_t> faces)>;
 
 struct HtmCollapseOptions {
-  /// Only faces with a smaller area, in the mesh's unit squared, are collapsed.
+  /// Only faces with a smaller area are collapsed; unit: the mesh's unit squared.
   double faceArea = 0;
-  /// It ends when no such face has a larger difference than this.
+  /// The collapse ends when no such face has a larger difference.
   double floor = 0;
   std::size_t mostCollapses = std::numeric_limits<std::size_t>::max();
-  /// Collapses between two calls of `differences`, at places that do not touch; 1 is the paper's.
+  /// Collapses between two calls of `differences`, at faces that do not touch; the paper's value is 1.
   std::size_t batch = 1;
-  /// A face's normal turns by no more than this in one collapse.
+  /// Maximum angle by which one collapse turns a face's normal.
   double largestTurnDegrees = 60;
   ProgressCallback progress;
 };
@@ -37,10 +37,10 @@ enum class HtmCollapseEnd { noFace, cap };
 
 struct HtmCollapseReport {
   std::size_t facesBefore = 0, facesAfter = 0, collapses = 0;
-  std::size_t refused = 0;    // small faces above the floor that are left, since no edge of theirs may be collapsed
-  std::size_t unknown = 0;    // faces left whose difference is not known
-  std::size_t evaluated = 0;  // faces handed to `differences`, over all calls
-  double meanBefore = 0, meanAfter = 0, largestBefore = 0, largestAfter = 0;  // of the differences that are known
+  std::size_t refused = 0;    // small faces above the floor none of whose edges may be collapsed
+  std::size_t unknown = 0;    // remaining faces of unknown difference
+  std::size_t evaluated = 0;  // faces passed to `differences`, over all calls
+  double meanBefore = 0, meanAfter = 0, largestBefore = 0, largestAfter = 0;  // of the known differences
   HtmCollapseEnd end = HtmCollapseEnd::noFace;
 };
 
@@ -50,11 +50,11 @@ struct CollapsedMesh {
   HtmCollapseReport report;
 };
 
-/// Again and again the face with the largest difference among the small ones loses its shortest edge that may go: the
-/// topology stays and no normal turns too far. The merged vertex lies where it deviates least from the faces around.
-/// Ends for any mesh (it is repaired first) and any differences: each collapse takes a face away, and a face that can
-/// lose no edge is not tried again before something beside it has changed. Throws Error{invalidInput} where an option
-/// is out of range or `differences` returns another number of values, Error{cancelled}.
+/// Repeatedly collapses the shortest allowed edge of the small face with the largest difference. A collapse is allowed
+/// if it keeps the topology and turns no normal too far. The merged vertex lies where it deviates least from the faces
+/// around. The mesh is repaired first. The loop always ends: each collapse removes a face, and a face without an
+/// allowed edge is tried again only after a face beside it has changed. Throws Error{invalidInput} if an option is out
+/// of range or `differences` returns another number of values, Error{cancelled}.
 CollapsedMesh collapseDifferences(const TriangleMesh& mesh, const FaceDifferences& differences,
                                   const HtmCollapseOptions& options);
 

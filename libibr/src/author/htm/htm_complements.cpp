@@ -11,8 +11,8 @@
 namespace ibr {
 namespace {
 
-// One pair's complements minimise Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges + Σ |c|² /
-// complementPx², by Gauss-Seidel; w falls as the match m leaves what is around it.
+// Minimises Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges + Σ |c|² / complementPx² for one pair by
+// Gauss-Seidel. The weight w falls as the match m departs from the complements around it.
 class PairField {
  public:
   PairField(const Lists& neighbours, std::span<const CameraSet> members, CameraSet pair,
@@ -27,7 +27,7 @@ class PairField {
     for (int sweep = 0; sweep < kSweeps; ++sweep)
       for (std::size_t k = 0; k < members_.size(); ++k) {
         const std::size_t v = sweep % 2 == 0 ? k : members_.size() - 1 - k;
-        // At first every match counts, so that the field is near them before any is doubted.
+        // The first quarter of the sweeps counts all matches: outliers are judged against a settled field.
         if (inPair(v)) complements[v] = balanced(v, complements, sweep >= kSweeps / 4);
       }
   }

@@ -21,7 +21,7 @@ glm::dvec3 anyAcross(const glm::dvec3& n) {
   return glm::normalize(glm::cross(n, axis));
 }
 
-// px of each picture per world unit along two directions of the tangent plane, and back; one n_c × n_v.
+// px of each image per world unit along two directions of the tangent plane, and the inverses; n_c × n_v each.
 class TangentMaps {
  public:
   TangentMaps(const TriangleMesh& mesh, std::span<const HtmView> views) : vertices_(mesh.positions.size()) {
@@ -35,7 +35,7 @@ class TangentMaps {
     }
   }
 
-  /// J_ij; only where both are usable.
+  /// J_ij. Precondition: both cameras' maps are usable.
   glm::dmat2 between(std::size_t i, std::size_t j, std::size_t v) const {
     return maps_[i * vertices_ + v] * inverses_[j * vertices_ + v];
   }
@@ -43,7 +43,7 @@ class TangentMaps {
 
  private:
   static glm::dmat2 mapOf(const PinholeView& view, const glm::dvec3& position, const glm::dvec3& normal) {
-    constexpr double kLeastCosine = 0.15;  // flatter, and the map is no guide
+    constexpr double kLeastCosine = 0.15;  // of the viewing angle; below it the map is unreliable
     const glm::dvec3 towards = view.centre() - position;
     const double distance = glm::length(towards), length = glm::length(normal);
     if (!(length > 0) || !(glm::dot(normal, towards) > kLeastCosine * length * distance)) return glm::dmat2(0.0);
@@ -59,7 +59,7 @@ class TangentMaps {
   std::vector<glm::dmat2> maps_, inverses_;
 };
 
-// Sums of wᵀ W w: a symmetric matrix and a right-hand side.
+// Normal equations, sums of wᵀ W w: a symmetric matrix and a right-hand side.
 struct Normal2 {
   glm::dmat2 matrix{0.0};
   glm::dvec2 side{0.0};
@@ -73,15 +73,15 @@ glm::dmat2 matrixOf(const glm::vec3& information) {
   return {{information.x, information.y}, {information.y, information.z}};
 }
 
-// One match: b_i = displacement + map b_j.
+// A match as a constraint: b_i = displacement + map b_j.
 struct Claim {
   glm::dmat2 map;  // J_ij
   glm::vec2 displacement;
   glm::vec3 information;
-  double strength;  // strengthOf it
+  double strength;  // strengthOf(information)
 };
 
-// Another camera at an offset's vertex: the claims that it makes on the offset, and that the offset makes on its own.
+// Another camera of the vertex: indices of its claim on the offset, and of the offset's claim on that camera's own.
 struct Partner {
   static constexpr std::uint32_t kNone = ~std::uint32_t(0);
   std::uint32_t camera, into = kNone, from = kNone;
@@ -162,7 +162,7 @@ class Consensus {
         sum.add(weightOf(into, now - wanted), wanted);
       }
       if (partner.from != Partner::kNone) {
-        // b_j = c + J b_i: b_i = J⁻¹ (b_j − c), weighed by Jᵀ W J.
+        // From b_j = c + J b_i follows b_i = J⁻¹ (b_j − c), with weight Jᵀ W J.
         const Claim& from = claims_[partner.from];
         const glm::dvec2 target = other - glm::dvec2(from.displacement);
         const glm::dmat2 weight = weightOf(from, target - from.map * now);
@@ -174,9 +174,9 @@ class Consensus {
   }
 
   std::vector<Claim> claims_;
-  std::vector<Partner> partners_;             // lists, one for each camera of each vertex; …
-  std::vector<std::size_t> firstPartner_{0};  // … where they begin, and one more
-  std::vector<std::uint32_t> claimAt_;        // of a vertex: n_c × n_c
+  std::vector<Partner> partners_;             // lists, one for each camera of each vertex
+  std::vector<std::size_t> firstPartner_{0};  // offsets of the lists, and one more
+  std::vector<std::uint32_t> claimAt_;        // of each vertex: n_c × n_c indices
   Lists neighbours_;
   std::span<const CameraSet> members_;
   const ConsensusOptions& options_;

@@ -46,7 +46,7 @@ class FaceComparison {
     std::vector<std::size_t> cameras;
     std::vector<double> facing, size;
     double longest = 0;
-    constexpr double kMostSize = 1e100;  // px²: next to a corner it is infinite, which has no share
+    constexpr double kMostSize = 1e100;  // px²: near a corner behind the camera the area overflows, and gets no share
     const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     const glm::dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
     if (!(glm::length(normal) > 0)) return 0;
@@ -82,7 +82,7 @@ class FaceComparison {
   }
 
  private:
-  // Eq. 1 between picture k and picture `best` warped onto it (Alg. 5); NaN where they share no pixel (n_p = 0).
+  // Eq. 1 between image k and image `best` warped onto k (Alg. 5); NaN if they share no pixel (n_p = 0).
   double meanDifference(std::uint32_t face, const std::array<glm::dvec3, 3>& corner, std::size_t k, std::size_t best,
                         double longestPx) const {
     const int n = int(std::ceil(std::clamp(longestPx / 2, 2.0, 16.0)));

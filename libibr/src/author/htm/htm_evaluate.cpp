@@ -7,7 +7,7 @@
 namespace ibr {
 namespace {
 
-// px² in the view; 0 where a corner is not before it.
+// Projected area, px²; 0 if a corner is not in front of the camera.
 double areaIn(const PinholeView& view, const TriangleMesh& mesh, const glm::uvec3& face) {
   const auto a = view.seen(mesh.positions[face.x]), b = view.seen(mesh.positions[face.y]),
              c = view.seen(mesh.positions[face.z]);
@@ -31,7 +31,7 @@ EvaluatedFaces evaluateFaces(const TriangleMesh& mesh, std::span<const Projected
     if (!different && !hidden) continue;
     bool large = false;
     for (std::size_t i = 0; i < views.size() && !large; ++i)
-      large = (visibility[f].seen >> i & 1) && areaIn(views[i].view, mesh, mesh.triangles[f]) >= options.leastFacePx;
+      large = (visibility[f].seen >> i & 1) && areaIn(views[i].view, mesh, mesh.triangles[f]) >= options.minFacePx;
     if (!large) continue;
     result.divide[f] = 1;
     ++result.divided;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From files to harmonise(), and its result into a folder.
+// Reads the input of harmonise() from files, and writes its result into a folder.
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -10,8 +10,8 @@
 #include "author/surface/triangle_mesh_file.h"
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author.h"
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 #include "scene/htm_model_file.h"
 
@@ -35,7 +35,7 @@ Size sizeOf(const fs::path& file, bool upright) {
   return upright && info.orientation >= 5 ? Size{info.height, info.width} : Size{info.width, info.height};
 }
 
-// Goes the photograph's way: turned, undistorted and resized as it is.
+// Applies the photograph's orientation, undistortion and resizing to the mask.
 Image8 loadObjectMask(Photograph photograph, const fs::path& file) {
   const Size wanted = sizeOf(photograph.source, photograph.applyOrientation),
              size = sizeOf(file, photograph.applyOrientation);
@@ -57,8 +57,8 @@ PosedModel chosenModel(const HtmBuildOptions& options, const LogCallback& log) {
   });
   check(unknown.empty(), ErrorCode::invalidInput, "{}: there is no image {} to leave out", options.model.string(),
         unknown.empty() ? std::string() : *unknown.begin());
-  check(!model.images.empty() && model.images.size() <= kLargestHtmCameraCount, ErrorCode::invalidInput,
-        "{}: {} images, not 1 to {}", options.model.string(), model.images.size(), kLargestHtmCameraCount);
+  check(!model.images.empty() && model.images.size() <= kMaxHtmCameraCount, ErrorCode::invalidInput,
+        "{}: {} images, not 1 to {}", options.model.string(), model.images.size(), kMaxHtmCameraCount);
   return model;
 }
 
@@ -85,7 +85,7 @@ fs::path visibilityFile(const std::string& name) {
   return fs::path("visibility") / (name + ".png");
 }
 
-// Throws Error{invalidInput} where the model would be written over what it is made from.
+// Throws Error{invalidInput} if the model would overwrite its own input.
 void checkInputStays(const Input& input, const HtmBuildOptions& options) {
   const auto demandOther = [&](const fs::path& from, const fs::path& to) {
     std::error_code ignored;

@@ -14,7 +14,7 @@ namespace ibr {
 namespace {
 
 constexpr std::uint32_t kLeastSamples = 24;  // of a template at full size
-constexpr double kLeastShare = 0.4;          // of a segment that the other camera must see
+constexpr double kLeastShare = 0.4;          // of a segment: the other camera must see at least this share
 
 // One scale of the search.
 struct Level {
@@ -27,7 +27,7 @@ struct Level {
 
   std::span<const ProjectedMesh> views;
   TemplateSearch search;
-  double scale;  // px of it in one of the full size
+  double scale;  // px of this level per px of the full size
 };
 
 struct Templates {
@@ -42,9 +42,9 @@ class CameraMatcher {
                 const VertexMatchOptions& options, std::size_t cameras)
       : mesh_(mesh), faces_(faces), members_(members), options_(options), cameras_(cameras) {}
 
-  // Displacements of camera i's vertices, px at full size, where they are searched; those of no task stay.
+  // Searches the vertices of camera i; displacements in px at full size. Displacements without a task are kept.
   void searchAt(const Level& level, std::size_t i, double radius, std::vector<glm::dvec2>& displacement) const {
-    const int window = std::clamp(int(std::ceil(radius * level.scale)), 1, kLargestTemplateRadius);
+    const int window = std::clamp(int(std::ceil(radius * level.scale)), 1, kMaxTemplateRadius);
     forPortionsAt(level, i, displacement, [&](const Templates& portion) {
       const auto matches = level.search(portion.tasks, portion.samples, window, options_.measure);
       for (std::size_t t = 0; t < matches.size(); ++t)
@@ -60,13 +60,13 @@ class CameraMatcher {
         const TemplateTask& task = portion.tasks[t];
         VertexMatch& match = result[portion.index[t]];
         match = refinedMatch(*level.views[i].picture, std::span(portion.samples).subspan(task.first, task.count),
-                             matches[t].displacement, options_.leastTexture);
+                             matches[t].displacement, options_.minTexture);
         match.cost = matches[t].cost;
       }
     });
   }
 
-  // Bytes that a camera takes, at most: a portion, its segments, its displacements and another camera's colours.
+  // Maximum bytes that a camera takes: a portion, its segments, its displacements and another camera's colours.
   double bytesAt(std::size_t i, const Level& level) const {
     constexpr double kATask = sizeof(TemplateTask) + sizeof(std::size_t) + sizeof(TemplateMatch);
     const double vertices = double(mesh_.positions.size()), across = 2 * options_.segment.mostRadius + 1;
@@ -78,8 +78,8 @@ class CameraMatcher {
  private:
   std::size_t local(std::size_t index, std::size_t i) const { return index - i * cameras_ * mesh_.positions.size(); }
 
-  // visit(templates) for those of camera i, a portion after the other. `start` at a portion's own templates is not read
-  // again, so that visit may change it.
+  // Calls visit(templates) for camera i, portion by portion. Entries of `start` that belong to a portion are not read
+  // again afterwards, so visit may change them.
   template <class Visit>
   void forPortionsAt(const Level& level, std::size_t i, const std::vector<glm::dvec2>& start, Visit&& visit) const {
     const SegmentOptions scaled{options_.segment.leastRadius * (level.scale < 1 ? 0.75 : 1),
@@ -87,7 +87,7 @@ class CameraMatcher {
     const auto least = std::uint32_t(kLeastSamples * (level.scale < 1 ? 0.5 : 1));
     const auto segments = segmentsOf(mesh_, faces_, level.views[i], scaled, members_, i);
     Templates templates;
-    templates.samples.reserve(options_.portion);  // what is not used is no memory
+    templates.samples.reserve(options_.portion);  // reserved memory that is not written is not committed
     for (std::size_t j = 0; j < cameras_; ++j) {
       if (j == i) continue;
       Recoloured recoloured(level.views[i], level.views[j]);

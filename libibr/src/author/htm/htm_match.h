@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 3: where in picture i lies what picture j shows at a vertex, for all pairs of cameras that see it.
+// Matches vertices between all pairs of cameras that see them ([H] Alg. 3): where image i shows what image j shows.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@
 
 namespace ibr {
 
-/// Samples of templates that a thread holds at once: 64 MiB of them.
+/// Maximum number of template samples that a thread holds: 64 MiB.
 inline constexpr std::size_t kTemplatePortion = (std::size_t(64) << 20) / sizeof(TemplateSample);
 
 struct VertexMatchOptions {
   TemplateMeasure measure = TemplateMeasure::absoluteDifferences;
-  double radius = 16;       // px that are searched around the start in each coordinate
-  double leastTexture = 2;  // levels per px: a direction in which a segment's colours change less says nothing
+  double radius = 16;     // px around the start that are searched in each coordinate
+  double minTexture = 2;  // 8-bit levels per px: directions in which a segment's colours change less are not measured
   SegmentOptions segment;
   int threads = 0;
-  std::size_t portion = kTemplatePortion;  // samples that are searched in one call, or one template; no result depends
-                                           // on it
+  std::size_t portion = kTemplatePortion;  // samples searched in one call, at least one template; results do not depend
+                                           // on the value
 };
 
 /// One at each complementIndex. `projected`: projectedMeshes of the mesh and the views at full size. `members`: the

@@ -15,7 +15,7 @@ namespace {
 struct Candidate {
   double cost;
   std::uint32_t a, b;
-  std::uint32_t versionA, versionB;  // of the vertices when it was made; it is void once one has changed
+  std::uint32_t versionA, versionB;  // of the vertices when the candidate was made; a changed vertex makes it void
   glm::dvec3 to;
 
   bool operator>(const Candidate& other) const { return std::tie(cost, a, b) > std::tie(other.cost, other.a, other.b); }
@@ -34,8 +34,8 @@ class Reduction {
     for (std::uint32_t f = 0; f < firstCount_; ++f) area_ += mesh_.area(f);
   }
 
-  // A collapse that is refused now may become possible when the surroundings have changed: hence rounds, until one
-  // brings nothing.
+  // Runs rounds until one collapses nothing: a refused collapse may become possible when the faces
+  // around have changed.
   void run() {
     for (std::size_t before = collapses + 1; !reached() && before != collapses;) {
       before = collapses;
@@ -127,14 +127,14 @@ ReducedMesh reduceMesh(const TriangleMesh& mesh, const HtmReduceOptions& options
   RepairedMesh repaired = repairMesh(mesh);
   check(!repaired.mesh.triangles.empty(), ErrorCode::invalidInput, "reduceMesh: the mesh has no usable face");
   const std::vector<glm::dvec3> positions = repaired.mesh.positions;
-  // Far from the origin squares lose digits.
+  // Centre the mesh: squares of coordinates far from the origin lose digits.
   const glm::dvec3 origin = repaired.mesh.positions[0];
   for (glm::dvec3& p : repaired.mesh.positions) p -= origin;
   Reduction reduction(repaired.mesh, options);
   reduction.run();
   ReducedMesh result{reduction.result(), {}};
   for (glm::dvec3& p : result.mesh.positions) p += origin;
-  if (reduction.collapses == 0) result.mesh.positions = positions;  // to the last bit
+  if (reduction.collapses == 0) result.mesh.positions = positions;  // an unchanged mesh keeps its exact positions
   result.report.repair = repaired.report;
   result.report.facesBefore = repaired.mesh.triangles.size();
   result.report.facesAfter = result.mesh.triangles.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 1, first step: edges are collapsed with respect to shape until faces are large on average. The order and the
-// new positions are those of Garland and Heckbert, Surface simplification using quadric error metrics (1997).
+// First step of [H] Alg. 1: collapses edges by shape until the mean face is large. Order and new positions are those of
+// Garland and Heckbert, Surface simplification using quadric error metrics (1997).
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 namespace ibr {
 
 struct HtmReduceOptions {
-  /// It goes on until the mean area of a face is at least this, in the mesh's unit squared; 0: not asked for.
+  /// Minimum mean area of a face after the reduction, in the mesh's unit squared; 0: no limit.
   double meanFaceArea = 0;
-  /// Or until there are at most so many faces; 0: not asked for. With both, until both hold.
+  /// Maximum number of faces after the reduction; 0: no limit. With both limits, both must hold.
   std::size_t faceCount = 0;
-  /// A face's normal turns by no more than this in one collapse.
+  /// Maximum angle by which one collapse turns a face's normal.
   double largestTurnDegrees = 60;
-  /// Points on each surface that distances are taken at; 0: not measured.
+  /// Sample points per surface for distances; 0: distances are not measured.
   std::size_t distanceSamples = 20000;
   ProgressCallback progress;
 };
@@ -29,7 +29,7 @@ struct HtmReduceReport {
   std::size_t facesBefore = 0, facesAfter = 0;  // of the repaired mesh, and of the result
   std::size_t collapses = 0;
   double meanFaceArea = 0;                // of the result
-  bool reached = false;                   // what was asked for
+  bool reached = false;                   // the requested limits hold
   SurfaceDistance toReduced, toOriginal;  // from the repaired mesh to the result, and back
 };
 
@@ -38,8 +38,8 @@ struct ReducedMesh {
   HtmReduceReport report;
 };
 
-/// The mesh is repaired first; the result is as repairMesh's: manifold, of the same topology. Borders stay borders.
-/// Deterministic. Throws Error{invalidInput} where the mesh has no usable face or an option is out of range,
+/// The mesh is repaired first; the result is manifold and of the same topology, as repairMesh's. Borders stay borders.
+/// Deterministic. Throws Error{invalidInput} if the mesh has no usable face or an option is out of range,
 /// Error{cancelled}.
 ReducedMesh reduceMesh(const TriangleMesh& mesh, const HtmReduceOptions& options);
 

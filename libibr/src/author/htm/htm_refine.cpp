@@ -13,15 +13,15 @@
 namespace ibr {
 namespace {
 
-// A linearised difference between template and picture at one displacement.
+// Linearised difference between template and image at one displacement.
 struct Normal {
   glm::dvec3 structure{0.0};  // Σ ∇I ∇Iᵀ: xx, xy, yy
   glm::dvec2 side{0.0};       // Σ ∇I r
   double squares = 0;         // Σ r²
 };
 
-// A template, and the picture around it displaced by parts of a pixel. These parts are the same for all samples, so the
-// displaced picture is made once, by rows, and its gradients are differences of neighbours.
+// A template and the image around it, displaced by a fraction of a pixel. The fraction is the same for all samples: the
+// displaced image is made once, by rows, and gradients are differences of neighbours.
 class Patch {
   static constexpr std::size_t kLanes = 12;  // red, green, blue of four neighbours of a row
   using Lanes = std::array<float, kLanes>;
@@ -95,11 +95,11 @@ class Patch {
 
  private:
   struct Block {
-    std::size_t at;  // of its first value in shown_
+    std::size_t at;  // index of the block's first value in shown_
     Lanes wanted, counts;
   };
 
-  // Bilinear; beyond the border the picture goes on as it ends there.
+  // Samples bilinearly; beyond the border the border pixels are repeated.
   void show(glm::dvec2 displacement) {
     const glm::dvec2 whole = glm::floor(displacement), part = displacement - whole;
     const glm::ivec2 corner = corner_ + glm::ivec2(whole);
@@ -115,7 +115,7 @@ class Patch {
     }
   }
 
-  // One pixel more than shown_ is wide, from column x on.
+  // Returns a row from column x on, one pixel longer than shown_ is wide.
   const std::uint8_t* row(int x, int y, std::vector<std::uint8_t>& room) const {
     const int at = std::clamp(y, 0, picture_.height - 1), pixels = size_.x + 1;
     if (x >= 0 && x + pixels <= picture_.width) return &picture_.pixel(x, at)[0];
@@ -129,14 +129,14 @@ class Patch {
 
   const Image8& picture_;
   std::size_t count_;
-  glm::ivec2 corner_, size_;  // of what is shown, undisplaced: a pixel more than the samples on each side
+  glm::ivec2 corner_, size_;  // of the undisplaced area, which exceeds the samples by a pixel on each side
   std::size_t stride_;
   std::vector<float> shown_;
   std::vector<Block> blocks_;
   std::array<std::vector<std::uint8_t>, 2> rooms_;
 };
 
-// Eigenvalues, the larger first, and the unit eigenvector of the larger.
+// Eigenvalues, and the unit eigenvector of the larger one.
 struct Eigen {
   double large, small;
   glm::dvec2 direction;
@@ -150,14 +150,14 @@ Eigen eigenOf(const glm::dvec3& m) {
 }  // namespace
 
 VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> samples, glm::dvec2 start,
-                         double leastTexture) {
+                         double minTexture) {
   constexpr int kSteps = 6;
   constexpr double kFarthest = 1.0;      // px from the start
-  constexpr double kLeastNoise = 2;      // levels, one standard deviation
-  constexpr double kMostPrecise = 0.15;  // px
+  constexpr double kLeastNoise = 2;      // 8-bit levels, one standard deviation
+  constexpr double kMostPrecise = 0.15;  // px, one standard deviation
   if (samples.empty()) return {};
   const double n = double(samples.size());
-  const double gate = std::max(leastTexture * leastTexture, 1e-6) * n;  // never 0: what is flat is not divided by
+  const double gate = std::max(minTexture * minTexture, 1e-6) * n;  // never 0: flat templates must not divide by 0
   Patch patch(picture, samples);
   glm::dvec2 at = start;
   Normal normal = patch.normalAt(at);
@@ -182,7 +182,7 @@ VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> 
   const double along = std::min(eigen.large / noise, most);
   const double across = eigen.small >= gate ? std::min(eigen.small / noise, most) : 0.0;
   const glm::dvec2 d = eigen.direction, e(-d.y, d.x);
-  if (across == 0) at = d * glm::dot(d, at);  // what is not measured is not displaced
+  if (across == 0) at = d * glm::dot(d, at);  // unmeasured directions are not displaced
   const glm::dvec3 information =
       along * glm::dvec3(d.x * d.x, d.x * d.y, d.y * d.y) + across * glm::dvec3(e.x * e.x, e.x * e.y, e.y * e.y);
   return {glm::vec2(at), glm::vec3(information), 0};

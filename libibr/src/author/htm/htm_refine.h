@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows the search of [H] Alg. 3: matches between pixels, and how well they are known.
+// Sub-pixel refinement of the matches of [H] Alg. 3, with their precision.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -11,17 +11,17 @@
 
 namespace ibr {
 
-/// What a pair of pictures says about a vertex.
+/// Match of a vertex between two images.
 struct VertexMatch {
-  glm::vec2 displacement{0.0f};  // px of picture i: the complement; 0 in directions without texture
-  glm::vec3 information{0.0f};   // its inverse covariance xx, xy, yy, 1 / px²; 0: nothing was measured
-  float cost = 0;                // at the match, as the measure says
+  glm::vec2 displacement{0.0f};  // px of image i: the complement; 0 in directions without texture
+  glm::vec3 information{0.0f};   // inverse covariance of the displacement: xx, xy, yy, 1 / px²; 0: not measured
+  float cost = 0;                // at the match, in the unit of the measure
 };
 
-/// A whole-pixel match made finer where the picture's gradients allow (Lucas and Kanade 1981, translation only, each
-/// colour about its own mean), and what it is worth. `at`: displacement, px. Samples lie near to each other: memory is
-/// that of their box.
+/// Refines a whole-pixel match by image gradients and returns its precision (Lucas and Kanade 1981, translation only,
+/// each colour relative to its mean). `at`: displacement, px. Memory is that of the samples' bounding box: samples must
+/// lie near each other.
 VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> samples, glm::dvec2 at,
-                         double leastTexture);
+                         double minTexture);
 
 }  // namespace ibr

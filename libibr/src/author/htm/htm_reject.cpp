@@ -33,7 +33,7 @@ CameraAgreement compared(const Image8& picture, const std::vector<TemplateSample
   return {float(total(apart) / (3 * n)), scale > 1e-9 ? float(total(products - sumA * sumB / n) / scale) : 0.0f, true};
 }
 
-// Bron and Kerbosch 1973, with a bound on what can still be reached.
+// Bron and Kerbosch 1973, with an upper bound on the score that is still reachable.
 class CliqueSearch {
  public:
   CliqueSearch(std::span<const CameraSet> joined, std::span<const float> scores) : joined_(joined), scores_(scores) {}
@@ -58,7 +58,7 @@ class CliqueSearch {
     }
     if (std::popcount(chosen) + std::popcount(candidates) < std::popcount(best_)) return;
     if (++steps_ > kMostSteps && best_) return;
-    // The candidate with the most partners first: a greedy answer comes soon.
+    // Try the candidate with the most partners first: the search soon has a greedy answer.
     int first = -1, most = -1;
     for (CameraSet rest = candidates; rest; rest &= rest - 1) {
       const int c = std::countr_zero(rest), partners = std::popcount(candidates & joined_[std::size_t(c)]);
@@ -66,7 +66,7 @@ class CliqueSearch {
     }
     const CameraSet bit = CameraSet(1) << first;
     extend(chosen | bit, candidates & joined_[std::size_t(first)]);
-    // Without it, one that it is not joined to must come in, else nothing is gained.
+    // Without this candidate, a better set must include one that is not joined to it.
     if (candidates & ~joined_[std::size_t(first)] & ~bit) extend(chosen, candidates & ~bit);
   }
 

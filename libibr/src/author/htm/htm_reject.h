@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures that are wholly different, which [H] names as its failure: cameras that do not agree on a vertex, however
-// their pictures are displaced, neither deform nor blend there.
+// Rejects cameras with wholly different textures, a failure case of [H]. A camera whose image cannot be aligned with
+// the others at a vertex neither deforms nor blends there.
 #pragma once
 
 #include <span>
@@ -12,16 +12,16 @@
 namespace ibr {
 
 struct RejectOptions {
-  double mostDifference = 45;     // [H] eq. 1 at the complement, levels: beyond it two cameras do not agree, …
-  double leastCorrelation = 0.2;  // … unless their colours go up and down together
+  double mostDifference = 45;     // [H] eq. 1 at the complement, 8-bit levels: above it two cameras disagree, …
+  double leastCorrelation = 0.2;  // … unless their colours correlate at least this much
   SegmentOptions segment;
 };
 
-/// How two cameras compare at a vertex, where the complement says.
+/// Comparison of two cameras at a vertex, with the complement applied.
 struct CameraAgreement {
-  float difference = 0;   // [H] eq. 1, levels
-  float correlation = 0;  // zero-mean and normalised, −1 to 1; 0 where either side is flat
-  bool known = false;     // they share enough pixels there
+  float difference = 0;   // [H] eq. 1, 8-bit levels
+  float correlation = 0;  // zero-mean, normalised, −1 to 1; 0 if either side is flat
+  bool known = false;     // the cameras share enough pixels there
 };
 
 /// One at each complementIndex.
@@ -29,19 +29,19 @@ std::vector<CameraAgreement> agreements(const TriangleMesh& mesh, std::span<cons
                                         std::span<const CameraSet> members, std::span<const glm::vec2> complements,
                                         const SegmentOptions& segment, int threads);
 
-/// How much each camera looks at each vertex from its front: the cosine between the vertex's normal and the direction
-/// to the camera, 0 where it is negative or there is none; n_c × n_v.
+/// Returns the cosine between each vertex's normal and the direction to each camera; 0 if the cosine is negative or the
+/// vertex has no normal; n_c × n_v.
 std::vector<float> facingScores(const TriangleMesh& mesh, std::span<const ProjectedMesh> views);
 
-/// The members that remain: for each vertex the largest set of cameras of which each two agree, both ways where both
-/// are known; pairs that are not known do not disagree. Of several largest the one whose scores sum to the most.
-/// `scores`: n_c × n_v, what each camera's view of a vertex is worth.
+/// Returns the remaining members: for each vertex the largest set of cameras that agree pairwise, in both directions if
+/// both are known. Pairs that are not known count as agreeing. Among sets of equal size the sum of scores decides.
+/// `scores`: n_c × n_v, value of each camera's view of a vertex.
 std::vector<CameraSet> agreeingMembers(std::size_t cameras, std::span<const CameraSet> members,
                                        std::span<const CameraAgreement> agreements, std::span<const float> scores,
                                        const RejectOptions& options);
 
-/// The largest set within `among` of which each two are joined; bit b of joined[a] says that a and b are, b and a too.
-/// Of several largest the one with the largest sum of scores; a greedy one where the search takes more than 10⁵ steps.
+/// Returns the largest pairwise joined set in `among`. Bit b of joined[a]: a and b are joined (symmetric). Among equal
+/// sizes the sum of scores decides. After 10⁵ steps the search returns its best set, at least a greedy one.
 CameraSet largestClique(CameraSet among, std::span<const CameraSet> joined, std::span<const float> scores);
 
 }  // namespace ibr

@@ -13,7 +13,7 @@ Segments::Segments(const TriangleMesh& mesh, const Lists& faces, const Projected
                    const SegmentOptions& options)
     : mesh_(mesh), faces_(faces), view_(view), options_(options), mark_(mesh.triangles.size(), 0) {}
 
-// The faces at v, and rings of faces around them until they reach leastRadius.
+// Marks the faces at v, and rings of faces around them until they reach leastRadius.
 void Segments::markRings(std::size_t v, glm::dvec2 middle) {
   constexpr int kMostRings = 6;
   ++call_;
@@ -22,7 +22,7 @@ void Segments::markRings(std::size_t v, glm::dvec2 middle) {
   std::size_t first = 0;
   for (int ring = 0; ring < kMostRings; ++ring) {
     const std::size_t end = ring_.size();
-    double nearest = options_.mostRadius;  // of the rim that this ring adds
+    double nearest = options_.mostRadius;  // radius of the rim that this ring adds
     for (std::size_t k = first; k < end; ++k)
       for (const std::uint32_t face : faces_[ring_[k]]) {
         if (mark_[face] == call_) continue;

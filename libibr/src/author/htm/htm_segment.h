@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H]'s "image segment (vertex)": the faces that share a vertex, as one camera sees them, ready to be coloured from
-// another one's picture (I^v_{M_i←M_j}).
+// [H]'s "image segment (vertex)": the faces that share a vertex, as one camera sees them, to be coloured from another
+// camera's image (I^v_{M_i←M_j}).
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,19 @@
 namespace ibr {
 
 struct SegmentOptions {
-  double leastRadius = 8;  // px; where the faces at a vertex are smaller, those around them belong to it too
-  double mostRadius = 24;  // px from the vertex; what lies further away is left out
+  double leastRadius = 8;  // px; if the vertex's faces are smaller, the faces around them are included
+  double mostRadius = 24;  // px from the vertex; pixels farther away are left out
 };
 
 using SegmentPixel = glm::i16vec2;  // column, row
 
-/// Segments of all vertices in one projected mesh. For one thread.
+/// Segments of all vertices in one projected mesh. Not thread-safe.
 class Segments {
  public:
-  /// The arguments are read until the object goes. `faces`: facesAtVertices of the mesh.
+  /// The arguments must outlive the object. `faces`: facesAtVertices of the mesh.
   Segments(const TriangleMesh& mesh, const Lists& faces, const ProjectedMesh& view, const SegmentOptions& options);
 
-  /// By rows; empty where the vertex is not before the camera. Precondition: v is a vertex. Good until the next call.
+  /// Sorted by rows; empty if the vertex is not in front of the camera. Valid until the next call. v must be a vertex.
   const std::vector<SegmentPixel>& of(std::size_t v);
 
  private:
@@ -38,20 +38,20 @@ class Segments {
   const Lists& faces_;
   const ProjectedMesh& view_;
   SegmentOptions options_;
-  std::vector<std::uint32_t> mark_;  // of faces: the call that they belong to
+  std::vector<std::uint32_t> mark_;  // of faces: the last call that marked the face
   std::uint32_t call_ = 0;
   double radius_ = 0;
   std::vector<std::uint32_t> ring_;
   std::vector<SegmentPixel> pixels_;
 };
 
-/// Segments in a view for those vertices that `camera` is a member of, empty for others.
+/// Segments in a view of the vertices that have `camera` as a member; empty for other vertices.
 std::vector<std::vector<SegmentPixel>> segmentsOf(const TriangleMesh& mesh, const Lists& faces,
                                                   const ProjectedMesh& view, const SegmentOptions& options,
                                                   std::span<const CameraSet> members, std::size_t camera);
 
-/// One view in another one's colours, each pixel from when it is first asked for: segments of neighbours share most of
-/// their pixels. For one thread; the views are read until it goes.
+/// One view in another view's colours. Each pixel is computed on first use, since neighbouring segments share most of
+/// their pixels. Not thread-safe; the views must outlive the object.
 class Recoloured {
   struct Colour {
     std::uint8_t red, green, blue;
@@ -59,11 +59,11 @@ class Recoloured {
   };
 
  public:
-  static constexpr std::size_t kBytesAPixel = sizeof(Colour);  // of the view, that one of these takes
+  static constexpr std::size_t kBytesAPixel = sizeof(Colour);  // memory per pixel of the view
 
   Recoloured(const ProjectedMesh& view, const ProjectedMesh& from);
 
-  /// The segment's pixels whose point `from` sees, with its colours, rounded.
+  /// Returns the segment's pixels whose point is visible in `from`, with the colours of `from`, rounded.
   std::vector<TemplateSample> of(std::span<const SegmentPixel> segment);
 
  private:

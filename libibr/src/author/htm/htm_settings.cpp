@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// visit(name, value) for all that decides what harmonise() makes. `Options` is const or not.
+// Calls visit(name, value) for every setting that changes harmonise()'s result. `Options` may be const.
 template <class Options, class Visit>
 void forSettings(Options& o, Visit&& visit) {
   visit("adjustRounds", o.adjustRounds);
@@ -24,7 +24,7 @@ void forSettings(Options& o, Visit&& visit) {
   visit("inconsistentShare", o.inconsistentShare);
   visit("radius", o.radius);
   visit("laterRadius", o.laterRadius);
-  visit("leastTexture", o.leastTexture);
+  visit("minTexture", o.minTexture);
   visit("smoothness", o.smoothness);
   visit("complementPx", o.complementPx);
   visit("outlierPx", o.outlierPx);
@@ -34,8 +34,8 @@ void forSettings(Options& o, Visit&& visit) {
   visit("meanDifference", o.meanDifference);
   visit("faceDifference", o.faceDifference);
   visit("selfOccluded", o.selfOccluded);
-  visit("leastFacePx", o.leastFacePx);
-  visit("mostFaces", o.mostFaces);
+  visit("minFacePx", o.minFacePx);
+  visit("maxFaces", o.maxFaces);
   visit("reject", o.reject);
   visit("rejectDifference", o.rejectDifference);
   visit("rejectCorrelation", o.rejectCorrelation);

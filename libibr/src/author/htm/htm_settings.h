@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings of a harmonised model as the text that it keeps.
+// Writes the settings of a harmonised model as JSON text, which the model stores.
 #pragma once
 
 #include <string>
 
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr {
 

@@ -29,7 +29,7 @@ std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {
 
 namespace {
 
-// One match of a vertex: it is seen `along` px times the displacement away.
+// One match of a vertex: a displacement of 1 along the normal moves the image by `along` px.
 struct Claim {
   glm::dvec2 along, match;
   glm::dvec3 information;
@@ -38,12 +38,12 @@ double product(const glm::dvec2& a, const glm::dvec3& w, const glm::dvec2& b) {
   return a.x * (w.x * b.x + w.y * b.y) + a.y * (w.y * b.x + w.z * b.y);
 }
 
-// The cameras on whose outline of the mesh, or of a part of it, each vertex lies.
+// Returns for each vertex the cameras that see it on an outline of the mesh, or of a part of the mesh.
 std::vector<CameraSet> outlinesOf(const TriangleMesh& mesh, std::span<const HtmView> views) {
   std::vector<CameraSet> outlines(mesh.positions.size(), 0);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const glm::dvec3 centre = PinholeView(views[i].camera).centre();
-    std::vector<CameraSet> front(mesh.positions.size(), 0), back = front;  // whether a face at it is seen from there
+    std::vector<CameraSet> front(mesh.positions.size(), 0), back = front;  // cameras that see a front (back) face there
     for (const glm::uvec3& t : mesh.triangles) {
       const glm::dvec3& a = mesh.positions[t.x];
       const glm::dvec3 normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
@@ -54,8 +54,8 @@ std::vector<CameraSet> outlinesOf(const TriangleMesh& mesh, std::span<const HtmV
   return outlines;
 }
 
-// The claims of each vertex's pairs. Without a mask what is matched at an outline is half background, and claims
-// nothing.
+// Returns the claims of each vertex's pairs. Matches at an outline without a mask are half
+// background and are left out.
 std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<const HtmView> views,
                                          std::span<const CameraSet> members, std::span<const CameraSet> outlines,
                                          std::span<const VertexMatch> matches) {
@@ -74,7 +74,7 @@ std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<con
       const glm::dvec3 away = mesh.positions[v] - pinholes[j].centre();
       const double distance = glm::length(away), cosine = -glm::dot(normals[v], away) / distance;
       if (!(cosine > kLeastCosine)) continue;
-      // Where camera j's ray meets the surface when that lies a little further out.
+      // Intersection of camera j's ray with the surface after the surface moves out by a small step.
       const double step = 1e-4 * distance;
       const glm::dvec3 moved = mesh.positions[v] - away * (step / (distance * cosine));
       for (std::size_t i = 0; i < cameras; ++i) {
@@ -102,7 +102,7 @@ cv::Mat distanceToBorder(const Image8& mask) {
   return outside - inside;
 }
 
-// A claim about the distance across an outline alone.
+// Information of a measurement across an outline only.
 glm::dvec3 across(const glm::dvec2& outwards, double worth) {
   return worth * glm::dvec3(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y);
 }
@@ -112,8 +112,8 @@ struct Outlined {
   Claim claim;
 };
 
-// What a view's outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near. Without a mask
-// nobody knows where the outline lies; it stays.
+// Claims of a view's outlines: a vertex on the mesh's outline is drawn to the mask's border if that is near. Without a
+// mask the true outline is unknown: the vertex is held where it is.
 std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& view, std::size_t camera,
                                     std::span<const CameraSet> outlines) {
   constexpr double kFarthest = 12, kWorth = 40;  // px; 1 / px²
@@ -136,7 +136,7 @@ std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& vie
         outlined.push_back({v, {along, glm::dvec2(0), across(along / length, kWorth)}});
       continue;
     }
-    if (!(p.x >= 4 && p.y >= 4 && p.x < distance.cols - 4 && p.y < distance.rows - 4)) continue;  // cut by the border
+    if (!(p.x >= 4 && p.y >= 4 && p.x < distance.cols - 4 && p.y < distance.rows - 4)) continue;  // near image border
     const int x = int(p.x), y = int(p.y);
     const double off = distance.at<float>(y, x);
     glm::dvec2 outwards(distance.at<float>(y, x + 2) - distance.at<float>(y, x - 2),
@@ -167,7 +167,7 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
   double mostPixels = 0;
   for (const HtmView& view : views)
     mostPixels = std::max(mostPixels, double(view.camera.intrinsics.width) * view.camera.intrinsics.height);
-  constexpr double kBytesAPixel = 24;  // of distances, masks and the mesh that is drawn
+  constexpr double kBytesAPixel = 24;  // memory of distances, masks and the rasterised mesh
   const bool finished = runJobs(
       views.size(), threadsFor(options.threads, mostPixels * kBytesAPixel),
       [&](std::size_t i) { outlined[i] = outlineClaims(mesh, views[i], i, outlines); }, wanted);

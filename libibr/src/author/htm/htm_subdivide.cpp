@@ -21,10 +21,10 @@ double squaredDistance(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t 
   return glm::dot(between, between);
 }
 
-// `middle`: of the edge from corner k to the next, kNone where it is not divided.
+// `middle`: midpoint of the edge from corner k to the next; kNone if the edge is not divided.
 void divide(const TriangleMesh& mesh, glm::uvec3 corner, glm::uvec3 middle, std::vector<glm::uvec3>& faces) {
   const int count = (middle.x != kNone) + (middle.y != kNone) + (middle.z != kNone);
-  // Turned so that divided edges come first: one, or two beside each other.
+  // Rotate the corners so that divided edges come first: one, or two adjacent ones.
   const auto turn = [&] {
     corner = {corner.y, corner.z, corner.x};
     middle = {middle.y, middle.z, middle.x};

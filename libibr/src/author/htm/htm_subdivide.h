@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 7 with fig. 4: chosen faces are divided into four at their edges' middles, their neighbours so that the mesh
-// stays one.
+// [H] Alg. 7 with fig. 4: divides chosen faces into four at their edges' midpoints. Their neighbours are divided to
+// match, so that the mesh has no cracks.
 #pragma once
 
 #include <cstddef>
@@ -14,19 +14,19 @@
 namespace ibr {
 
 struct SubdividedMesh {
-  TriangleMesh mesh;                  // the first vertices are those of before, with their indices
-  std::vector<glm::uvec2> parents;    // of each further vertex: the ends of the edge whose middle it is, ascending
-  std::vector<std::uint32_t> faceOf;  // for each face the one it came from, ascending
+  TriangleMesh mesh;                  // the source mesh's vertices come first, with their indices
+  std::vector<glm::uvec2> parents;    // of each further vertex: ends of the divided edge, ascending
+  std::vector<std::uint32_t> faceOf;  // source face of each face, ascending
 };
 
-/// A face with k edges that a chosen face has too becomes k + 1 faces, the paper's types 0 to 3; a chosen one four.
-/// With two such edges the shorter diagonal divides what is left. An edge's middle is one vertex for all its faces,
-/// also where more than two meet. `chosen`: for each face, whether. Throws Error{invalidInput} where its length or an
-/// index is wrong, or there would be too many vertices.
+/// A face that shares k divided edges with chosen faces becomes k + 1 faces, the paper's types 0 to 3; a chosen face
+/// becomes four. With k = 2 the shorter diagonal divides the remaining quadrilateral. An edge's midpoint is one vertex
+/// for all its faces, even if more than two meet. `chosen`: a flag for each face. Throws Error{invalidInput} if its
+/// length or an index is wrong, or the number of vertices overflows.
 SubdividedMesh subdivideFaces(const TriangleMesh& mesh, std::span<const std::uint8_t> chosen);
 
-/// Complements (or anything else at complementIndex) of the divided mesh: those of its `before` first vertices as they
-/// are, of further ones the mean of their parents'. May be empty, and is then.
+/// Returns the complements (or other values at complementIndex) of the divided mesh. The `before` first vertices keep
+/// theirs; further vertices get the mean of their parents'. Empty in, empty out.
 std::vector<glm::vec2> dividedComplements(std::span<const glm::vec2> complements, std::size_t cameras,
                                           std::size_t before, std::span<const glm::uvec2> parents);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a match counts that is not where the others want it.
+// Robust weights of matches that depart from the values wanted.
 #pragma once
 
 #include <cmath>
@@ -9,14 +9,14 @@
 
 namespace ibr {
 
-/// The larger eigenvalue of a match's information (xx, xy, yy): what it knows in the direction that it knows best.
+/// Returns the larger eigenvalue of a match's information (xx, xy, yy): the precision in its best direction.
 inline double strengthOf(const glm::dvec3& information) {
   return 0.5 * (information.x + information.z) + std::hypot(0.5 * (information.x - information.z), information.y);
 }
 
-/// The weight of Geman and McClure 1987, 1 to 0, of a residual (px) of a match with that information (xx, xy, yy) and
-/// its strengthOf: a quarter where it is outlierPx off. Only what the match has measured counts, so that stripes, which
-/// are displaced along their gradient alone, are not doubted for what they do not say.
+/// Returns the weight (1 to 0) of Geman and McClure 1987 for a residual (px) of a match with that information and its
+/// strengthOf: a quarter at outlierPx. Only measured directions count: stripes, displaced along their gradient only,
+/// are not penalised along the stripe.
 inline double trustOf(const glm::dvec3& information, double strength, const glm::dvec2& residual, double outlierPx) {
   if (!(strength > 0)) return 1;
   const double squares = (information.x * residual.x * residual.x + 2 * information.y * residual.x * residual.y +

@@ -53,8 +53,8 @@ MeshRaster rasterised(const TriangleMesh& mesh, const Camera& camera) {
 
 namespace {
 
-// The pixel of a row or column that a coordinate lies in. What is far outside, infinite or no number is outside, too:
-// a point barely before its camera is seen 10¹⁰ px away and further.
+// Returns the pixel of a row or column that contains a coordinate. Far, infinite and NaN coordinates map outside: a
+// point just in front of the camera projects 10¹⁰ px away and farther.
 int pixelOf(double at, int size) {
   return int(std::floor(std::fmin(std::fmax(at, -2.0), size + 1.0)));
 }
@@ -62,7 +62,7 @@ int pixelOf(double at, int size) {
 }  // namespace
 
 bool MeshRaster::shows(glm::dvec2 pixel, double at, double tolerance) const {
-  // The farthest of the four pixels around that show a face: a slanted surface is as deep as its far side.
+  // Farthest of the four neighbouring pixels with a face: a slanted surface is as deep as its far side.
   const int x = pixelOf(pixel.x - 0.5, depth.width), y = pixelOf(pixel.y - 0.5, depth.height);
   float farthest = 0;
   for (int dy = 0; dy < 2; ++dy)
@@ -88,7 +88,7 @@ std::optional<glm::dvec2> ProjectedMesh::visible(const glm::dvec3& world) const 
 
 namespace {
 
-// The image itself, which stays its owner's, or a smaller one.
+// Returns the image itself, not owned, or a smaller copy.
 std::shared_ptr<const Image8> halved(const Image8& image, int halvings) {
   if (halvings == 0 || image.empty()) return {std::shared_ptr<const Image8>(), &image};
   auto small = std::make_shared<Image8>(std::max(1, image.width >> halvings), std::max(1, image.height >> halvings),

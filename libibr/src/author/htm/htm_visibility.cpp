@@ -13,12 +13,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastCosine = 0.1;  // between normal and direction to the camera: flatter, and nothing can be read
+constexpr double kLeastCosine = 0.1;  // between normal and direction to the camera; flatter faces have no usable pixels
 constexpr double kLeastShare = 0.25;
 constexpr double kSamplePx = 4;
-constexpr int kMostSamples = 8;  // along a side
+constexpr int kMostSamples = 8;  // maximum along a side
 
-// Of samples at the middles of n² equal pieces of the face.
+// Counts of samples at the centres of n² equal parts of the face.
 struct Shares {
   int samples = 0, visible = 0, hidden = 0;
 };
@@ -54,7 +54,7 @@ void judge(const std::array<glm::dvec3, 3>& corner, const ProjectedMesh& view, C
     if (!a || !b) return;
     longest = std::max(longest, glm::distance(a->pixel, b->pixel));
   }
-  const double pieces = std::clamp(longest / kSamplePx, 2.0, double(kMostSamples));  // of any length, infinite too
+  const double pieces = std::clamp(longest / kSamplePx, 2.0, double(kMostSamples));  // any length, also infinite
   const Shares shares = sharesOf(corner, view, int(std::ceil(pieces)));
   if (shares.visible < kLeastShare * shares.samples) return;
   result.seen |= camera;
@@ -88,9 +88,9 @@ std::vector<CameraSet> vertexVisibility(const TriangleMesh& mesh, std::span<cons
 
 namespace {
 
-// 255 at pixels that lie at a step of depth which no slant explains, else 0.
+// Returns 255 at depth steps that no slanted surface explains, else 0.
 Image8 depthEdges(const ImageF& depth) {
-  constexpr float kStep = 0.01f;  // of the depth
+  constexpr float kStep = 0.01f;  // relative to the depth
   Image8 edges(depth.width, depth.height, 1);
   for (int y = 1; y + 1 < depth.height; ++y)
     for (int x = 1; x + 1 < depth.width; ++x) {

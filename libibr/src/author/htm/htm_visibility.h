@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cameras see which faces of a mesh, by the mesh's own depth, and how far a picture's pixels may be trusted.
+// Visibility of a mesh's faces in the cameras by the mesh's own depth, and a soft weight of each image's pixels.
 #pragma once
 
 #include <span>
@@ -10,19 +10,19 @@
 namespace ibr {
 
 struct FaceVisibility {
-  CameraSet seen = 0;    // cameras that see at least a quarter of the face, from its front
-  CameraSet partly = 0;  // of these: some of it lies behind other faces
+  CameraSet seen = 0;    // cameras that see at least a quarter of the face from its front
+  CameraSet partly = 0;  // subset of `seen`: part of the face lies behind other faces
 };
 
-/// One a face. `views`: at full size.
+/// One entry per face. `views`: at full size.
 std::vector<FaceVisibility> faceVisibility(const TriangleMesh& mesh, std::span<const ProjectedMesh> views, int threads);
 
-/// For each vertex the cameras that see a face at it.
+/// Returns for each vertex the cameras that see a face at the vertex.
 std::vector<CameraSet> vertexVisibility(const TriangleMesh& mesh, std::span<const FaceVisibility> faces);
 
-/// 255 inside the object, falling to 1 over `softPx` towards the background (outside the mask, or where there is no
-/// mask, outside the mesh) and towards edges at which the mesh hides itself; 0
-/// is the background alone.
+/// Returns 255 inside the object, falling to 1 over `softPx` towards the background and towards edges
+/// where the mesh hides itself. The background is outside the mask or, without a mask, outside the mesh.
+/// Only the background is 0.
 Image8 softVisibility(const ProjectedMesh& view, double softPx);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a build runs its jobs: on how many threads, within which memory, with progress, until it is cancelled.
+// Runs a build's jobs in parallel within a memory limit, with progress and cancellation.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@ namespace ibr {
 
 class BuildJobs {
  public:
-  /// `threads`: 0 for all cores. `memory`: bytes that all may take, 0 for half of what there is. `progress` may be
-  /// empty; it must outlive the object.
+  /// `threads`: 0 for all cores. `memory`: maximum bytes of all jobs together; 0: half of the available memory.
+  /// `progress` may be empty; it must outlive the object.
   BuildJobs(int threads, double memory, const ProgressCallback& progress)
       : threads_(threads), memory_(memoryBudget(memory)), progress_(progress) {}
 
-  /// Reports progress. Throws Error{cancelled} when it is answered with no.
+  /// Reports progress. Throws Error{cancelled} if the callback returns false.
   void step(std::string_view stage, std::size_t done, std::size_t total) const;
 
-  /// job(0) … job(count − 1), each once, on no more threads than the memory holds jobs of `bytesEach`, beside what is
-  /// held already and the `bytesKept` that each leaves behind. Throws what a job throws, and Error{cancelled}; jobs
-  /// that have started are waited for.
+  /// Runs job(0) … job(count − 1), each once. The number of threads is limited so that jobs of `bytesEach`, the
+  /// process's current memory and `bytesKept` left behind by each job fit the memory. Throws what a job throws, and
+  /// Error{cancelled}; waits for jobs that have started.
   void runAll(std::string_view stage, std::size_t count, double bytesEach, const std::function<void(std::size_t)>& job,
               double bytesKept = 0) const;
 
@@ -35,8 +35,8 @@ class BuildJobs {
   const ProgressCallback& progress_;
 };
 
-/// While it lives OpenCV uses one thread: jobs are what runs side by side, and optical flow depends on how many threads
-/// share it. A setting of the process: one such object at a time.
+/// Limits OpenCV to one thread during its lifetime: jobs run in parallel instead, and optical flow depends on the
+/// number of threads. The setting is process-wide: only one such object may exist at a time.
 class SingleThreadedOpenCv {
  public:
   SingleThreadedOpenCv();

@@ -15,7 +15,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kDigits = 16;  // of a key
+constexpr std::size_t kDigits = 16;  // hex digits of a key
 using Value = std::uint64_t;         // of the hash
 
 Value hashOf(std::span<const std::byte> bytes) {
@@ -24,14 +24,14 @@ Value hashOf(std::span<const std::byte> bytes) {
   return hash.value();
 }
 
-// Of keptFile, or of a draft of one (writeFile) that was never finished.
+// True for names of keptFile, and of drafts that writeFile did not finish.
 bool namedByKey(const std::string& name) {
   return name.size() > kDigits && name[kDigits] == '.' && std::all_of(name.begin(), name.begin() + kDigits, [](char c) {
            return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
          });
 }
 
-// By this process's clock: the file system's own may stand elsewhere.
+// Uses this process's clock: the file system's clock may differ.
 void markUsed(const fs::path& file) {
   std::error_code ignored;
   fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);

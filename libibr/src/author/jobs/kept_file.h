@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a build keeps until it is finished, or for the next one: files named by a hash of all that they depend on.
-// Private to builds on one machine: numbers as they lie in memory, and a hash of them at the end.
+// Cached files of a build, until it is finished or for the next one, named by a hash of all that they depend on. Only
+// for builds on one machine: numbers are stored in native layout, with a hash of them at the end.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@ namespace ibr {
 
 std::filesystem::path keptFile(const std::filesystem::path& folder, std::uint64_t key, const char* kind);
 
-/// Throws Error{io}.
+/// Writes a cached file. Throws Error{io}.
 void storeKept(const std::filesystem::path& file, std::vector<std::byte> bytes);
 
-/// What was stored; nullopt where there is no such file, or a damaged one. It counts as used from now on. Throws
-/// Error{io} where it cannot be read.
+/// Returns the stored bytes, and marks the file as used; nullopt if the file is missing or damaged. Throws Error{io} if
+/// the file cannot be read.
 std::optional<std::vector<std::byte>> fetchKept(const std::filesystem::path& file);
 
-/// Removes the kept files of a folder, then the folder where nothing else is in it. What cannot be removed stays.
+/// Removes the cached files of a folder, then the folder if it is empty. Files that cannot be removed are skipped.
 void removeKept(const std::filesystem::path& folder);
 
-/// The same of files that were neither stored nor fetched since `time`.
+/// As removeKept, for files that were neither stored nor fetched since `time`.
 void removeKeptBefore(const std::filesystem::path& folder, std::filesystem::file_time_type time);
 
 }  // namespace ibr

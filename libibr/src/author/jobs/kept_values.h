@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and lists of them one after another, as kept files (kept_file.h) hold them.
+// Serialises numbers and lists of numbers for cached files (kept_file.h).
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ class KeptWriter {
     const auto bytes = std::as_bytes(std::span(values));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
-  /// Without confirmations and consensus, which depend on all photographs of a scene.
+  /// Leaves out confirmations and consensus, which depend on all photographs of a scene.
   void mesh(const MorphMesh& mesh);
   std::vector<std::byte> take() { return std::move(out_); }
 
@@ -38,7 +38,7 @@ class KeptWriter {
   std::vector<std::byte> out_;
 };
 
-/// Reads what a KeptWriter wrote, in the same order. Throws Error{invalidInput} where it ends too early.
+/// Reads what a KeptWriter wrote, in the same order. Throws Error{invalidInput} if the data end too early.
 class KeptReader {
  public:
   explicit KeptReader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}

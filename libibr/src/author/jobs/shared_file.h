@@ -7,12 +7,12 @@
 
 namespace ibr {
 
-/// Makes `to` another name of the file `from` (a hard link), or where the file system has no such links a copy of it.
-/// Folders are made; what stood at `to` is replaced at once, never half. Files here are replaced when they are written
-/// anew (writeFile), so that what has two names stays as it is. Throws Error{io} that names the file.
+/// Makes `to` a hard link to the file `from`, or a copy if the file system has no hard links. Creates folders; replaces
+/// an existing `to` atomically. Files here are always replaced when they are written again (writeFile), so neither name
+/// sees the other's later change. Throws Error{io} that names the file.
 void shareFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Writes a scene to another folder than its own; its photographs and textures there are shared files. Throws Error.
+/// Writes a scene to another folder than its own, sharing its photographs and textures (shareFile). Throws Error.
 void shareScene(const Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace ibr

@@ -16,19 +16,19 @@ namespace ibr {
 namespace {
 
 constexpr float kUnknown = -1;
-constexpr double kSurfaceSteps = 2;          // of the member's map, between neighbours of one surface
-constexpr double kSteps = 2, kShare = 0.01;  // of the tolerance: levels, and a share of ρ
+constexpr double kSurfaceSteps = 2;          // maximum step between neighbours of one surface, in MemberDepth::step
+constexpr double kSteps = 2, kShare = 0.01;  // tolerance: in sweep levels, plus a share of ρ
 
-// How much a depth at `there` supports one at `here`, 0 to 1.
+// Returns how much a depth at `there` supports one at `here`, 0 to 1.
 double kernel(double here, double there, double step) {
   const double off = (here - there) / (kSteps * step + kShare * here);
   return std::max(0.0, 1 - off * off);
 }
 
-// A pixel of a depth map, as the frame sees it.
+// A pixel of a depth map, projected into the frame.
 struct Place {
   glm::dvec2 pixel{0};
-  double inverseDepth = -1;  // negative: the frame does not see it
+  double inverseDepth = -1;  // negative: not visible in the frame
 };
 
 std::vector<Place> placesOf(const Camera& frame, const MemberDepth& member) {
@@ -52,7 +52,7 @@ std::vector<Place> placesOf(const Camera& frame, const MemberDepth& member) {
   return places;
 }
 
-// ρ of the nearest part of the member's surface.
+// ρ of the nearest part of the member's surface, in the frame's pixels.
 ImageF layerOf(const Camera& frame, const MemberDepth& member) {
   const std::vector<Place> places = placesOf(frame, member);
   const ImageF& map = member.inverseDepth;
@@ -79,7 +79,7 @@ ImageF layerOf(const Camera& frame, const MemberDepth& member) {
   return layer;
 }
 
-// Row by row the lesser of the nearest on both sides; where a row knows nothing, infinity.
+// Fills gaps in each row with the lesser ρ of the known pixels on both sides; rows without known pixels become 0.
 void fillRows(ImageF& map) {
   const auto width = std::size_t(map.width);
   for (int y = 0; y < map.height; ++y) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth of a cell's mean frame from the depth of its members.
 //
-//   layer   a member's depth map as a surface, cut where it jumps, as the frame sees it: its nearest part
-//   vote    the layers of a pixel support each other; the pixel has the mean depth of those around the best supported
-//   agree   which members have it
+//   layer   a member's depth map as a surface, cut at depth jumps and drawn into the frame: its nearest part
+//   vote    a pixel's layers support each other; its depth is the mean of those around the best supported one
+//   agree   the members whose layer has that depth
 #pragma once
 
 #include <span>
@@ -13,22 +13,22 @@
 
 namespace ibr {
 
-/// A member's depth, as far as it is believed. `camera` has the map's size; a pinhole's ρ is along its axis, that of a
-/// panorama along the ray.
+/// A member's reliable depth. `camera` has the map's size. ρ is along the axis for a pinhole, along
+/// the ray for a panorama.
 struct MemberDepth {
   Camera camera;
-  ImageF inverseDepth;  // 1 / world unit; 0 in the sky; negative where unknown
-  double step = 0;      // between neighbours of one surface ρ differs by two of these at most
+  ImageF inverseDepth;  // 1 / world unit; 0 in the sky; negative if unknown
+  double step = 0;      // ρ; neighbours on one surface differ by at most two of these
 };
 
 /// One channel each, of the frame's size.
 struct FrameDepth {
-  ImageF inverseDepth;  // along the frame's axis; beyond what any member knows, what is farther to the left or right
+  ImageF inverseDepth;  // along the frame's axis; if unknown, the farther one of the nearest known left and right
   Image8 agree;         // bit i: member i has that depth
 };
 
-/// `frame`: a pinhole. `step`: ρ that a level of a plane sweep would have; depths that differ by two of these and 1 %
-/// are one. Pure. Throws Error{invalidInput} for more than kMostMembers (author/geometry/match_view.h).
+/// `frame`: a pinhole. `step`: ρ of one level of a plane sweep; depths within two of these plus 1 % count as equal.
+/// Pure. Throws Error{invalidInput} for more than kMostMembers (author/geometry/match_view.h).
 FrameDepth depthOfFrame(const Camera& frame, std::span<const MemberDepth> members, double step);
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two of a cell's members agree on where members may be masked: a pair of which one is does not count, and one
-// pair at least must.
+// Combines the pairwise agreement of a cell's members, some of which are masked: pairs with a masked member do not
+// count, and at least one pair must count.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -15,7 +15,7 @@ namespace ibr {
 
 class MaskPairs {
  public:
-  /// `position`: of each member, where it is seen from each pixel of the frame, px; they outlive the constructor alone.
+  /// `position`: for each member, its pixel position of each pixel of the frame. Both may be destroyed afterwards.
   MaskPairs(std::span<const MatchView> views, std::span<const ImageF> position) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       cv::Mat corner, value, &used = used_.emplace_back();
@@ -40,7 +40,7 @@ class MaskPairs {
     any_ |= agreed & both;
   }
 
-  /// 255 where all pairs that count agree.
+  /// 255 where all pairs that count agree, and at least one counts.
   cv::Mat good() const { return all_ & any_; }
 
  private:

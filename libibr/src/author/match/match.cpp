@@ -22,11 +22,11 @@
 namespace ibr {
 namespace {
 
-constexpr int kSpeckle = 60;          // px at half resolution
-constexpr float kSpeckleStep = 2.0f;  // levels
-constexpr float kHidden = 10.0f;      // levels by which something stands before a pixel that hides it
-constexpr double kResidual = 3.0;     // px
-constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
+constexpr int kSpeckle = 60;          // area of speckles that are removed, px at half resolution
+constexpr float kSpeckleStep = 2.0f;  // of depth between speckle and surroundings, sweep levels
+constexpr float kHidden = 10.0f;      // in front of a pixel that a surface hides, sweep levels
+constexpr double kResidual = 3.0;     // maximum flow between warped members, px
+constexpr int kSweepWindow = 2;       // radius of the sweep's windows, px
 
 Camera halved(const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;
@@ -126,8 +126,8 @@ class Matcher {
     showOthers();
   }
 
-  // Where a member is masked it is taken to show what the others do, so that windows beside hold nothing else, and flow
-  // finds nothing to follow.
+  // Replaces masked pixels of a member by the mean of the others: windows beside the mask then contain nothing else,
+  // and the optical flow has no false motion to follow.
   void showOthers() {
     std::vector<cv::Mat> shown;
     for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -150,7 +150,7 @@ class Matcher {
     return ignored_[i].empty() ? cv::Mat(height_, width_, CV_8U, cv::Scalar(255)) : cv::Mat(~ignored_[i]);
   }
 
-  // Only what two members agree on can hide anything: elsewhere the sweep's depth is a guess.
+  // Only surfaces that two members agree on may hide pixels: elsewhere the sweep's depth is a guess.
   void gate() {
     cv::Mat all(height_, width_, CV_8U, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
     match_.seen.assign(views_.size(), Image8(width_, height_, 1));
@@ -177,7 +177,7 @@ class Matcher {
     }
   }
 
-  // What remains between member 0 and each other, both as the frame sees them.
+  // Measures the remaining displacement between member 0 and each other member, both warped to the frame.
   void refine() {
     match_.refined = true;
     if (std::min(width_, height_) < 32) return;  // too small for the flow's pyramid
@@ -207,11 +207,11 @@ class Matcher {
   int width_ = 0, height_ = 0;
   std::vector<Camera> cameras_;
   std::vector<FrameToMember> maps_;
-  std::vector<Image8> grey_;      // as photographed
-  std::vector<cv::Mat> warped_;   // as the frame sees it, float
-  std::vector<cv::Mat> ignored_;  // 255 where the frame sees what is masked; empty where nothing is
+  std::vector<Image8> grey_;      // source images
+  std::vector<cv::Mat> warped_;   // members warped to the frame, float
+  std::vector<cv::Mat> ignored_;  // 255 where the frame's pixel is masked in the member; empty without a mask
   std::vector<Image8> inside_;
-  cv::Mat agree_;  // FrameDepth::agree; empty: the frame was swept
+  cv::Mat agree_;  // FrameDepth::agree; empty if the frame was swept
   DenseMatch match_;
 };
 

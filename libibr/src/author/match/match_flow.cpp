@@ -21,11 +21,11 @@ namespace {
 constexpr int kFeatures = 5000;
 constexpr double kRatio = 0.85;
 constexpr int kRounds = 2;
-constexpr int kLeastSide = 32;         // px: smaller pictures are too small for the flow's pyramid
-constexpr double kThereAndBack = 1.0;  // px
-constexpr double kCycle = 1.5;         // px
+constexpr int kLeastSide = 32;         // px: smaller images do not suit the flow's pyramid
+constexpr double kThereAndBack = 1.0;  // maximum forward-backward error, px
+constexpr double kCycle = 1.5;         // maximum error over a cycle of three members, px
 
-// `picture` where the map says; beyond its border the edge is repeated.
+// Samples `picture` at the map's positions; beyond its border the edge is repeated.
 cv::Mat sampledAt(const cv::Mat& picture, const ImageF& map) {
   cv::Mat corner, result;
   cv::subtract(cvView(map), cv::Scalar(0.5, 0.5), corner);
@@ -33,14 +33,14 @@ cv::Mat sampledAt(const cv::Mat& picture, const ImageF& map) {
   return result;
 }
 
-// First `first`, then `then`.
+// Composes two maps: first `first`, then `then`.
 cv::Mat chained(const ImageF& first, const ImageF& then) {
   return sampledAt(cvView(then), first);
 }
 
 cv::Mat insideOf(const ImageF& map, const Image8& picture) {
   cv::Mat result;
-  // Without the border's own half pixels nothing is repeated.
+  // The outer half pixel is left out: there, bilinear samples would repeat the edge.
   cv::inRange(cvView(map), cv::Scalar(0.5, 0.5), cv::Scalar(picture.width - 0.5, picture.height - 0.5), result);
   return result;
 }
@@ -88,7 +88,7 @@ class FlowMatcher {
   }
 
  private:
-  // Where each pixel of photograph i is seen in j.
+  // Maps each pixel of photograph i to its position in j.
   ImageF pairMap(std::size_t i, std::size_t j, const PointPairs& pairs) const {
     const Image8 &from = grey_[i], &to = grey_[j];
     ImageF map = meshWarp(pairs, {from.width, from.height}, {to.width, to.height});
@@ -121,7 +121,7 @@ class FlowMatcher {
       }
     for (std::size_t i = 1; i < d_; ++i) match_.position.push_back(map_[0][i]);
 
-    // Whether two members' matches of a pixel are each other's, seen from both.
+    // Check forward and backward for each pair that the two members' matches of a pixel correspond to each other.
     MaskPairs pairs(views_, match_.position);
     std::vector<cv::Mat> inside, warped;
     for (std::size_t i = 0; i < d_; ++i) {

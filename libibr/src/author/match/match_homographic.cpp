@@ -26,12 +26,12 @@ constexpr int kFeatures = 12'000;
 constexpr double kRatio = 0.85;
 constexpr double kEpipolarPx = 2.0;
 constexpr int kMostRounds = 4;             // of matching and sealing
-constexpr double kWorthRematching = 0.02;  // of the sealed tracks, that a round must add for another one
-constexpr double kCyclePx = 3.0;           // two ways to the same feature of a third member
-constexpr double kContradictedPx = 4.0;    // from where the nearest neighbour's plane puts a match
-constexpr double kAlignedPx = 1.5;         // that the last refinement may move a match
-constexpr double kLeastCorrelation = 0.6;  // of a match that stays
-constexpr double kLabelPx = 1.0;           // from a plane that a match lies on
+constexpr double kWorthRematching = 0.02;  // minimum gain of a round, of the sealed tracks, for another round
+constexpr double kCyclePx = 3.0;           // maximum difference of two paths to a feature of a third member
+constexpr double kContradictedPx = 4.0;    // maximum distance of a match from where its neighbours' planes put it
+constexpr double kAlignedPx = 1.5;         // maximum distance that the last refinement moves a match
+constexpr double kLeastCorrelation = 0.6;  // of a match that is kept
+constexpr double kLabelPx = 1.0;           // maximum distance of a match from a plane that it lies on
 
 class HomographicMatcher {
  public:
@@ -67,18 +67,18 @@ class HomographicMatcher {
     return cameras;
   }
 
-  // By epipolar lines, which two places have.
+  // Pairs with poses and two positions have epipolar lines.
   bool guided(std::size_t i, std::size_t j) const {
     return options_.posed && glm::distance(cameras_[i].pose.position, cameras_[j].pose.position) > 0;
   }
 
-  // Guided, features only compete with those that may be the same point.
+  // Guided matching compares features only with those near their epipolar line.
   std::vector<FeatureMatch> matchPair(std::size_t i, std::size_t j, const std::vector<std::vector<bool>>& taken) const {
     if (guided(i, j)) return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
     return mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]);
   }
 
-  // Tracks of features that no plane has sealed, through all members; no pair of members may contradict.
+  // Tracks through all members of features that no plane has sealed; all pairs of members must agree.
   std::vector<PlaneTrack> matchUnsealed() const {
     std::vector<std::vector<bool>> taken;
     for (std::size_t i = 0; i < d_; ++i) {
@@ -115,8 +115,8 @@ class HomographicMatcher {
     return found;
   }
 
-  // Matching again finds more where features no longer compete with those that are sealed. Guided pairs do not heed
-  // these: all that they would find again is what no plane took.
+  // Matching again finds more when features no longer compete with sealed ones. Guided pairs ignore sealed features:
+  // another round would only find again what no plane took, so one round suffices.
   int rounds() const {
     for (std::size_t i = 0; i < d_; ++i)
       for (std::size_t j = 0; j < i; ++j)
@@ -128,7 +128,7 @@ class HomographicMatcher {
     for (int round = 0; round < rounds(); ++round) {
       const std::size_t sealed = tracks_.size();
       for (const PlaneTrack& track : matchUnsealed()) tracks_.push_back(track);
-      // What was not sealed may still lie on a plane that was found before.
+      // Unsealed tracks may still lie on a plane found earlier.
       for (PlaneTrack& track : tracks_)
         for (std::size_t p = 0; track.plane < 0 && p < planes_.size(); ++p)
           if (planes_[p].error(track) < kOnPlanePx) track.plane = int(p);
@@ -143,7 +143,7 @@ class HomographicMatcher {
     std::vector<bool> keep(tracks_.size(), true);
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
       PlaneTrack& track = tracks_[t];
-      if (track.plane < 0) continue;  // focused matches were aligned when they were found
+      if (track.plane < 0) continue;  // focused matches were aligned when found
       const PlaneMaps& plane = planes_[std::size_t(track.plane)];
       PlaneTrack moved = track;
       if (options_.exact) moved.at = *plane(track.at[0]);
@@ -154,7 +154,7 @@ class HomographicMatcher {
     keepOnly(tracks_, keep);
   }
 
-  // Planes from the matches as they are now.
+  // Fits the planes again to the current matches.
   void refit() {
     std::vector<std::vector<const PlaneTrack*>> on(planes_.size());
     for (const PlaneTrack& track : tracks_)

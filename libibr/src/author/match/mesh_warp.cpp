@@ -20,7 +20,7 @@ constexpr int kLeastOnPlane = 12, kLeastEpipolar = 16;
 constexpr double kConfidence = 0.9999;
 constexpr int kRounds = 10000;
 constexpr std::size_t kNeighbours = 8;
-constexpr float kOffNeighbours = 4.0f;  // px, and as much as the neighbours differ among themselves, twice
+constexpr float kOffNeighbours = 4.0f;  // px from the neighbours' median, plus twice their median spread
 
 std::vector<cv::Point2f> cvPoints(const std::vector<glm::vec2>& points) {
   std::vector<cv::Point2f> result;
@@ -50,7 +50,7 @@ float middle(std::vector<float>& values) {
   return *at;
 }
 
-// Matches with what they are off a homography.
+// Matches with their residuals from a homography.
 struct Anchors {
   std::vector<glm::vec2> at, off, to;
 
@@ -68,7 +68,7 @@ struct Anchors {
     return !(a.x * b.y - a.y * b.x > 0);
   }
 
-  // Drops those that are far off the median of those around them.
+  // Drops matches whose residual is far from the median of their neighbours' residuals.
   void dropStrays() {
     std::vector<bool> keep(count(), true);
     std::vector<std::pair<float, std::size_t>> near;
@@ -119,7 +119,7 @@ ImageF meshWarp(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize) 
     }
   Anchors anchors = anchorsOf(pairs, plane);
   if (anchors.count() == 0) return map;
-  // At the border the homography holds.
+  // Anchors on the border have no residual: the homography holds there.
   constexpr int kSteps = 4;
   for (int s = 0; s < kSteps; ++s)
     for (const glm::vec2 side :

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The map from one picture to another that a few matches say: the dominant homography, and where matches lie, what is
-// linear between them.
+// Dense map between two images from sparse matches: the dominant homography, corrected by linear
+// interpolation between matches.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -10,14 +10,14 @@
 
 namespace ibr {
 
-/// Matched points, px of either picture.
+/// Matched points, px of either image.
 struct PointPairs {
   std::vector<glm::vec2> from, to;
 };
 
-/// 2 channels of `width` × `height`: where each pixel's centre of the first picture is seen in the second one. Outliers
-/// of the epipolar geometry, and of what lies around them, are left out. Too few matches: the second picture stretched
-/// over the first. Deterministic.
+/// Returns 2 channels of size `size`: each pixel's position in the second image. Outliers of the epipolar geometry, and
+/// of their neighbourhood, are left out. With too few matches the second image is stretched over the first.
+/// Deterministic.
 ImageF meshWarp(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize);
 
 }  // namespace ibr

@@ -10,14 +10,14 @@ namespace {
 
 constexpr int kRadius = 4;
 constexpr std::size_t kSize = (2 * kRadius + 1) * (2 * kRadius + 1);
-constexpr double kNoise = 9.0;  // grey²: variance that is no texture
+constexpr double kNoise = 9.0;  // grey²: noise variance, added to each window's variance
 constexpr int kSteps = 8;
-constexpr double kStill = 0.005;  // px: smaller steps change nothing
+constexpr double kStill = 0.005;  // px: smaller steps end the iteration
 
 }  // namespace
 
 struct PlanePatches::Window {
-  std::array<double, kSize> value, slopeX, slopeY;  // of the picture, at where the window's pixels are seen
+  std::array<double, kSize> value, slopeX, slopeY;  // of the image, where the window's pixels are seen
   double mean = 0, variance = 0;
 };
 
@@ -26,8 +26,8 @@ PlanePatches::PlanePatches(std::span<const ImageF> grey, std::span<const Camera>
   for (const Camera& camera : cameras) maps_.push_back(frameToMember(cameras[0], camera));
 }
 
-// The window around `first` of the first member as the plane shows it, moved so that its centre comes to lie at
-// `centre`.
+// Samples the window around `first` of the first member, mapped by the plane and shifted so that its
+// centre lies at `centre`.
 bool PlanePatches::sample(std::size_t member, const glm::dmat3& plane, glm::dvec2 first, glm::dvec2 centre,
                           Window& window) const {
   const ImageF& grey = grey_[member];
@@ -97,7 +97,7 @@ double PlanePatches::align(const PlaneMaps& plane, std::span<glm::dvec2> at, dou
         rx += sx * r, ry += sy * r;
       }
       if (posed_) {
-        // Where the place moves when its inverse depth grows: towards the image of the first member's centre.
+        // Motion of the point for a growing inverse depth: along the epipolar line, to the first member's epipole.
         const glm::dvec3 infinite = maps_[i].homogeneous(at[0], 0);
         direction[i] = (glm::dvec2(maps_[i].b) - here[i] * maps_[i].b.z) / infinite.z;
         const glm::dvec2 m = direction[i];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the members look alike around a place if it lies on a given plane, and where they look most alike.
+// Photometric similarity of the members around a point on a given plane, and the positions of greatest similarity.
 #pragma once
 
 #include <span>
@@ -12,17 +12,17 @@ namespace ibr {
 
 class PlanePatches {
  public:
-  /// `grey`: 1 channel each, 0 … 255. With poses, places stay on their epipolar lines. Keeps a reference to `grey`.
+  /// `grey`: 1 channel each, 0 … 255. With poses, points stay on their epipolar lines. Keeps a reference to `grey`.
   PlanePatches(std::span<const ImageF> grey, std::span<const Camera> cameras, bool posed);
 
-  /// The zero-mean normalised correlation of 9×9 windows of the first member with what the plane says the others see
-  /// there, the least member's; −1 where one does not see it all. `at`: where the members are taken to see the window's
-  /// centre.
+  /// Returns the zero-mean normalised correlation of 9×9 windows of the first member with the other members' windows,
+  /// mapped by the plane: the minimum over the members; −1 if a member does not see a whole window. `at`: position of
+  /// the window's centre in each member, px.
   double correlation(const PlaneMaps& plane, std::span<const glm::dvec2> at) const;
 
-  /// Moves `at[1]` … to where the members correlate most with the first, at most `reach` px, by Gauss–Newton on
-  /// displacement, gain and offset (with poses: on one inverse depth). Returns the correlation there; places only move
-  /// where it grows.
+  /// Moves `at[1]` … by at most `reach` px to maximise the correlation with the first member. Gauss–Newton on
+  /// displacement, gain and offset (with poses: on one inverse depth). Returns the correlation; positions change only
+  /// if the correlation grows.
   double align(const PlaneMaps& plane, std::span<glm::dvec2> at, double reach) const;
 
  private:

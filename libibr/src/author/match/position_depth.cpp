@@ -17,7 +17,7 @@ PositionDepth positionDepth(std::span<const FrameToMember> maps, glm::dvec2 pixe
                             std::span<const glm::dvec2> positions) {
   double slopes = 0, sides = 0, scale = 0;
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    // Seen at p means a·(x, y, 1) + w·b ∝ (p, 1): two equations that are linear in w.
+    // Position p means a·(x, y, 1) + w·b ∝ (p, 1): two equations that are linear in w.
     const glm::dvec3 infinite = maps[i].homogeneous(pixel, 0);
     if (!(infinite.z > 0)) continue;
     const glm::dvec2 slope = (glm::dvec2(maps[i].b) - positions[i] * maps[i].b.z) / infinite.z;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of matches that were found without it.
+// Depth of matches that were found without depth.
 #pragma once
 
 #include "author/geometry/mean_frame.h"
@@ -9,17 +9,17 @@ namespace ibr {
 
 struct PositionDepth {
   double inverseDepth = 0;  // not negative
-  double motion = 0;        // px that a unit of it moves the members, root of the sum of squares; 0: it is not known
+  double motion = 0;        // px per unit of inverse depth, root of the sum of squares over members; 0: depth unknown
 };
 
-/// The inverse depth for which the members (`maps` from the frame) see the frame's pixel nearest to `positions`: linear
-/// least squares.
+/// Returns the inverse depth at which the members (`maps` from the frame) see the frame's pixel nearest to `positions`:
+/// linear least squares.
 PositionDepth positionDepth(std::span<const FrameToMember> maps, glm::dvec2 pixel,
                             std::span<const glm::dvec2> positions);
 
-/// Fills inverseDepth and inverseDepthStep of a match whose frame and positions are known: at each pixel the depth
-/// of its positions, a step being what moves the members by 1 px against each other (median). Poses that know no
-/// parallax give 0 and a step of 1.
+/// Fills inverseDepth and inverseDepthStep of a match with known frame and positions. A pixel gets the depth
+/// of its positions; a step moves the members by 1 px relative to each other (median). Poses without parallax
+/// give 0 and a step of 1.
 void depthFromPositions(DenseMatch& match, std::span<const Camera> cameras);
 
 }  // namespace ibr

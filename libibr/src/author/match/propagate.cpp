@@ -14,19 +14,19 @@
 namespace ibr {
 namespace {
 
-constexpr double kBetter = 0.02;          // in correlation, for a match to change its plane
-constexpr double kExtrapolated = 0.8;     // least correlation of what a plane alone puts there …
-constexpr double kFocused = 0.8;          // … and of what descriptors do
-constexpr double kReach = 1.5;            // px
-constexpr double kApart = 3.0;            // px between matches
-constexpr double kMargin = 4.0;           // px about the corresponding triangle
-constexpr int kSameDescriptor = 100'000;  // largest distance (0.38 of unit descriptors, squared)
+constexpr double kBetter = 0.02;          // minimum gain of correlation for a match to change its plane
+constexpr double kExtrapolated = 0.8;     // minimum correlation of extrapolated matches …
+constexpr double kFocused = 0.8;          // … and of matches found by descriptor
+constexpr double kReach = 1.5;            // maximum alignment of a new match, px
+constexpr double kApart = 3.0;            // minimum distance between matches, px
+constexpr double kMargin = 4.0;           // around the corresponding triangle, px
+constexpr int kSameDescriptor = 100'000;  // maximum distance (0.38 of unit descriptors, squared)
 constexpr double kFocusedRatio = 0.8;
-constexpr double kAround = 40.0;        // px, from a feature to matches that lend it their planes …
-constexpr std::size_t kNeighbours = 8;  // … the nearest of them
-constexpr double kStretch = 2.0;        // by which distances may grow from member to member
+constexpr double kAround = 40.0;        // maximum distance of a feature from matches whose planes are tried, px …
+constexpr std::size_t kNeighbours = 8;  // … at most so many of them
+constexpr double kStretch = 2.0;        // maximum growth of distances between members
 
-// Features by place, for looking up what is near.
+// Features in a spatial grid, for lookup of neighbours.
 class Buckets {
  public:
   explicit Buckets(double side) : side_(side) {}
@@ -62,7 +62,7 @@ bool contains(const std::array<glm::dvec2, 3>& corner, glm::dvec2 p) {
   return side(0) >= 0 && side(1) >= 0 && side(2) >= 0;
 }
 
-// The planes of a triangle's corners, each once.
+// Returns the planes of a triangle's corners, each once.
 std::vector<int> planesOf(const std::vector<PlaneTrack>& tracks, const glm::uvec3& t) {
   std::vector<int> planes;
   for (int k = 0; k < 3; ++k)
@@ -80,8 +80,8 @@ Box boxOf(const std::vector<PlaneTrack>& tracks, const glm::uvec3& t, std::size_
   return {glm::min(a, glm::min(b, c)) - kMargin, glm::max(a, glm::max(b, c)) + kMargin};
 }
 
-// Calls `attempt(triangle, feature, at)` for the first member's features without a track, in the triangles they lie in.
-// It returns a new track, or nothing.
+// Calls `attempt(triangle, feature, at)` for the first member's features without a track, inside their triangles.
+// `attempt` returns a new track, or nothing.
 template <class Attempt>
 std::size_t forUnmatched(std::vector<PlaneTrack>& tracks, const Features& first, Attempt&& attempt) {
   const std::vector<glm::uvec3> triangles = trackTriangles(tracks);
@@ -186,7 +186,7 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
       const PlaneMaps& plane = with.planes[std::size_t(p)];
       auto at = plane(pixel);
       if (!at) continue;
-      // No farther from the neighbours' matches than from the neighbours, or little.
+      // In each member, the distance to the neighbours' matches may grow only by kStretch.
       bool near = true;
       for (std::size_t i = 1; i < d; ++i) {
         double least = std::numeric_limits<double>::infinity();
@@ -244,7 +244,7 @@ std::size_t matchFocused(std::vector<PlaneTrack>& tracks, const Propagation& wit
                           if (track.feature[i] == kNoFeature || best > kFocusedRatio * kFocusedRatio * second)
                             return std::nullopt;
                         }
-                        // The corners' planes only lend their slope to the windows that are compared.
+                        // The corners' planes only give the compared windows their slant.
                         double best = kFocused;
                         std::optional<PlaneTrack> found;
                         for (const int p : planesOf(tracks, t)) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// From planes on to what was not matched, triangle by triangle (steps 4 to 6 of homographic decomposition matching).
+// Propagates planes to unmatched features, triangle by triangle (steps 4 to 6 of homographic decomposition matching).
 //
-//   local refinement     a match moves to where a neighbour's plane puts it if the members look more alike there
-//   local extrapolation  a feature without a match goes where the plane of one of the matches around it puts it
-//   focused matching     what no plane explains is sought by descriptor within the corresponding triangle only
+//   local refinement     a match moves to a neighbour's plane if the members are more similar there
+//   local extrapolation  a feature without a match is placed by the plane of one of the matches around it
+//   focused matching     features that no plane explains are matched by descriptor inside the corresponding triangle
 #pragma once
 
 #include <span>
@@ -23,7 +23,7 @@ struct Propagation {
 
 void refineLocally(std::vector<PlaneTrack>& tracks, const Propagation& with);
 
-/// Appends tracks for features of the first member that have none. Returns how many.
+/// Appends tracks for features of the first member without a track. Returns their number.
 std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagation& with);
 std::size_t matchFocused(std::vector<PlaneTrack>& tracks, const Propagation& with);
 

@@ -11,7 +11,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastShare = 0.5;  // of a smallest block that must be matched
+constexpr double kLeastShare = 0.5;  // matched share of a smallest block for a vertex
 
 class Quadtree {
  public:
@@ -57,7 +57,7 @@ class Quadtree {
     vertices_.push_back(best);
   }
 
-  // Whether every member's positions in a fully matched block lie on an affine map (least squares) of the pixel.
+  // True if the positions of every member in a fully matched block fit an affine map (least squares) of the pixel.
   bool affine(int x0, int y0, int x1, int y1) const {
     constexpr int kStride = 2;
     const glm::dvec2 centre(0.5 * (x0 + x1 - 1), 0.5 * (y0 + y1 - 1));

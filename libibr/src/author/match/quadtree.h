@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a dense match needs mesh vertices.
+// Chooses mesh vertices for a dense match, by quadtree.
 //
-//   blocks of 32 px; split down to 8 where the match is not one affine map to 0.6 px, or partly missing; down to 4
-//   where it is partly missing. A vertex stands at the matched pixel nearest to a block's centre.
+//   Blocks of 32 px are split down to 8 px if the match is not affine within 0.6 px or partly missing; down to 4 px if
+//   partly missing. A block's vertex is the matched pixel nearest to its centre.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -18,8 +18,8 @@ struct BlockSizes {
   double affine = 0.6;                          // px
 };
 
-/// Pixels of the frame, each matched (`good`: 1 channel, not 0), in a fixed order. `positions`: where they are matched,
-/// 2 channels each, all of one size.
+/// Returns matched pixels of the frame in a fixed order. `good`: 1 channel, not 0 where matched. `positions`: matched
+/// positions in each member, 2 channels each, all of one size.
 std::vector<glm::ivec2> meshVertices(const Image8& good, std::span<const ImageF> positions,
                                      const BlockSizes& sizes = {});
 

@@ -12,13 +12,13 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastRatio = 0.2, kLargestRatio = 5.0;  // of a_i to their mean
-constexpr int kSteps = 4;                                 // of Gauss–Newton; it starts within a pixel
+constexpr double kLeastRatio = 0.2, kLargestRatio = 5.0;  // range of a_i relative to their mean
+constexpr int kSteps = 4;                                 // of Gauss–Newton, which starts within a pixel
 
 struct Fit {
   glm::dvec3 state;       // x, y, w
   glm::dmat3 covariance;  // for unit noise
-  double residual = 0;    // largest, px
+  double residual = 0;    // maximum, px
 };
 
 }  // namespace
@@ -26,17 +26,17 @@ struct Fit {
 RangeFit triangulate(const Camera& frame, std::span<const Camera> members, std::span<const glm::dvec2> pixels,
                      const RangePrior& prior, double noisePx) {
   const std::size_t d = members.size();
-  // (x, y, w) → member's homogeneous pixel: the frame's picture with focal length 1 about its axis, y down.
+  // (x, y, w) → member's homogeneous pixel: the frame's image with focal length 1 around its axis, y down.
   Camera unit = frame;
   unit.intrinsics.fx = unit.intrinsics.fy = 1;
   unit.intrinsics.cx = unit.intrinsics.cy = 0;
   std::vector<FrameToMember> maps;
   for (const Camera& member : members) maps.push_back(frameToMember(unit, member));
 
-  // Start where the mean of the rays points, all brought to depth 1 along the frame's axis.
+  // Start at the mean of the rays' directions, all brought to depth 1 along the frame's axis.
   glm::dvec3 state(0.0, 0.0, prior.inverseDepth);
   for (std::size_t i = 0; i < d; ++i) {
-    // The ray of member i in the frame's picture if the point were at the prior's depth.
+    // The ray of member i in the frame's image if the point were at the prior's depth.
     const glm::dvec3 ray = glm::inverse(maps[i].a) * (glm::dvec3(pixels[i], 1.0));
     const glm::dvec3 shift = glm::inverse(maps[i].a) * maps[i].b;
     // a·(x, y, 1) + w·b ∝ pixel: (x, y, 1) = scale·ray − w·shift.
@@ -79,7 +79,7 @@ RangeFit triangulate(const Camera& frame, std::span<const Camera> members, std::
     return fit;
   };
   Fit fit = solve(state, false);
-  if (!(fit.state.z >= 0)) fit = solve({fit.state.x, fit.state.y, 0.0}, true);  // rays that part meet at infinity
+  if (!(fit.state.z >= 0)) fit = solve({fit.state.x, fit.state.y, 0.0}, true);  // divergent rays meet at infinity
 
   RangeFit range;
   const glm::dvec3 direction = frame.pose.rotation * glm::dvec3(fit.state.x, -fit.state.y, -1.0);

@@ -13,10 +13,10 @@ namespace ibr {
 namespace {
 
 constexpr int kRadius = 5, kMost = (2 * kRadius + 1) * (2 * kRadius + 1), kLeast = kMost / 3;  // px
-constexpr double kOnPlane = 1.5;                                                               // steps of the sweep
-constexpr double kFarthest = 2.0;  // px of members against each other that the depth may change by
-constexpr double kNoise = 4.0;     // grey levels; with kPrior it weighs the dense depth
-constexpr double kPrior = 0.5;     // px, likewise, one standard deviation
+constexpr double kOnPlane = 1.5;                                                               // of plane, sweep steps
+constexpr double kFarthest = 2.0;  // maximum change of depth, in px between members
+constexpr double kNoise = 4.0;     // grey levels; with kPrior the weight of the dense depth
+constexpr double kPrior = 0.5;     // px, one standard deviation of the dense depth
 constexpr int kRounds = 4;
 
 }  // namespace
@@ -25,7 +25,7 @@ struct DepthRefiner::Patch {
   int count = 0;
   std::array<glm::dvec2, kMost> pixel;
   std::array<double, kMost> inverseDepth;
-  double perPixel = 0;  // change of inverse depth that moves members by 1 px against each other
+  double perPixel = 0;  // change of inverse depth that moves members by 1 px relative to each other
 };
 
 DepthRefiner::DepthRefiner(std::span<const MatchView> views, const DenseMatch& match) : match_(match) {
@@ -40,7 +40,7 @@ DepthRefiner::DepthRefiner(std::span<const MatchView> views, const DenseMatch& m
   }
 }
 
-// Whether all members see it, unmasked, and will when the depth has changed a little.
+// True if all members see the point unmasked, also after a small change of its depth.
 bool DepthRefiner::seen(glm::dvec2 pixel, double inverseDepth) const {
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     constexpr double kMargin = kFarthest + 1;
@@ -66,8 +66,8 @@ bool DepthRefiner::gather(int x, int y, Patch& patch) const {
   }
   patch.perPixel = std::max(1.0 / motion, double(match_.inverseDepthStep));
   const double limit = kOnPlane * patch.perPixel;
-  // The plane's slope, from what is near in depth: least squares without cross term, the window being all but
-  // symmetric.
+  // Slope of the plane from pixels of similar depth: least squares without cross term, since the window
+  // is nearly symmetric.
   double sx = 0, sy = 0, sxx = 0, syy = 0;
   for (int v = y0; v <= y1; ++v)
     for (int u = x0; u <= x1; ++u) {
@@ -90,8 +90,8 @@ bool DepthRefiner::gather(int x, int y, Patch& patch) const {
   return patch.count >= kLeast && motion > 0;
 }
 
-// Mean square deviation of the members from each other, grey²; infinite where a member does not see the patch. `step`
-// receives the change of inverse depth that would make it least.
+// Returns the mean square deviation between the members, grey²; infinite if a member does not see the patch. `step`
+// receives the change of inverse depth that minimises the error, to first order.
 double DepthRefiner::error(const Patch& patch, double change, double* step) const {
   const std::size_t d = grey_.size();
   std::array<std::array<float, kMost>, kMostMembers> value, slope;

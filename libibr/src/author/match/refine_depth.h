@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sub-pixel depth: Gauss–Newton on one inverse depth, as Lucas & Kanade (1981) on a displacement.
 //
-//   patch of 11×11 px of the frame, plane in depth; only pixels that match and whose dense depth lies on that plane
-//   each member's grey values there, brought to the same mean and spread; r_i their deviation from the members' mean
-//   minimise Σ r_i² over a common change of the patch's inverse depth, held by the dense one where texture is weak
+//   Patch: 11×11 px of the frame, plane in depth; only matched pixels whose dense depth lies on that plane count. Each
+//   member's grey values are normalised to equal mean and spread; r_i is their deviation from the members' mean.
+//   Minimises Σ r_i² over a common change of inverse depth; the dense depth is the prior where texture is weak.
 #pragma once
 
 #include <span>
@@ -16,10 +16,10 @@ namespace ibr {
 
 class DepthRefiner {
  public:
-  /// The match's poses are taken as exact. Keeps references.
+  /// Takes the match's poses as exact. Keeps references to the arguments.
   DepthRefiner(std::span<const MatchView> views, const DenseMatch& match);
 
-  /// The inverse depth at the centre of a pixel of the frame; the dense one where nothing better is found.
+  /// Returns the inverse depth at the centre of a pixel of the frame; the dense depth if nothing better is found.
   double at(int x, int y) const;
   const std::vector<FrameToMember>& maps() const { return maps_; }
 

@@ -15,14 +15,14 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 5, kSide = 2 * kRadius + 1, kCount = kSide * kSide;  // px of the whole photograph
+constexpr int kRadius = 5, kSide = 2 * kRadius + 1, kCount = kSide * kSide;  // px of the full-size photograph
 constexpr int kSlopeRadius = 2;                                              // px of the frame
-constexpr double kSameSurface = 4;                                           // steps of the sweep
-constexpr double kFarthest = 1.0;                                            // px of the view that a match may move
-constexpr double kPrior = 0.5;        // px of the view, one standard deviation of a match
-constexpr double kOffLine = 0.02;     // likewise across the epipolar line
+constexpr double kSameSurface = 4;                                           // maximum difference of depth, sweep steps
+constexpr double kFarthest = 1.0;                                            // maximum motion of a match, view's px
+constexpr double kPrior = 0.5;        // standard deviation of a match, px of the view
+constexpr double kOffLine = 0.02;     // the same across the epipolar line, for exact poses
 constexpr double kNoise = 4.0;        // grey levels
-constexpr double kLeastSpread = 2.0;  // grey levels: less is no texture
+constexpr double kLeastSpread = 2.0;  // minimum contrast, grey levels
 constexpr double kSettled = 0.01;     // px
 constexpr int kRounds = 10;
 
@@ -33,7 +33,7 @@ struct Values {
   double mean = 0, spread = 0;
 };
 
-// Grey values and their derivatives; false where a part of the patch lies outside.
+// Samples grey values and their derivatives; returns false if part of the patch lies outside.
 bool sample(const Image8& picture, const Patch& patch, glm::dvec2 shift, Values& values) {
   double sum = 0, square = 0;
   for (std::size_t k = 0; k < kCount; ++k) {
@@ -96,7 +96,7 @@ class Refiner {
   }
 
  private:
-  // Change of the inverse depth to the right and down; only of what lies on the same surface.
+  // Returns the gradient of the inverse depth to the right and down, from pixels on the same surface only.
   glm::dvec2 slopeAt(glm::dvec2 pixel, double w) const {
     const ImageF& depth = match_.inverseDepth;
     const double limit = kSameSurface * double(match_.inverseDepthStep);
@@ -113,8 +113,8 @@ class Refiner {
     return {square.x > 0 ? along.x / square.x : 0, square.y > 0 ? along.y / square.y : 0};
   }
 
-  // The patch about `matched`, a place in the view, in px of the whole photograph. Its side is that many px of the
-  // first member's photograph.
+  // Builds the patch around `matched`, a position in the view, in px of the full-size photograph. Its sides are kSide
+  // px of the first member's photograph.
   bool place(std::size_t i, glm::dvec2 pixel, double w, glm::dvec2 slope, glm::dvec2 matched, Patch& patch) const {
     const auto centre = maps_[i](pixel, w);
     if (!centre) return false;
@@ -127,13 +127,13 @@ class Refiner {
     return true;
   }
 
-  // The weight of a shift from the match, grey² to px² of the whole photograph.
+  // Prior weight of a shift from the match, grey² per px² of the full-size photograph.
   glm::dmat2 prior(std::size_t i, glm::dvec2 matchedFirst, double w) const {
     const double size = 0.5 * (scale_[i].x + scale_[i].y);
     const auto weight = [&](double px) { return kNoise * kNoise / (px * px * size * size); };
     glm::dmat2 held(weight(kPrior));
     if (match_.refined) return held;
-    // Across the line on which member i sees the first member's ray.
+    // Direction across the epipolar line of the first member's ray in member i.
     const Camera &first = views_[0].camera, &here = views_[i].camera;
     const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, matchedFirst);
     const glm::dvec3 apart = first.pose.position - here.pose.position;
@@ -147,7 +147,7 @@ class Refiner {
     return held + (weight(kOffLine) - weight(kPrior)) * glm::outerProduct(across, across);
   }
 
-  // Sum of squares, with the prior's; `step` leads to where it is least, to first order.
+  // Returns the sum of squares, prior included; `step` leads to the minimum, to first order.
   static double solve(const Values& first, const Values& other, const glm::dmat2& held, glm::dvec2 shift,
                       glm::dvec2& step) {
     const double gain = first.spread / other.spread;
@@ -171,7 +171,7 @@ class Refiner {
   std::span<const Image8> full_;
   const DenseMatch& match_;
   std::vector<FrameToMember> maps_;
-  std::vector<glm::dvec2> scale_;  // whole photograph over view
+  std::vector<glm::dvec2> scale_;  // full-size photograph over view
 };
 
 }  // namespace

@@ -98,7 +98,7 @@ TrackField fieldOf(std::span<const PlaneTrack> tracks, std::span<const glm::uvec
   for (const glm::uvec3& t : triangles) {
     const PlaneTrack &a = tracks[t.x], &b = tracks[t.y], &c = tracks[t.z];
     const std::uint16_t shared = commonPlane(labels[t.x], labels[t.y], labels[t.z]);
-    // The plane is off the corners by a little: what is left is spread over the triangle.
+    // The plane misses the corners slightly: the residuals are interpolated over the triangle.
     std::array<std::array<glm::dvec2, kMostMembers>, 3> left{a.at, b.at, c.at};
     bool onPlane = shared != 0;
     for (int k = 0; onPlane && k < 3; ++k) {

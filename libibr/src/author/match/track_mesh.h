@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Delaunay mesh of matches: which of them their neighbours contradict, and what lies between them.
+// Delaunay mesh of matches: rejects matches that their neighbours contradict, and interpolates between matches.
 #pragma once
 
 #include <glm/gtc/type_precision.hpp>
@@ -12,25 +12,25 @@
 
 namespace ibr {
 
-/// Triangles on the tracks' places in the first member.
+/// Triangulates the tracks' positions in the first member.
 std::vector<glm::uvec3> trackTriangles(std::span<const PlaneTrack> tracks);
 
-/// For each track those it shares a triangle with, ascending.
+/// Returns for each track those that share a triangle with it, ascending.
 std::vector<std::vector<std::uint32_t>> trackNeighbours(std::size_t count, std::span<const glm::uvec3> triangles);
 
-/// Drops tracks that no neighbour bears out: that lie on a plane of none of them, and farther than `px` from where the
-/// nearest of their planes puts them; then those about which triangles turn over.
+/// Drops tracks that are farther than `px` from the planes of all their neighbours, or whose neighbours have no plane.
+/// Then drops tracks whose triangles fold over.
 void dropContradicted(std::vector<PlaneTrack>& tracks, std::span<const PlaneMaps> planes, double px);
 
-/// Drops tracks about which triangles turn over in one of the first `members` members.
+/// Drops tracks whose triangles fold over in one of the first `members` members.
 void dropFolded(std::vector<PlaneTrack>& tracks, std::size_t members);
 
-/// The planes that each track lies on to `px`: at most four, the nearest, in ascending order and counted from 1, filled
-/// up with 0. The plane it was found on comes first in this choice.
+/// Returns the planes within `px` of each track: at most the four nearest, ascending and counted from 1, padded with 0.
+/// The plane of the track itself always counts as the nearest.
 std::vector<glm::u16vec4> planeLabels(std::span<const PlaneTrack> tracks, std::span<const PlaneMaps> planes, double px);
 
-/// Where each pixel of the first member is seen in each member: by the plane that a triangle's corners share, else
-/// linear between them. `known`: 1 channel, 1 inside triangles.
+/// Maps each pixel of the first member to its position in each member: by the plane that a triangle's corners share,
+/// else by linear interpolation. `known`: 1 channel, 1 inside triangles.
 struct TrackField {
   std::vector<ImageF> position;
   Image8 known;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vertices of a morphing mesh from a dense match, and the triangulation that folds over in no member.
+// Vertices of a morphing mesh from a dense match, and a triangulation that folds over in no member.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -11,7 +11,7 @@
 
 namespace ibr {
 
-/// Where a dense match puts vertices: the matcher's own, else by quadtree (quadtree.h).
+/// Returns the vertices of a dense match: the matcher's own if present, else by quadtree (quadtree.h).
 MatchedVertices matchedVertices(std::span<const MatchView> views, const DenseMatch& match);
 
 template <class T>
@@ -22,8 +22,8 @@ void keepOnly(std::vector<T>& list, const std::vector<bool>& keep) {
   list.resize(kept);
 }
 
-/// Triangles of `vertices`, which has count(), triangulate(), folded(triangle) and keepOnly(keep): while triangles fold
-/// over, the vertex of each that most of them share is dropped. What folds over after many passes is left to labels.
+/// Triangulates `vertices`, which has count(), triangulate(), folded(triangle) and keepOnly(keep). While triangles fold
+/// over, the vertex of each that most folded triangles share is dropped. Folds left after 30 passes are left to labels.
 template <class Vertices>
 std::vector<glm::uvec3> triangulateAndRepair(Vertices& vertices) {
   constexpr int kRepairs = 30;

@@ -13,21 +13,21 @@
 namespace ibr {
 namespace {
 
-// Thresholds of the best filter in a comparison against ground truth (precision .97, recall .96 to .98 by area), made
-// more tolerant: what is refused leaves a hole or a picture from one member, which costs more than a little blur.
+// Thresholds of the best filter against ground truth (precision .97, recall .96 to .98 by area), relaxed: a rejected
+// triangle leaves a hole or one member's image, which is worse than slight blur.
 constexpr float kLeastEcc = 0.6f;
 constexpr float kAlike = 16.0f;  // RMS below which a triangle may lack texture to correlate
 constexpr float kLargestRms = 24.0f;
 constexpr float kLargestOff = 0.3f;
 constexpr float kOffPx = 1.5f;
-constexpr float kFarOffPx = 3.0f;  // off however alike it looks: from outside the cell a roof in the sky is seen there
-constexpr double kSameColour = 16.0;  // mean over channels: where members differ by less, nobody sees what is off
-constexpr double kNoise = 25.0;       // grey² in variances and covariance
+constexpr float kFarOffPx = 3.0f;  // off however similar: from outside the cell such errors show, as a roof in the sky
+constexpr double kSameColour = 16.0;  // mean over channels, 8-bit levels: a smaller difference hides a wrong match
+constexpr double kNoise = 25.0;       // grey², added to variances and covariance
 
 constexpr std::size_t kMostPairs = kMostMembers * (kMostMembers - 1) / 2;
-constexpr std::size_t kFewSamples = 6;  // fewer pixels than this inside: a lattice of samples instead
+constexpr std::size_t kFewSamples = 6;  // triangles with fewer pixel centres inside use a lattice of samples
 
-// Per channel v ↦ gain·v + offset, to the mean of all members.
+// Maps v ↦ gain·v + offset per channel, to the mean of all members.
 struct Exposure {
   glm::vec3 gain{1.0f}, offset{0.0f};
 };
@@ -46,7 +46,7 @@ glm::vec3 sampled(const Image8& picture, glm::vec2 at) {
   return glm::mix(glm::mix(texel(ix, iy), texel(jx, iy), fx), glm::mix(texel(ix, jy), texel(jx, jy), fx), fy);
 }
 
-// Means and spreads of each member's colours at the same places.
+// Means and spreads of each member's colours at the same points.
 class ExposureSums {
  public:
   explicit ExposureSums(std::size_t members) : mean_(members, glm::dvec3(0.0)), square_(mean_) {}
@@ -128,7 +128,7 @@ void forSamples(const std::array<glm::vec2, 3>& corner, int width, int height, s
   for (const glm::vec3& weights : list) visit(weights);
 }
 
-// Over pairs of members, mean over channels.
+// Maximum over pairs of members of the difference, averaged over channels.
 double largestDifference(std::span<const glm::dvec3> colours, std::span<const bool> used) {
   double largest = 0;
   for (std::size_t i = 0; i < colours.size(); ++i)

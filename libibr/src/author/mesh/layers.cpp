@@ -32,7 +32,7 @@ class Cutter {
   }
 
  private:
-  // A triangle turned so that its near corners come first, or its only far one last.
+  // A triangle, rotated so that its near corners come first or its only far one last.
   struct Parted {
     std::array<unsigned, 3> corner;
     unsigned nearCount;
@@ -40,7 +40,7 @@ class Cutter {
   using Edge = std::pair<unsigned, unsigned>;  // near, far
   struct Cut {
     std::optional<double> part;
-    unsigned nearSide = 0, farSide = 0;  // vertices, once they are made
+    unsigned nearSide = 0, farSide = 0;  // vertices, valid once made
     bool made = false;
   };
 
@@ -71,7 +71,7 @@ class Cutter {
     return parts;
   }
 
-  // What the far corners around a near one say of the depth behind it.
+  // Averages the depth behind a near corner, extrapolated from the far corners around it.
   void lean(unsigned near, unsigned far) {
     auto& [sum, count, like] = behind_[near];
     sum += surface(far).at(glm::dvec2(frame_[near]), most_);

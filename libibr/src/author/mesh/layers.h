@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallax as layers: a triangle across a depth edge is no surface; it is cut along the edge, so that what is before it
-// and what is behind it both have one.
+// Parallax as layers: a triangle across a depth edge is no surface. Cutting it along the edge gives the surfaces in
+// front and behind a triangle each.
 //
-//   corners of a triangle part into near and far at the largest gap of their depths
-//   each of its two edges between the parts is cut at the silhouette (silhouette.h); the cut is two vertices at one
-//   place of the frame, one on the near surface, one on the far; triangles on both sides of an edge share them
-//   near side: as far as the cut, near depth; far side: from the cut on, far depth, and also on behind the near side,
-//   at most as far as its corners, at the depth that the far corners' planes have there
+//   a triangle's corners are split into near and far at the largest gap of their depths
+//   each of the two edges between near and far corners is cut at the silhouette (silhouette.h); a cut is two vertices
+//   at one position of the frame, one on the near surface, one on the far; adjacent triangles share them. The near side
+//   ends at the cut, at near depth. The far side starts at the cut, at far depth, and continues behind the near side up
+//   to its corners, at the depth of the far corners' planes
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -20,14 +20,14 @@ namespace ibr {
 /// A vertex that a cut adds.
 struct LayerVertex {
   SurfaceSample place;
-  unsigned like;  // the vertex of the mesh whose surface it continues
+  unsigned like;  // the mesh's vertex whose surface this one continues
 };
 
-/// What stands for one triangle of the mesh.
+/// Pieces that replace one triangle of the mesh.
 struct LayerSplit {
   std::size_t triangle;
-  std::vector<glm::uvec3> surface;  // cover the triangle in the frame, each place once
-  std::vector<glm::uvec3> behind;   // far side that the frame does not see
+  std::vector<glm::uvec3> surface;  // cover the triangle in the frame without overlap
+  std::vector<glm::uvec3> behind;   // far side that is hidden in the frame
 };
 
 struct Layers {
@@ -36,7 +36,7 @@ struct Layers {
 };
 
 /// Cuts those `triangles` for which `wanted` is true and a silhouette is found. `frame` and `inverseDepth` are the
-/// mesh's vertices. Deterministic; pieces turn as their triangle does in the frame.
+/// mesh's vertices. Deterministic; pieces keep their triangle's orientation in the frame.
 Layers cutAtSilhouettes(const SilhouetteFinder& finder, std::span<const glm::vec2> frame,
                         std::span<const double> inverseDepth, std::span<const glm::uvec3> triangles,
                         const std::vector<bool>& wanted);

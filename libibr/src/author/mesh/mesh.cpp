@@ -19,7 +19,7 @@ namespace ibr {
 namespace {
 
 struct Vertices : MatchedVertices {
-  std::vector<std::vector<glm::vec2>> stored;  // of each member, px of its stored photograph, on the grid
+  std::vector<std::vector<glm::vec2>> stored;  // for each member, px of its stored photograph, on the grid
 
   Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match)
       : MatchedVertices(matchedVertices(views, match)), stored(matched) {
@@ -48,13 +48,13 @@ struct Vertices : MatchedVertices {
     for (auto& list : stored) ibr::keepOnly(list, keep);
   }
 
-  // Matches of vertices that continue a surface deviate from the poses as those of the surface do.
+  // Vertices that continue a surface get the same deviation from the poses as that surface's matches.
   void add(const LayerVertex& vertex, std::span<const FrameToMember> maps) {
     for (std::size_t i = 0; i < maps.size(); ++i) {
       const auto here = maps[i](vertex.place.pixel, vertex.place.inverseDepth);
       const auto there = maps[i](glm::dvec2(frame[vertex.like]), inverseDepth[vertex.like]);
       const glm::dvec2 known(matched[i][vertex.like]);
-      const glm::dvec2 put = here && there ? known + (*here - *there) : known;  // else it folds over and goes
+      const glm::dvec2 put = here && there ? known + (*here - *there) : known;  // else it folds over and is removed
       matched[i].emplace_back(put);
       stored[i].push_back(snapped(put * scale_[i]));
     }
@@ -71,10 +71,10 @@ struct Face {
   glm::uvec3 corner;
   Tier tier;
   float ecc;
-  bool inFrame;  // not behind another one there
+  bool inFrame;  // not hidden behind another one in the frame
 };
 
-// Replaces what spans depth edges by layers. Pieces must lie as the triangle does in every member, or it stays.
+// Replaces triangles across depth edges by layers. A piece that folds over in a member keeps the triangle unchanged.
 void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& vertices,
            const std::vector<glm::uvec3>& triangles, std::vector<Face>& faces) {
   const SilhouetteFinder finder(views, match);
@@ -96,7 +96,7 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& 
   for (const LayerSplit& split : layers.splits)
     if (replaced[split.triangle]) std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
 
-  // What turns over between two surfaces shows neither.
+  // Folded triangles between two surfaces show neither surface and are removed.
   const auto betweenSurfaces = [&](const glm::uvec3& t) {
     const auto surface = [&](unsigned v) {
       return finder.surface(glm::dvec2(vertices.frame[v]), vertices.inverseDepth[v]);
@@ -115,7 +115,7 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& 
   faces = std::move(kept);
 }
 
-// Vertices that layers added and no face uses.
+// Removes the vertices that layers added and no face uses.
 void dropUnused(Vertices& vertices, std::size_t first, std::vector<Face>& faces) {
   std::vector<bool> keep(vertices.count(), true);
   std::fill(keep.begin() + std::ptrdiff_t(first), keep.end(), false);

@@ -12,17 +12,17 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 6;          // px of a surface's surroundings
-constexpr double kSameSurface = 3;  // levels of the sweep, from one pixel's depth
-constexpr int kLeast = 12;          // px
-constexpr double kApart = 2;        // levels by which a plane misses another surface
-constexpr double kJumpPx = 2.5;     // parallax between members that makes two surfaces of one
+constexpr int kRadius = 6;          // neighbourhood for a surface's plane, px
+constexpr double kSameSurface = 3;  // maximum difference from one pixel's depth, sweep levels
+constexpr int kLeast = 12;          // minimum number of pixels for a plane
+constexpr double kApart = 2;        // minimum distance of a plane from another surface, sweep levels
+constexpr double kJumpPx = 2.5;     // minimum parallax between members of two surfaces, px
 constexpr double kStep = 0.5;       // px along a segment
 constexpr double kJumpWidth = 2.0;  // px within which …
-constexpr double kJumpShare = 0.5;  // … this share of the change happens where it is a jump
-constexpr double kReach = 5.0;      // px from the depth's jump to the colours'
-constexpr double kAcross = 1.0;     // px to either side that colours are compared at
-constexpr double kFaint = 12.0;     // grey levels a channel, mean over members: less is no border
+constexpr double kJumpShare = 0.5;  // … this share of the change happens at a jump
+constexpr double kReach = 5.0;      // maximum distance from the depth's jump to the colours', px
+constexpr double kAcross = 1.0;     // distance to either side at which colours are compared, px
+constexpr double kFaint = 12.0;     // minimum contrast of a border, grey levels per channel, mean over members
 constexpr double kLeastPart = 0.05;
 
 }  // namespace
@@ -81,7 +81,7 @@ bool SilhouetteFinder::apart(const SurfaceSample& a, const SurfaceSample& b) con
          parallax(a.pixel, a.inverseDepth, b.inverseDepth) > kJumpPx;
 }
 
-// How differently the members show two places at the near surface's depth: mean over channels and members.
+// Returns the colour difference of two points at the near surface's depth: mean over channels and members.
 double SilhouetteFinder::contrast(glm::dvec2 inside, glm::dvec2 outside, double inverseDepth) const {
   double sum = 0;
   for (std::size_t i = 0; i < maps_.size(); ++i) {

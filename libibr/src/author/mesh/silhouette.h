@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a surface ends before another one.
+// Locates the edge of a surface in front of another one.
 //
-//   the dense depth jumps between two pixels of the mean frame, somewhere near the surface's true border: windows of
-//   the matcher fatten what stands in front, or wear it off near the jump, what all members show where the near surface
-//   would be changes most across its border: that is it
+//   The dense depth jumps between two pixels of the mean frame, near the surface's true border: the matcher's windows
+//   fatten or erode foregrounds. Near the jump, the members' colours, sampled at the near surface's depth, change most
+//   across the true border
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -16,35 +16,35 @@
 
 namespace ibr {
 
-/// A matched pixel of the frame and the plane that its surroundings lie on.
+/// A matched pixel of the frame and the plane of its neighbourhood.
 struct SurfaceSample {
   glm::dvec2 pixel;
   double inverseDepth;
   glm::dvec2 slope{0.0};  // of the inverse depth, per px
 
-  /// Extrapolated, not below infinity's 0; by no more than `most`.
+  /// Extrapolates the inverse depth by at most `most`; never below 0, infinity.
   double at(glm::dvec2 other, double most) const;
 };
 
 class SilhouetteFinder {
  public:
-  /// Keeps references.
+  /// Keeps references to the arguments.
   SilhouetteFinder(std::span<const MatchView> views, const DenseMatch& match);
 
-  /// The plane through the pixel's own inverse depth, by what is near it in the picture and in depth.
+  /// Returns the plane through the pixel's own inverse depth, fitted to pixels near in the image and in depth.
   SurfaceSample surface(glm::dvec2 pixel, double inverseDepth) const;
 
-  /// px that members move against each other if the inverse depth at a pixel changes from `a` to `b`.
+  /// Returns the parallax between members, px, if the inverse depth at a pixel changes from `a` to `b`.
   double parallax(glm::dvec2 pixel, double a, double b) const;
 
-  /// Whether two pixels lie on different surfaces: neither's plane goes through the other.
+  /// True if two pixels lie on different surfaces: neither's plane passes through the other.
   bool apart(const SurfaceSample& a, const SurfaceSample& b) const;
 
-  /// The part of the way from `near` to `far`, within (0, 1), where the near surface ends; nullopt where the depth does
+  /// Returns the position of the near surface's edge between `near` and `far`, within (0, 1); nullopt if the depth does
   /// not jump between them.
   std::optional<double> between(const SurfaceSample& near, const SurfaceSample& far) const;
 
-  /// Change of inverse depth that a plane may be followed for.
+  /// Maximum change of inverse depth along an extrapolated plane.
   double mostExtrapolated() const;
 
   const std::vector<FrameToMember>& maps() const { return maps_; }

@@ -8,11 +8,11 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 2;                // px, of a patch
-constexpr int kStep = 2;                  // px between the patches that are looked up, at least
-constexpr double kLookedUp = 4000;        // of them, about, at most
-constexpr std::size_t kExemplars = 2000;  // of each picture, at most
-constexpr int kBlock = 512;               // patches looked up at a time
+constexpr int kRadius = 2;                // of a patch, px
+constexpr int kStep = 2;                  // minimum distance of patches that are compared, px
+constexpr double kLookedUp = 4000;        // approximate maximum number of compared patches
+constexpr std::size_t kExemplars = 2000;  // maximum number from each image
+constexpr int kBlock = 512;               // patches compared in one matrix product
 
 std::vector<cv::Point> pixelsOf(const cv::Mat& where, int step) {
   std::vector<cv::Point> pixels;
@@ -29,7 +29,7 @@ std::vector<cv::Point> thinned(const std::vector<cv::Point>& pixels, std::size_t
   return some;
 }
 
-// A row each.
+// One patch a row.
 cv::Mat patches(const cv::Mat& picture, const cv::Point* pixels, std::size_t count) {
   constexpr int kSide = 2 * kRadius + 1;
   cv::Mat rows(int(count), kSide * kSide * 3, CV_32F);

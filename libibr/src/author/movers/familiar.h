@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How unlike its surroundings something looks: how far its small patches are from the nearest ones around (exemplars,
-// as Criminisi, Pérez & Toyama 2004 fill holes with). Who stands before a wall is not to be found beside himself, the
-// wall that he hides is: of two pictures that differ the one that shows the place without him is told so.
+// Measures how unlike its surroundings an area looks: the distance of its patches from the nearest ones around
+// (exemplars, as in Criminisi, Pérez & Toyama 2004). A wall behind a person continues beside the person, so its patches
+// match; the person's patches do not. Of two differing images, the one with matching patches shows the background.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,9 +9,9 @@
 
 namespace ibr {
 
-/// Root mean square of the colours' difference between the patch of 5×5 px around each pixel of `where` (8 bits, not
-/// 0) and the nearest one of those around pixels of `around` in any of `exemplars`, some thousand of them at most,
-/// evenly taken; 0 elsewhere, and everywhere where there are none. All pictures: float, 3 channels, equal sizes.
+/// Returns the RMS colour difference between the 5×5 patch around each pixel of `where` (8 bits, not 0) and the nearest
+/// patch around pixels of `around` in any of `exemplars`. Per exemplar at most 2000 evenly spaced patches count; 0
+/// elsewhere, and everywhere without exemplars. All images: float, 3 channels, equal sizes.
 cv::Mat unfamiliarity(const cv::Mat& picture, const cv::Mat& where, std::span<const cv::Mat> exemplars,
                       const cv::Mat& around);
 

@@ -21,30 +21,30 @@ namespace ibr {
 namespace {
 
 constexpr int kMaskMargin = 2;       // px at half resolution
-constexpr int kMisaligned = 2;       // px at half resolution that colours may be off
-constexpr int kPatch = 3;            // px, side of what differs as a whole
-constexpr int kSurely = 24;          // grey levels: a mover's core
-constexpr int kPerhaps = 10;         // and what belongs to it
-constexpr double kCore = 0.2;        // share of a region that is core, at least
+constexpr int kMisaligned = 2;       // tolerated misalignment of colours, px at half resolution
+constexpr int kPatch = 3;            // side of the window that averages differences, px
+constexpr int kSurely = 24;          // minimum difference of a moving object's core, grey levels
+constexpr int kPerhaps = 10;         // minimum difference of its other pixels, grey levels
+constexpr double kCore = 0.2;        // minimum share of core in a region
 constexpr double kLooksLike = 0.75;  // correlation that explains a pixel
 constexpr double kStandsStill =
-    0.1;                            // share of a region with a depth: people have .00 to .06, others mostly .2 and more
+    0.1;                            // maximum share that matches at some depth: people .00 to .06, others mostly .2 up
 constexpr int kDepthLevels = 96;    // from infinity to the nearest depth
-constexpr int kLeastPatch = 3;      // px at half resolution, radius
-constexpr double kThin = 0.003;     // of the width: what is no wider is an edge
-constexpr double kSmall = 0.001;    // of the area
-constexpr double kMost = 0.25;      // of the area
-constexpr double kAgrees = 0.68;    // share of what it sees around that another one must show alike, to judge
-constexpr double kKnown = 0.15;     // share of that whose depth was not completed
-constexpr int kAround = 16;         // px at half resolution around a region, at least, in which its like is sought
-constexpr int kLeastAround = 200;   // px that are alike there, at least
-constexpr double kStranger = 1.35;  // times as unfamiliar as the other …
-constexpr double kNoise = 3;        // … and grey levels more
-constexpr double kSure = 0.3;       // share of a part that must be
-constexpr double kSeen = 0.5;       // and that others must see
+constexpr int kLeastPatch = 3;      // radius, px at half resolution
+constexpr double kThin = 0.003;     // of the width: thinner regions are edges
+constexpr double kSmall = 0.001;    // minimum, of the image's area
+constexpr double kMost = 0.25;      // maximum, of the image's area
+constexpr double kAgrees = 0.68;    // minimum share of the surroundings that a judging photograph shows alike
+constexpr double kKnown = 0.15;     // minimum share of the surroundings with measured depth
+constexpr int kAround = 16;         // minimum margin around a region for matching patches, px at half resolution
+constexpr int kLeastAround = 200;   // minimum number of matching pixels in the margin
+constexpr double kStranger = 1.35;  // minimum ratio of unmatched to matching patch distance …
+constexpr double kNoise = 3;        // … plus this many grey levels
+constexpr double kSure = 0.3;       // minimum share of a part with a sure decision
+constexpr double kSeen = 0.5;       // minimum share of a part that others see
 constexpr int kSmoothing = 200;     // sweeps of successive over-relaxation
 constexpr float kOverrelaxed = 1.9f;
-constexpr int kIsland = 3;  // px: what looks alike on less is chance
+constexpr int kIsland = 3;  // px: smaller similar areas are chance
 constexpr int kBand = 5;    // px at half resolution on both sides of an outline
 
 cv::Mat disc(double radius) {
@@ -58,11 +58,11 @@ cv::Mat grey(const cv::Mat& colour) {
   return result;
 }
 
-// One photograph among others, at half the matched size.
+// A photograph at half the matched size.
 struct Half {
   Camera camera;
   cv::Mat colour;  // float, 3 channels
-  cv::Mat used;    // 255: inside the mask
+  cv::Mat used;    // 255: not masked
 };
 
 Half halfOf(const MatchView& view) {
@@ -75,7 +75,7 @@ Half halfOf(const MatchView& view) {
   return half;
 }
 
-// The nearest pixel's value: between two surfaces there is no depth.
+// Samples the nearest pixel: interpolation between two surfaces would invent depth.
 ImageF sampled(const ImageF& map, int width, int height) {
   ImageF result(width, height, 1);
   for (int y = 0; y < height; ++y)
@@ -84,9 +84,9 @@ ImageF sampled(const ImageF& map, int width, int height) {
   return result;
 }
 
-// Another photograph as the frame sees it through a depth.
+// Another photograph, warped to the frame through a depth map.
 struct Warped {
-  cv::Mat colour, inside;  // 255: it is in its picture, and not masked
+  cv::Mat colour, inside;  // 255: inside its image and not masked
   cv::Mat differs;         // from the view, grey levels
 };
 
@@ -121,7 +121,7 @@ class Judge {
     return warped(other, {0, 0, width_, height_}, [&](int x, int y) { return depth.pixel(x, y)[0]; });
   }
 
-  // `depthAt`: of the box.
+  // `depthAt`: called for pixels of the box.
   template <class DepthAt>
   Warped warped(const Half& other, cv::Rect box, const DepthAt& depthAt) const {
     const FrameToMember map = frameToMember(frame_, other.camera);
@@ -144,7 +144,7 @@ class Judge {
     return agreement(grey(a), grey(b), kLooksLike).textured;
   }
 
-  // Of each channel what makes `b` as bright as `a` where they look alike: the median ratio.
+  // Scales each channel of `b` to the brightness of `a` by the median ratio where both look alike.
   static cv::Mat alikeExposed(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where) {
     cv::Mat result = b.clone();
     std::array<std::vector<float>, 3> ratios;
@@ -168,7 +168,7 @@ class Judge {
     return result;
   }
 
-  // How far `a` is outside the range of `b` around each pixel, and `b` outside that of `a`, grey levels: the larger.
+  // Distance of `a` from the range of `b` around each pixel, or of `b` from that of `a`: the larger, grey levels.
   static cv::Mat difference(const cv::Mat& a, const cv::Mat& b) {
     const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, {2 * kMisaligned + 1, 2 * kMisaligned + 1});
     const auto outside = [&](const cv::Mat& one, const cv::Mat& other) {
@@ -199,7 +199,7 @@ class Judge {
     known_ = cvView(matched_) != kUnknownDepth;
   }
 
-  // What differs through the depth that is known so far.
+  // Finds the regions that differ, with the depth known so far.
   OddRegions look() {
     Image8 colours(width_, height_, 3);
     cv::Mat to = cvView(colours);
@@ -216,8 +216,8 @@ class Judge {
     return regions(leastDifference());
   }
 
-  // Whoever moved has no depth that two photographs could agree on: what was matched on him is chance, and would lead
-  // what is completed behind him astray.
+  // Drops the depth of moving objects: photographs cannot agree on it, so any match there is chance. Depth completed
+  // from such a match would be wrong.
   void forget(const OddRegions& odd) {
     forgotten_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
     for (const OddRegion& region : odd.regions)
@@ -227,7 +227,7 @@ class Judge {
     known_.setTo(0, forgotten_);
   }
 
-  // Behind him his own colours count for nothing: inverse depth is harmonic there, as it is on any plane.
+  // Fills depth behind moving objects without using their colours: inverse depth is harmonic, as on any plane.
   void smoothDepth() {
     std::vector<cv::Point> inside;
     cv::findNonZero(forgotten_, inside);
@@ -242,7 +242,7 @@ class Judge {
       }
   }
 
-  // The share of a region that looks like another photograph at some depth. It stands still, and its depth is wrong.
+  // Returns the share of a region that matches another photograph at some depth: a static region of wrong depth.
   double shareWithDepth(const cv::Mat& region, cv::Rect box) const {
     cv::Mat alike(box.size(), CV_8U, cv::Scalar(0));
     for (const Half& other : others_)
@@ -256,7 +256,7 @@ class Judge {
     return double(cv::countNonZero(alike & region)) / cv::countNonZero(region);
   }
 
-  // From those that see the pixel, grey levels; 0 where nobody does.
+  // Minimum difference over the photographs that see the pixel, grey levels; 0 if none does.
   cv::Mat leastDifference() const {
     cv::Mat least(height_, width_, CV_32F, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
     for (const Warped& w : warped_) {
@@ -268,7 +268,7 @@ class Judge {
     return least;
   }
 
-  // What differs, a region at a time.
+  // Splits the differing pixels into regions.
   OddRegions regions(const cv::Mat& differs) const {
     cv::Mat perhaps = differs >= kPerhaps;
     cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(kThin * width_));
@@ -288,15 +288,15 @@ class Judge {
       blame(region, box, perhaps, odd);
       all += area;
     }
-    if (all > kMost * width_ * height_) odd.regions.clear();  // hardly anything is alike: no judges
+    if (all > kMost * width_ * height_) odd.regions.clear();  // almost nothing matches: no photograph can judge
     return odd;
   }
 
-  // How unfamiliar a region is in the view, and in the other photograph where it is least so; where one of them sees
-  // it.
+  // Unmatched-patch distance of a region in the view, and in the other photograph with the least distance; and the
+  // pixels that are judged.
   struct Comparison {
     cv::Mat own, other, judged;
-    std::uint32_t best = 0;  // of `others`: agrees most around the region
+    std::uint32_t best = 0;  // index in `others`: agrees most around the region
   };
 
   static cv::Mat meanAround(const cv::Mat& values, const cv::Mat& where) {
@@ -307,7 +307,7 @@ class Judge {
     return sum / cv::max(weight, 1e-6);
   }
 
-  // `region`, `off`: what may be alike is not `off`; both within the box `at`.
+  // `region`, `off`: pixels in `off` are no exemplars; both within the box `at`.
   Comparison compared(const cv::Mat& region, const cv::Mat& off, cv::Rect at) const {
     Comparison result{cv::Mat(region.size(), CV_32F, cv::Scalar(0)), cv::Mat(region.size(), CV_32F, cv::Scalar(1e9)),
                       cv::Mat(region.size(), CV_8U, cv::Scalar(0))};
@@ -330,7 +330,7 @@ class Judge {
     return result;
   }
 
-  // Whose a region is, or each of its parts.
+  // Decides to which photograph a region, or each of its parts, belongs.
   void blame(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, OddRegions& odd) const {
     const int margin = std::max(kAround, std::max(box.width, box.height) / 2);
     const cv::Rect at = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
@@ -355,7 +355,7 @@ class Judge {
     if (own.empty() && others.empty()) add(here, at.tl(), {}, odd);
   }
 
-  // Connected parts of `perhaps` that are `surely` in a good share.
+  // Connected parts of `perhaps` of which a sufficient share is in `surely`.
   std::vector<cv::Mat> parts(const cv::Mat& perhaps, const cv::Mat& surely, const cv::Mat& judged) const {
     std::vector<cv::Mat> result;
     cv::Mat label, opened;
@@ -380,8 +380,8 @@ class Judge {
     odd.regions.push_back(std::move(result));
   }
 
-  // Whoever reaches into what nobody else sees goes on there as far as colours say (Rother, Kolmogorov & Blake 2004,
-  // GrabCut): half of him would be worse than all.
+  // Extends the mask with GrabCut (Rother, Kolmogorov & Blake 2004) into pixels that no other photograph covers: a
+  // half-masked person looks worse than an unmasked one.
   void goOn(const cv::Mat& region, cv::Rect box, cv::Mat& mask) const {
     const cv::Rect whole(0, 0, width_, height_);
     box = cv::Rect(box.x - box.width / 2, box.y - box.height, 2 * box.width, 3 * box.height) & whole;
@@ -395,7 +395,7 @@ class Judge {
     if (cv::countNonZero(fate == cv::GC_BGD) < kBand * kBand) return;
     cv::Mat colours, background, foreground, label;
     view_.colour(box).convertTo(colours, CV_8U);
-    cv::theRNG().state = 1;  // the same from any thread
+    cv::theRNG().state = 1;  // the same result on any thread
     cv::grabCut(colours, fate, {}, background, foreground, 3, cv::GC_INIT_WITH_MASK);
     const cv::Mat his = (fate == cv::GC_FGD) | ((fate == cv::GC_PR_FGD) & (unseen | near));
     const int parts = cv::connectedComponents(his, label);
@@ -403,7 +403,7 @@ class Judge {
       if (cv::countNonZero((label == p) & here) > 0) mask(box).setTo(0, label == p);
   }
 
-  // Share of what another one sees around a region that it shows alike; 0 where hardly anything is known of the place.
+  // Share of a region's surroundings that another photograph shows alike; 0 if too little depth there is known.
   static double agreesAround(const cv::Mat& region, const cv::Mat& differs, const cv::Mat& inside,
                              const cv::Mat& known) {
     cv::Mat near, far;
@@ -422,8 +422,8 @@ class Judge {
   float nearest_;               // inverse depth
   ImageF matched_, depth_;      // inverse depth; completed
   std::vector<Warped> warped_;  // others, through the completed depth
-  cv::Mat known_;               // 255: its depth was not completed
-  cv::Mat forgotten_;           // 255: nor may it be known
+  cv::Mat known_;               // 255: depth was not completed
+  cv::Mat forgotten_;           // 255: depth must stay unknown
 };
 
 }  // namespace

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moved while a place was photographed: people, cars. A photograph that shows them is the odd one.
+// Finds objects that moved while a capture site was photographed: people, cars. They appear in one photograph only.
 //
-//   1. the photograph's depth, as its sweep found it (photograph_sweep.h), where another photograph looks alike at it;
-//      completed from around elsewhere (complete_depth.h): the depth of the background, not of the person before it
-//   2. the others are brought to the photograph through it. Where its colours lie outside the range of another one's
-//      around the pixel, or that one's outside the range of its own, after a gain a channel, the two differ: a pixel or
-//      two off makes no difference
-//   3. regions that differ from all others that see them, amid what agrees. A thin or a small one is left out, and one
-//   of
-//      which a share looks like another photograph at any depth: it stands still, and its depth was wrong
-//   4. whose is it? The wall that somebody hides is to be found beside him, he is not: what is less familiar
-//      (familiar.h) moved. One region may be the photograph's own in one part and another one's in the next
+//   1. depth from the photograph's sweep (photograph_sweep.h), kept where another photograph looks alike at that depth;
+//      elsewhere completed from around (complete_depth.h): the depth of the background, not of a person
+//   2. the others are warped to the photograph through that depth. Two photographs differ at a pixel if a colour of one
+//      lies outside the range of the other's colours around it, after a gain for each channel: misalignment of two
+//      pixels makes no difference
+//   3. regions that differ from all others that see them, amid surroundings that agree with these others. Small and
+//      thin regions are left out, and also regions of which a share matches another photograph at any depth: such
+//      regions are static, and their depth was wrong
+//   4. the owner of a region: a hidden wall continues beside the region, a person does not; the photograph with
+//      unmatched patches (familiar.h) shows the moving object. Parts of a region may have different owners
 //
-// Who is blamed in the end, and what is masked, is settled between all photographs (settle_movers.h).
+// The final decision, and the masks, are made between all photographs (settle_movers.h).
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace ibr {
 
 enum class Blame : std::uint8_t { own, unsure, another };
 
-/// A pixel of the view at half its size, and the inverse depth along the view's axis of what stands still there.
+/// A pixel of the view at half its size, and the inverse depth of its static background along the view's axis.
 struct OddPixel {
   std::uint16_t x = 0, y = 0;
   float inverseDepth = 0;
@@ -34,21 +34,21 @@ struct OddPixel {
 
 struct OddRegion {
   Blame blame = Blame::unsure;
-  std::uint32_t other = 0;  // Blame::another: whose it is, of `others`
+  std::uint32_t other = 0;  // Blame::another: index in `others` of the region's owner
   std::vector<OddPixel> pixels;
 };
 
-/// Regions of a view at half its size; those of one blame do not overlap. They cover at most a quarter of it.
+/// Regions of a view at half its size; regions of equal blame do not overlap. They cover at most a quarter of the view.
 struct OddRegions {
   int width = 0, height = 0;
   std::vector<OddRegion> regions;
-  ImageF depth;  // inverse, of every kDepthStep-th pixel: what stands still
+  ImageF depth;  // inverse depth of static surfaces at every kDepthStep-th pixel
 };
 
 inline constexpr int kDepthStep = 4;
 
-/// `others`: of the same place, pinholes like `view`, one at least. `depth`: inverse, along the view's axis, of a
-/// picture of any size; kUnknownDepth where it was not found.
+/// `others`: at least one, of the same capture site, pinholes like `view`. `depth`: inverse, along the view's axis, at
+/// any size; kUnknownDepth where unknown.
 OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth);
 
 }  // namespace ibr

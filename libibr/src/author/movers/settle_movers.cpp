@@ -16,15 +16,15 @@
 namespace ibr {
 namespace {
 
-constexpr double kAccused = 0.3;      // share of an unsure region that another photograph blames its own for
-constexpr double kUnmet = 0.6;        // share of a region whose place no other view knows: nobody can judge
-constexpr double kSameDepth = 0.3;    // of the larger inverse depth: those that differ by less are one
-constexpr double kSamePlace = 0.012;  // of the width: places that are no further apart are one
-constexpr double kHidden = 0.25;      // share of a region that hides what nobody else shows, at most
-constexpr double kWidened = 0.01;     // of the width, around all that is masked
-constexpr double kRim = 0.004;        // of the width, around what another photograph shows instead
-constexpr double kBorder = 0.03;      // of the width: what another one shows instead ends there before its picture does
-constexpr double kLargestPixel = 8;   // px that one may cover in another view, at most
+constexpr double kAccused = 0.3;      // minimum share of an unsure region that others attribute to its own photograph
+constexpr double kUnmet = 0.6;        // share of a region that no other view can judge: above it the region is dropped
+constexpr double kSameDepth = 0.3;    // of the larger inverse depth: maximum difference of equal depths
+constexpr double kSamePlace = 0.012;  // of the width: maximum distance of equal positions
+constexpr double kHidden = 0.25;      // maximum share of a masked region that no other photograph shows
+constexpr double kWidened = 0.01;     // of the width, around all masks
+constexpr double kRim = 0.004;        // of the width, around objects shown by another photograph
+constexpr double kBorder = 0.03;      // of the width: objects shown by another photograph end this far from its border
+constexpr double kLargestPixel = 8;   // maximum size of a drawn pixel in another view, px
 
 using Region = std::pair<std::size_t, std::size_t>;  // view, region
 
@@ -56,7 +56,7 @@ class Settlement {
  private:
   const OddRegion& regionOf(const Region& r) const { return views_[r.first].odd.regions[r.second]; }
 
-  // Where another view sees places of a view.
+  // Projects points of a view into another view.
   class Sight {
    public:
     Sight(const JudgedView& from, const JudgedView& to)
@@ -66,7 +66,7 @@ class Settlement {
       return at && at->x >= 0 && at->y >= 0 && at->x < width_ && at->y < height_ ? at : std::nullopt;
     }
 
-    // That the other view has to know there.
+    // Returns the point's inverse depth in the other view.
     double inverseDepth(glm::dvec2 from, float inverseDepth) const {
       return double(inverseDepth) / map_.homogeneous(from, double(inverseDepth)).z;
     }
@@ -76,10 +76,10 @@ class Settlement {
     int width_, height_;
   };
 
-  // A region as another view sees it: all that its pixels cover there.
+  // Draws a region as another view sees it, with the area that each pixel covers.
   void draw(const Region& r, std::size_t to, BitMask& mask) const { draw(r, 0, 0, to, mask); }
 
-  // And `rim` px around it, but not the outermost `border` px of its view's picture.
+  // Adds `rim` px around the region, but leaves out the outermost `border` px of its view's image.
   void draw(const Region& r, int rim, int border, std::size_t to, BitMask& mask) const {
     const OddRegions& from = views_[r.first].odd;
     const Sight sight(views_[r.first], views_[to]);
@@ -99,7 +99,7 @@ class Settlement {
         if (mask.inside(x, y)) mask.set(x, y, true);
   }
 
-  // Regions that show who moved, by their own photograph's word or another one's.
+  // Regions attributed to their own photograph, by that photograph or by another one.
   std::vector<Region> blamed() const {
     std::vector<Region> result;
     for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -122,7 +122,7 @@ class Settlement {
 
   static glm::dvec2 middle(const OddPixel& p) { return {p.x + 0.5, p.y + 0.5}; }
 
-  // Whether two views mean the same place: by the one's depth and by the other's.
+  // Accepts a point of two views only if both depths agree on the position.
   class Meeting {
    public:
     Meeting(const JudgedView& a, const JudgedView& b)
@@ -143,7 +143,7 @@ class Settlement {
     double tolerance_;
   };
 
-  // Share of a region's places that no other view finds (Sight, Meeting), or `shows`(view, pixel) not.
+  // Share of a region's points that no other view finds (Sight, Meeting) with `shows`(view, pixel) true.
   template <typename Finder, typename Shows>
   double shareWithout(const Region& r, const Shows& shows) const {
     std::vector<std::pair<std::uint32_t, Finder>> others;
@@ -219,8 +219,8 @@ class Settlement {
   }
 
   std::span<const JudgedView> views_;
-  std::vector<std::set<std::uint32_t>> near_;  // who judges a view, and whom it judges
-  std::vector<BitMask> own_, instead_, kept_;  // of each view: who moved; who is shown from another one; who stays
+  std::vector<std::set<std::uint32_t>> near_;  // views that judge a view or are judged by it
+  std::vector<BitMask> own_, instead_, kept_;  // per view: moving objects; areas shown by another view; kept objects
 };
 
 }  // namespace

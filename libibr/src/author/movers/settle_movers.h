@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of each photograph is masked, of all that was found in them to have moved (movers.h): so that each place is
-// shown by one photograph at least, and nobody by one photograph and not by the next.
+// Decides, from all detected moving objects (movers.h), the mask of each photograph: every surface stays visible in at
+// least one photograph, and a moving object is shown consistently.
 //
-//   1. a region whose photograph is unsure is its own where another photograph says so
-//   2. what is the photograph's own is masked in it, where another one shows the place without it
-//   3. where too much of it hides what nobody else shows it stays, all of it: then that place is masked in the others,
-//      so that it is seen from everywhere as that one photograph has it. The most hidden are decided first
+//   1. an unsure region is its own photograph's if another photograph says so
+//   2. a photograph's own regions are masked if another photograph shows the background
+//   3. a region that hides too much that no other photograph shows is kept whole. The area is then masked in the
+//      others, so that all views show that one photograph's state. The regions that hide most are decided first
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@
 
 namespace ibr {
 
-/// A photograph and what was found in it.
+/// A photograph and the regions found in it.
 struct JudgedView {
   Camera camera;                      // of `odd`'s size
-  std::vector<std::uint32_t> judges;  // views, as OddRegion::other counts them
+  std::vector<std::uint32_t> judges;  // views, in the order of OddRegion::other
   OddRegions odd;
 };
 
-/// Of each view what is masked; empty where nothing is. Takes one bit a pixel of each view, three times.
+/// Returns each view's mask; empty if nothing is masked. Takes three bits per pixel of each view.
 std::vector<BitMask> settleMovers(std::span<const JudgedView> views);
 
 }  // namespace ibr

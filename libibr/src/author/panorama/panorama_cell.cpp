@@ -19,29 +19,29 @@
 namespace ibr {
 namespace {
 
-constexpr double kFov = kMatchedFaceFov;            // matches count within 90°
-constexpr double kFacePixels = 2e6;                 // faces are matched at no more than this
-constexpr double kNearest = 1.0, kFarthest = 20.0;  // of assumed points, in largest distances of the members
+constexpr double kFov = kMatchedFaceFov;            // field of view of a face; matches count within 90°
+constexpr double kFacePixels = 2e6;                 // maximum pixels of a matched face
+constexpr double kNearest = 1.0, kFarthest = 20.0;  // range of assumed points, in units of the members' max distance
 
 struct Face {
   std::vector<MatchView> views;  // of the members, parallel
-  DenseMatch match;              // about the members' mean centre, parallel too
+  DenseMatch match;              // around the members' mean centre, parallel too
 
   glm::dquat rotation() const { return match.frame.pose.rotation; }
-  // Where a direction of the world is seen in a face that looks as this one does.
+  // Projects a world direction into a face with this face's orientation.
   std::optional<glm::dvec2> pixel(glm::dvec3 direction) const {
     const Intrinsics& k = match.frame.intrinsics;
     const auto at = project(k, glm::conjugate(rotation()) * direction);
     if (!at || at->x < 0 || at->y < 0 || at->x > k.width || at->y > k.height) return std::nullopt;
     return at;
   }
-  // Of the cube, to which a direction belongs: the angle to the axis decides.
+  // Cosine of the angle to the axis: a direction belongs to the cube face with the largest one.
   double towards(glm::dvec3 direction) const { return glm::dot(viewAxis(match.frame.pose), direction); }
 };
 
 struct Vertices {
   std::vector<glm::dvec3> direction;         // from the mean centre, unit
-  std::vector<std::vector<glm::dvec3>> ray;  // of each member, unit, world
+  std::vector<std::vector<glm::dvec3>> ray;  // for each member, unit, world
   std::vector<RangeFit> range;
 
   std::size_t count() const { return direction.size(); }
@@ -71,7 +71,7 @@ class Maker {
     }
     for (const glm::dvec3 point : points) distances_.push_back(glm::distance(point, centre_));
     if (distances_.empty()) distances_ = {kNearest * longestEdge(places), kFarthest * longestEdge(places)};
-    // The cube stands as the first member does: floor and sky fill a face each.
+    // The cube has the first member's orientation, so that floor and sky fill a face each.
     for (const glm::dquat turn : cubeRotations())
       faces_.push_back(matched(views[0].camera.pose.rotation * turn, options));
   }
@@ -94,7 +94,7 @@ class Maker {
       seen.picture = PanoramaSampler(view.picture).view(intrinsics, turn);
       if (!view.mask.empty()) seen.mask = binaryMask(PanoramaSampler(view.mask).view(intrinsics, turn));
     }
-    std::vector<glm::dvec3> onAxis;  // as far as the points are, in every direction
+    std::vector<glm::dvec3> onAxis;  // points at the depths' range, along the face's axis
     for (const double distance : distances_) onAxis.push_back(centre_ + distance * (rotation * glm::dvec3(0, 0, -1)));
     face.match = matchViews(face.views, onAxis, options);
     return face;
@@ -122,7 +122,7 @@ class Maker {
     }
   }
 
-  // Of all triangles; those that leave the face of their middle agree with nobody.
+  // Labels all triangles; triangles that leave the face of their centre count as disagreeing.
   std::vector<TriangleLabel> labels() const {
     TriangleLabel unseen;
     unseen.off = 1;
@@ -152,7 +152,7 @@ class Maker {
       return a.towards(direction) < b.towards(direction);
     });
   }
-  // Corners in the pictures of a face; false where one of them is outside.
+  // Projects the corners into a face's images; returns false if a corner is outside.
   bool place(const Face& face, const glm::uvec3& corner, std::vector<glm::vec2>& frame,
              std::vector<std::vector<glm::vec2>>& member) const {
     for (int k = 0; k < 3; ++k) {
@@ -190,7 +190,7 @@ class Maker {
         covered += size;
         weighted += size * double(label[t].ecc);
       }
-    result.quality.coverage = std::min(covered / (4 * std::numbers::pi), 1.0);  // of the whole sphere, sums are rounded
+    result.quality.coverage = std::min(covered / (4 * std::numbers::pi), 1.0);  // of the sphere; rounding may exceed 1
     if (covered > 0) result.quality.ecc = weighted / covered;
 
     mesh.match.resize(views_.size());

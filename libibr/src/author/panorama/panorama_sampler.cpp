@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backward mapping of a panorama to a pinhole ([T] §4.2): for each pixel its direction, for that the place in the
-// panorama, there the colour between four pixels. Departure: pixels that cover several of the panorama are means.
+// Backward mapping of a panorama to a pinhole ([T] §4.2): each pixel's direction gives a position in the panorama,
+// sampled bilinearly. Departure: pixels that cover several panorama pixels are averaged.
 //
-// A run of pixels at a time: directions and angles in float, written so that the compiler makes vectors of them; then
-// places rounded to 1/256 px and colours in integers.
+// Pixels are processed in runs: directions and angles in float, in loops that the compiler vectorises; then positions
+// rounded to 1/256 px, and colours in integers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,19 +15,19 @@
 #endif
 
 #include "base/check.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
 
 namespace ibr {
 namespace {
 
 constexpr int kRun = 32;             // px
-constexpr int kTile = 64;            // rows of a tile a run wide: neighbouring rows look at the same memory
-constexpr int kMostParts = 16;       // of a pixel, each way
+constexpr int kTile = 64;            // rows of a tile of one run's width: neighbouring rows read the same memory
+constexpr int kMostParts = 16;       // samples of a pixel, in each direction
 constexpr float kMostPlaces = 64;    // along a parallel
 constexpr std::size_t kBehind = 16;  // bytes that may be read behind the last pixel
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// By value, so that loops with them become vectors.
+// Arguments by value, so that loops are vectorised.
 inline float least(float a, float b) {
   return a < b ? a : b;
 }
@@ -35,10 +35,10 @@ inline float most(float a, float b) {
   return a > b ? a : b;
 }
 
-// Abramowitz & Stegun 4.4.49, to 2e-8 where |t| <= 1; then to all quadrants. x = y = 0 gives 0.
+// Abramowitz & Stegun 4.4.49, accurate to 2e-8 for |t| <= 1; extended to all quadrants. x = y = 0 gives 0.
 inline float angle(float y, float x) {
   const float ax = std::abs(x), ay = std::abs(y);
-  // The lesser over the greater, without a comparison: a second one of the same values would become a branch.
+  // Lesser over greater without a comparison: a second comparison of the same values would become a branch.
   const float apart = std::abs(ax - ay);
   const float t = (ax + ay - apart) / (ax + ay + apart + 1e-30F), s = t * t;
   float r = 0.0028662257F;
@@ -55,10 +55,10 @@ inline float angle(float y, float x) {
   return std::copysign(r, y);
 }
 
-// Weights of the left and the right pixel over 65536, by 256ths of a pixel. They add up to one less: products of 16
-// bits stay in 16 bits, and rounding makes up for it.
+// Weights of the left and the right pixel, times 65536, by 256ths of a pixel. Their sum is 65535, so that products fit
+// 16 bits; rounding compensates.
 struct Weights {
-  alignas(16) std::array<std::array<std::uint16_t, 8>, 256> lanes;  // of RGBRGB, and two that nobody reads
+  alignas(16) std::array<std::array<std::uint16_t, 8>, 256> lanes;  // of RGBRGB, and two unused ones
 };
 constexpr Weights makeWeights() {
   Weights w{};
@@ -70,7 +70,7 @@ constexpr Weights makeWeights() {
 }
 constexpr Weights kWeights = makeWeights();
 
-// Colours times 256 between four pixels, at `fx`, `fy` 256ths from the upper left one.
+// Bilinear colour times 256, at `fx`, `fy` 256ths from the upper left pixel.
 template <int C>
 struct Blended {
   std::array<std::uint16_t, C> value;
@@ -91,7 +91,7 @@ struct Blended {
 };
 
 #if defined(__SSE2__)
-// The same, both pixels of a row at once.
+// The same for RGB with SSE2: both pixels of a row at once.
 template <>
 struct Blended<3> {
   __m128i value;  // 16 bits each: R, G, B
@@ -111,7 +111,7 @@ struct Blended<3> {
     __m128i* to = reinterpret_cast<__m128i*>(sum);
     _mm_storeu_si128(to, _mm_add_epi32(_mm_loadu_si128(to), _mm_unpacklo_epi16(value, _mm_setzero_si128())));
   }
-  void store(std::uint8_t* to) const {  // and one byte more, which the next pixel overwrites
+  void store(std::uint8_t* to) const {  // writes one byte more, which the next pixel overwrites
     const __m128i rounded = _mm_srli_epi16(_mm_add_epi16(value, _mm_set1_epi16(128)), 8);
     const int bytes = _mm_cvtsi128_si32(_mm_packus_epi16(rounded, rounded));
     std::memcpy(to, &bytes, 4);
@@ -129,7 +129,7 @@ struct Places {
   alignas(16) std::array<float, kRun> x, y, across;  // px of the panorama; across: horizontal part of the direction
 };
 
-// Where a run of directions, `first` and on in steps of `step`, is seen.
+// Maps a run of directions, `first` and on in steps of `step`, to positions in the panorama.
 void place(const Source& from, glm::vec3 first, glm::vec3 step, Places& places) {
   const float turn = from.width / (2 * kPi), halfTurn = from.height / kPi;
   alignas(16) std::array<float, kRun> dx, dy, dz;
@@ -146,7 +146,7 @@ void place(const Source& from, glm::vec3 first, glm::vec3 step, Places& places) 
     places.y[i] = most(least(0.5F * from.height - angle(dy[i], places.across[i]) * halfTurn, from.height), 0);
 }
 
-// Calls put(i, colour) for `count` places, moved along the parallel by `shift` × the width of a pixel there.
+// Calls put(i, colour) for `count` positions, moved along the parallel by `shift` × the width of a pixel there.
 template <int C, class Put>
 void sample(const Source& from, const Places& places, int count, float widthTimesAcross, float shift, const Put& put) {
   alignas(16) std::array<std::int32_t, kRun> x, y;
@@ -155,7 +155,7 @@ void sample(const Source& from, const Places& places, int count, float widthTime
     float at = places.x[i] + shift * wide;
     at = at < 0 ? at + from.width : at;
     at = at > from.width ? at - from.width : at;
-    // Half a pixel back to the centre of the pixel before, one on for the border.
+    // −0.5 to the centre of the previous pixel, +1 for the border.
     x[i] = std::int32_t((at + 0.5F) * 256 + 0.5F);
     y[i] = std::int32_t((places.y[i] + 0.5F) * 256 + 0.5F);
   }
@@ -170,7 +170,7 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
   Image8 picture(k.width, k.height, C);
   const glm::dvec3 right = rotation * glm::dvec3(1 / k.fx, 0, 0), down = rotation * glm::dvec3(0, -1 / k.fy, 0);
   const glm::dvec3 corner = rotation * glm::dvec3(-k.cx / k.fx, k.cy / k.fy, -1);
-  // Pixels of the panorama to one of the view in its middle, where neither is wider than need be.
+  // Panorama pixels per view pixel at the view's centre, where neither image is stretched.
   const double wideX = double(from.width) / (2 * std::numbers::pi * k.fx),
                wideY = double(from.height) / (std::numbers::pi * k.fy);
   const int parts = std::clamp(int(std::lround(std::max(wideX, wideY))), 1, kMostParts);
@@ -182,7 +182,7 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
     for (int begin = 0; begin < k.width; begin += kRun)
       for (int y = top; y < std::min(top + kTile, k.height); ++y) {
         const int count = std::min(kRun, k.width - begin);
-        int samples = 0;  // of a pixel; all pixels of a run have the same
+        int samples = 0;  // of a pixel; equal for all pixels of a run
         sum.fill(0);
         for (int part = 0; part < parts * parts; ++part) {
           const double inX = (part % parts + 0.5) / parts, inY = (part / parts + 0.5) / parts;
@@ -219,7 +219,7 @@ PanoramaSampler::PanoramaSampler(const Image8& panorama)
         "a panorama of {}x{} px with {} channels cannot be split", width_, height_, channels_);
   bordered_.resize(stride_ * std::size_t(height_ + 2) + kBehind);
   const std::size_t pixel = std::size_t(channels_), row = std::size_t(width_) * pixel;
-  // Beyond the seam is the other end of the row; beyond a pole the same row, half a turn on.
+  // Beyond the seam, copy the row's other end; beyond a pole, the same row turned by half a turn.
   const auto copy = [&](int from, int to, int turned) {
     const std::uint8_t* source = &panorama.values[std::size_t(from) * row];
     std::uint8_t* target = &bordered_[std::size_t(to) * stride_];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of panoramas → pinhole pictures and their COLMAP model ([T] §4.2).
+// Splits a folder of panoramas into pinhole images with a COLMAP model ([T] §4.2).
 #include <fmt/format.h>
 #include <time.h>
 
@@ -14,8 +14,8 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "ibr/author.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 
 namespace ibr {
@@ -25,14 +25,14 @@ namespace {
 constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;  // of a face
 constexpr double kBytesPerPixel = 12;                        // of a face: RGB 3, JPEG's coefficients 6, its file
 
-// Of this thread.
+// Returns the processor time of this thread.
 double processorSeconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-// Of names with '/': the folders that all of them begin with, with the last '/'.
+// Returns the length of the common folder of all names, including the last '/'.
 std::size_t commonFolder(const std::vector<PosedImage>& images) {
   const std::string& first = images.front().name;
   std::size_t length = first.rfind('/') == first.npos ? 0 : first.rfind('/') + 1;
@@ -53,7 +53,7 @@ class Splitter {
     const Stopwatch watch;
     checkOptions();
     readInput();
-    std::map<fs::path, std::string> stems;  // of the pictures to be, and whose
+    std::map<fs::path, std::string> stems;  // of the images to be written, with their panorama's name
     for (const PosedImage& image : input_.images) {
       const auto [other, fresh] = stems.emplace(fs::path(image.name).replace_extension(), image.name);
       check(fresh, ErrorCode::invalidInput, "{} and {}: their pictures would have the same names", other->second,
@@ -163,7 +163,7 @@ class Splitter {
     }
   }
 
-  // What a panorama saw somewhere, its faces see where that direction falls into them.
+  // Maps a panorama's observations to the faces that contain their directions.
   void carryTracks() {
     for (const Track& track : input_.tracks) {
       Track carried{track.position, {}};
@@ -192,9 +192,9 @@ class Splitter {
   const ProgressCallback& progress_;
   const LogCallback& log_;
   std::vector<PanoramaFace> faces_;
-  fs::path folder_;    // that names of input_ are relative to
+  fs::path folder_;    // root of the names of input_
   PosedModel input_;   // panoramas only
-  PosedModel result_;  // the faces of a panorama side by side
+  PosedModel result_;  // faces of a panorama, consecutive
   SplitReport report_;
 };
 

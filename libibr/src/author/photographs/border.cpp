@@ -13,7 +13,7 @@ double areaOf(const std::vector<glm::vec2>& match, glm::uvec3 t) {
   return 0.5 * std::abs(b.x * c.y - b.y * c.x);
 }
 
-// Corners, the edges' quarters and the middle: borders are curved, but gently.
+// Samples corners, edges and centre: borders are curved only slightly.
 bool whole(const Photograph& photo, const std::vector<glm::vec2>& match, glm::uvec3 t) {
   const std::array<glm::dvec2, 3> corner{match[t.x], match[t.y], match[t.z]};
   const auto seen = [&](glm::dvec2 pixel) { return photographed(pixel, *photo.lens, photo.camera.intrinsics); };

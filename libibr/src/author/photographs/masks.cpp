@@ -7,14 +7,14 @@
 
 #include "author/pixels/cv_view.h"
 #include "base/check.h"
-#include "ibr/lens.h"
+#include "ibr/author/lens.h"
 #include "io/image_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kUsed = 191;  // of 255: more than this share of a pixel is used
+constexpr int kUsed = 191;  // of 255: a pixel is used if more than this share is
 
 Image8 firstChannel(const Image8& picture) {
   Image8 grey(picture.width, picture.height, 1);
@@ -23,7 +23,7 @@ Image8 firstChannel(const Image8& picture) {
   return grey;
 }
 
-// Colours where `known` is 0 from ever wider around, where there is any.
+// Fills pixels where `known` is 0 with colours from increasingly wide surroundings.
 void fillUnknown(cv::Mat& colours, const cv::Mat& known) {
   if (cv::countNonZero(known) == int(known.total()) || (known.rows == 1 && known.cols == 1)) return;
   const cv::Size half(std::max(known.cols / 2, 1), std::max(known.rows / 2, 1));

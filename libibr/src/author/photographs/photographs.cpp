@@ -21,9 +21,9 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kReadingVersion = 2;  // of files: raise it when pictures come out of them differently
-constexpr double kBytesPerPixel = 20;         // picture (3), mips (4 + 4/3) and the encoded texture (as much)
-constexpr double kTiffRaster = 4;             // bytes of a pixel, while it is read
+constexpr std::uint64_t kReadingVersion = 2;  // of the image readers: raise it when their pixels change
+constexpr double kBytesPerPixel = 20;         // image (3), mips (4 + 4/3) and the encoded texture (as much)
+constexpr double kTiffRaster = 4;             // bytes per pixel, while a TIFF is read
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -38,13 +38,13 @@ bool isPng(const fs::path& path) {
 struct Size {
   int width, height;
 };
-// Equal proportions, to the rounding of whole pixels.
+// Equal proportions, up to rounding to whole pixels.
 bool sameShape(int width, int height, Size camera) {
   return std::abs(double(width) * camera.height - double(height) * camera.width) <=
          double(std::max(camera.width, camera.height));
 }
 
-// The hash as it is where there is no mask.
+// The hash is unchanged without a mask.
 std::uint64_t withHashOf(const Image8& mask, std::uint64_t before) {
   if (mask.empty()) return before;
   Hash hash;
@@ -66,7 +66,7 @@ std::uint64_t hashOf(const Photograph& photo, const std::vector<std::byte>& sour
   Hash hash;
   hash.add(kReadingVersion);
   hash.add(source);
-  if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // says what the lens is, too
+  if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // depends on the lens, too
   return hash.value();
 }
 
@@ -145,7 +145,7 @@ double bytesToLoad(const Photograph& photo) {
 }
 
 double bytesToStore(const Photograph& photo) {
-  const double whole = double(photo.whole.width) * photo.whole.height;  // undistorted, it may be larger than the source
+  const double whole = double(photo.whole.width) * photo.whole.height;  // undistorted, it may exceed the source
   return 2 * photo.sourceBytes + kBytesPerPixel * std::max(photo.sourcePixels, whole) +
          (photo.lens ? 3 * photo.sourcePixels : 0);
 }

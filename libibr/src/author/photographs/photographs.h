@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photographs of a model: found, checked against its cameras, stored in the scene's folder.
+// Photographs of a model: finds them, checks them against their cameras, stores them in the scene's folder.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/capture.h"
 #include "ibr/error.h"
 #include "ibr/image.h"
@@ -17,74 +17,74 @@
 
 namespace ibr {
 
-/// A photograph and how it enters the scene.
+/// A photograph, and how it is stored in the scene.
 struct Photograph {
   std::string name;
   std::filesystem::path source;
-  bool applyOrientation = false;  // the model's camera is that of the picture turned upright
-  bool turnUnsure = false;        // EXIF says that it is turned, and the camera fits both ways
+  bool applyOrientation = false;  // the model's camera is that of the upright image
+  bool turnUnsure = false;        // EXIF says that the image is rotated, and the camera fits both ways
   double sourcePixels = 0;
-  double sourceBytes = 0;                        // of memory, beside the picture, while it is read
-  std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
+  double sourceBytes = 0;                        // additional memory while it is read
+  std::optional<Lens> lens;                      // distortion to remove before storing, if any
   bool copied = false;                           // stored byte by byte
-  CaptureFacts capture;                          // that its file tells
+  CaptureFacts capture;                          // from the file's metadata
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
-  std::filesystem::path mask = {};        // of its source, as it was given; empty: none (author/photographs/masks.h)
-  std::filesystem::path storedMask = {};  // once it is stored: the scene's, which masks what moved as well
+  std::filesystem::path mask = {};               // given mask of the source; empty: none (author/photographs/masks.h)
+  std::filesystem::path storedMask = {};         // once stored: the scene's mask, which includes moving objects
 };
 
-inline constexpr int kJpegQuality = 95;  // of what is stored anew
+inline constexpr int kJpegQuality = 95;  // of re-encoded photographs
 
-/// By the extension of its name.
+/// True for JPEG, by the file name's extension.
 bool isJpeg(const std::filesystem::path& path);
 
-/// Finds the file of a model's image and plans how it is stored: freed of its lens's distortion, at most `maxSize` px
-/// along its longest side (0: as it is), turned as asked, automatically where the shape says so for certain. Throws
-/// Error (io, invalidInput) that names the file where it is missing, unreadable, or has neither the camera's size nor a
-/// uniform scale of it.
+/// Finds the file of a model's image and plans its storage: undistorted, scaled to at most `maxSize` px along the
+/// longest side (0: unchanged), rotated by `orientation` (automatic: if the shape is unambiguous). Throws Error (io,
+/// invalidInput) that names the file if it is missing or unreadable, or its size is neither the camera's nor a uniform
+/// scale of it.
 Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize,
                           Orientation orientation = Orientation::automatic);
 
-/// Throws Error{invalidInput} that names all photographs that cannot be read, and the way out. `faults`: what each
-/// one's error says; "" for those without.
+/// Throws Error{invalidInput} that names all unreadable photographs and what to do. `faults`: each photograph's error
+/// message; "" for readable ones.
 void checkReadable(std::vector<std::string> faults);
 
-/// Throws Error{invalidInput} where there are fewer photographs in the folder than poses can be estimated of.
+/// Throws Error{invalidInput} if the folder has too few photographs to estimate poses.
 void checkEnoughForPoses(const std::filesystem::path& folder, std::size_t photographs);
 
-/// Whether that error is of the file itself: of a photograph that can be left out.
+/// True if the error concerns the file itself, so that the photograph may be left out.
 bool isOfFile(const Error& error);
 
-/// The picture as it is stored (RGB), from its source.
+/// Loads the source and returns the image as stored (RGB).
 Image8 loadPhotograph(const Photograph& photograph);
 
-/// The memory that loadPhotograph takes at most, bytes.
+/// Maximum memory of loadPhotograph, bytes.
 double bytesToLoad(const Photograph& photograph);
 
-/// The memory that storePhotograph takes, about.
+/// Approximate memory of storePhotograph, bytes.
 double bytesToStore(const Photograph& photograph);
 
-/// Throws Error{invalidInput} where storePicture below `folder` would overwrite the photograph itself.
+/// Throws Error{invalidInput} if storePicture below `folder` would overwrite the photograph itself.
 void checkNotOverwritten(const Photograph& photograph, const std::filesystem::path& folder);
 
-/// Writes the picture below `folder`, and gives it back. Throws as checkNotOverwritten does, and Error{io}.
+/// Writes the image below `folder`, and returns it. Throws as checkNotOverwritten, and Error{io}.
 Image8 storePicture(const Photograph& photograph, const std::filesystem::path& folder);
 
-/// Of the source file's bytes, of what is undistorted and of the given mask.
+/// Hashes the source file's bytes, the undistortion and the given mask.
 std::uint64_t hashPhotograph(const Photograph& photograph);
 
-/// Writes the picture and its texture, in this format, below `scene`; with a mask, that too, as the texture's alpha as
-/// well, which BC1 does not have: it is BC7 then. Returns what hashPhotograph does.
+/// Writes the image and its texture of this format below `scene`. A mask is written, too, also as the texture's alpha;
+/// BC1 has no alpha and becomes BC7. Returns the value of hashPhotograph.
 std::uint64_t storePhotograph(Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
 
-/// Writes `picture`, of the stored size, and its texture below `scene` in the stored photograph's place; what is masked
-/// stays so. Throws as storePicture does.
+/// Writes `picture`, of the stored size, and its texture below `scene` in place of the stored photograph. The mask is
+/// kept. Throws as storePicture.
 void storeInstead(Photograph& photograph, const Image8& picture, const std::filesystem::path& scene,
                   TextureFormat format);
 
-/// Masks what is 0 in `mask`, of the stored size, in the scene: writes it and the texture. Returns a hash of it.
+/// Masks the pixels that are 0 in `mask`, of the stored size: writes the mask and the texture. Returns the mask's hash.
 std::uint64_t storeMask(Photograph& photograph, const Image8& mask, const Image8& picture,
                         const std::filesystem::path& scene, TextureFormat format);
 

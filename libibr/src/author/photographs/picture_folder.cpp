@@ -55,14 +55,14 @@ std::string stemOf(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
 }
 
-// Or one that is being built.
+// True for scenes, and for folders in which one is being built.
 bool isScene(const fs::path& folder) {
   std::error_code ignored;
   return std::ranges::any_of(std::array{kSceneFileName, ".build", ".poses"},
                              [&](const char* name) { return fs::exists(folder / name, ignored); });
 }
 
-// Why a file that is called a photograph cannot be one; "" for those that may be.
+// Returns the reason why a file named as a photograph cannot be one; "" if it may be.
 std::string faultOf(const fs::path& file, const std::string& extension) {
   std::error_code ignored;
   if (fs::file_size(file, ignored) == 0) return "is empty: copy it from the camera again";
@@ -89,7 +89,7 @@ PictureFolder lookInto(const fs::path& folder) {
   fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied);
   for (; at != fs::recursive_directory_iterator(); ++at) {
     const std::string file = at->path().filename().string();
-    std::error_code ignored;  // of links that lead nowhere
+    std::error_code ignored;  // dangling links
     if (at->is_directory(ignored)) {
       if (file.starts_with('.') || holdsPreviews(file) || isScene(at->path())) at.disable_recursion_pending();
       continue;

@@ -6,7 +6,7 @@
 
 namespace ibr {
 
-/// A mask at one bit a pixel.
+/// A mask with one bit per pixel.
 class BitMask {
  public:
   BitMask() = default;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenCV's view of our pictures: the pixels are shared, nothing is copied.
+// Wraps images as OpenCV matrices without copying: the pixels are shared.
 #pragma once
 
 #include <opencv2/core.hpp>

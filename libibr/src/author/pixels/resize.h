@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures made smaller or grey.
+// Scales images down, or converts them to grey.
 #pragma once
 
 #include "ibr/image.h"
 
 namespace ibr {
 
-/// RGB, averaged over areas.
+/// Scales RGB down by area averaging.
 Image8 shrunk(const Image8& picture, int width, int height);
 
 /// Luma of RGB, one channel.

@@ -23,8 +23,8 @@
 namespace ibr {
 namespace {
 
-// What Ceres changes; all zero at the start but for a point's inverse distance. Each kind in one piece: within a group,
-// Ceres orders by address, and sums in that order.
+// Unknowns that Ceres changes; all zero at the start except a point's inverse distance. Each kind is one array: within
+// a group, Ceres orders by address, and sums in that order.
 struct Unknowns {
   std::vector<std::array<double, kPoseUnknowns>> poses;
   std::vector<std::array<double, kLensUnknowns>> lenses;
@@ -59,7 +59,7 @@ class Residual final : public ceres::SizedCostFunction<2, kPoseUnknowns, kLensUn
   glm::dvec2 pixel_;
 };
 
-// A Gaussian about zero with these deviations.
+// Gaussian prior with mean zero and these standard deviations.
 template <std::size_t n>
 ceres::CostFunction* prior(const std::array<double, n>& deviations) {
   ceres::Matrix weights = ceres::Matrix::Zero(n, n);
@@ -91,7 +91,7 @@ class Adjustment {
       solver.linear_solver_ordering.reset(order_.release());
       solver.num_threads = 1;
       solver.max_num_iterations = options_.rounds;
-      solver.max_num_consecutive_invalid_steps = 20;  // a point that comes behind a camera makes one
+      solver.max_num_consecutive_invalid_steps = 20;  // a point that moves behind a camera makes one
       solver.function_tolerance = options_.enoughDecrease;
       solver.logging_type = ceres::SILENT;
       ceres::Solver::Summary summary;
@@ -171,7 +171,7 @@ class Adjustment {
   const BundleOptions& options_;
   std::vector<AnchoredPoint> anchored_;
   Unknowns unknowns_;
-  std::map<std::uint32_t, std::size_t> lensOf_;  // by the number of intrinsics
+  std::map<std::uint32_t, std::size_t> lensOf_;  // by BundleCamera::intrinsics
   std::unique_ptr<ceres::LossFunction> loss_ =
       options_.cauchyPx > 0 ? std::unique_ptr<ceres::LossFunction>(new ceres::CauchyLoss(options_.cauchyPx))
                             : std::make_unique<ceres::SoftLOneLoss>(options_.softPx);

@@ -22,7 +22,7 @@ glm::dquat turnedBy(const glm::dvec3& by) {
   return angle > 0 ? glm::angleAxis(angle, by / angle) : glm::dquat(1, 0, 0, 0);
 }
 
-// J_r: exp(δ + ε) = exp(δ) exp(J_r ε) to first order (Solà et al. 2018, eq. 143). By series where δ is small.
+// J_r: exp(δ + ε) = exp(δ) exp(J_r ε) to first order (Solà et al. 2018, eq. 143). By a series for small δ.
 glm::dmat3 rightJacobian(const glm::dvec3& delta) {
   const double square = glm::dot(delta, delta), angle = std::sqrt(square);
   const double one = angle > 1e-4 ? (1 - std::cos(angle)) / square : 0.5 - square / 24;
@@ -44,7 +44,7 @@ AnchoredPoint anchorPoint(const glm::dvec4& position, const glm::dvec3& anchor) 
 
 glm::dvec4 placedPoint(const AnchoredPoint& point, const double* unknowns) {
   const glm::dvec3 way = point.direction + unknowns[0] * point.e1 + unknowns[1] * point.e2;
-  const double w = std::max(unknowns[2], 0.0);  // rays that part meet at infinity
+  const double w = std::max(unknowns[2], 0.0);  // divergent rays meet at infinity
   return {way + w * point.anchor, w};
 }
 
@@ -84,7 +84,7 @@ std::optional<BundleResidual> bundleResidual(const Camera& start, const Anchored
   const glm::dvec3 e1 = toCamera * point.e1, e2 = toCamera * point.e2;
   for (int r = 0; r < 2; ++r) {
     const glm::dvec3& g = byPlace[std::size_t(r)];
-    const glm::dvec3 byTurn = glm::transpose(turning) * glm::cross(g, q);  // turned by ε, q moves by q × J_r ε
+    const glm::dvec3 byTurn = glm::transpose(turning) * glm::cross(g, q);  // a rotation by ε moves q by q × J_r ε
     const glm::dvec3 byShift = -place[2] * (glm::transpose(toCamera) * g);
     found.byPose[std::size_t(r)] = {byTurn.x, byTurn.y, byTurn.z, byShift.x, byShift.y, byShift.z};
     found.byLens[std::size_t(r)] = {fromCentre[r], r == 0 ? 1.0 : 0.0, r == 1 ? 1.0 : 0.0};

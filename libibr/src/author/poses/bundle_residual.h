@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One observation in a bundle adjustment, with its derivatives (bundle_adjust.h).
 //
-// A point h = u + a·e1 + b·e2 at inverse distance w from its anchor c0 is seen by a camera that was turned by δ and
-// shifted by t at q = exp(−δ) R₀ᵀ (h + w (c0 − c₀ − t)), a positive multiple of the way to it: finite at w = 0.
+// A point h = u + a·e1 + b·e2 at inverse distance w from its anchor c0, seen by a camera rotated by δ and translated by
+// t, has the camera coordinates q = exp(−δ) R₀ᵀ (h + w (c0 − c₀ − t)), up to a positive factor: finite at w = 0.
 #pragma once
 
 #include <array>
@@ -21,13 +21,13 @@ inline constexpr int kPointUnknowns = 3;  // a, b, w
 
 struct AnchoredPoint {
   glm::dvec3 anchor;             // world
-  glm::dvec3 direction, e1, e2;  // unit, at right angles
+  glm::dvec3 direction, e1, e2;  // unit, orthogonal
   double inverseDistance;        // at the start
 };
 
-/// `position` is homogeneous. Precondition: not the anchor itself, w >= 0.
+/// `position` is homogeneous. Precondition: differs from the anchor, w >= 0.
 AnchoredPoint anchorPoint(const glm::dvec4& position, const glm::dvec3& anchor);
-/// Homogeneous.
+/// Returns homogeneous coordinates.
 glm::dvec4 placedPoint(const AnchoredPoint& point, const double* unknowns);
 Camera movedCamera(const Camera& start, const double* pose, const double* lens);
 
@@ -38,7 +38,7 @@ struct BundleResidual {
   std::array<std::array<double, kPointUnknowns>, 2> byPoint;
 };
 
-/// nullopt where the point is behind the camera. Without `derivatives` these are left as they are.
+/// nullopt if the point is behind the camera. Without `derivatives` these are left unset.
 std::optional<BundleResidual> bundleResidual(const Camera& start, const AnchoredPoint& point, glm::dvec2 pixel,
                                              const double* pose, const double* lens, const double* place,
                                              bool derivatives);

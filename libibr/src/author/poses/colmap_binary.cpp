@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// COLMAP's binary files: little-endian, no header, each file a count and its records.
+// Reads COLMAP's binary files: little-endian, no header, each file a count and its records.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -35,7 +35,7 @@ class Bytes {
     check(std::isfinite(result), ErrorCode::invalidInput, "{}: {} is not a finite number", here.describe(), field);
     return result;
   }
-  /// A count of records of at least `size` bytes; more than can follow is an error before anything is allocated.
+  /// Reads a count of records of at least `size` bytes; a count beyond the file's end fails before any allocation.
   std::uint64_t count(const char* field, std::uint64_t size) {
     const RecordLocation here = place();
     const auto result = value<std::uint64_t>(field);

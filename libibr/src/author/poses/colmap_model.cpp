@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A COLMAP model in libibr's conventions. COLMAP: world to camera, x right, y down, looks along +z; pixel centres at
-// .5.
+// Converts a COLMAP model to libibr's conventions. COLMAP: world to camera, x right, y down, looks along +z; pixel
+// centres at .5.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,7 +11,7 @@
 #include "author/geometry/world_to_camera.h"
 #include "author/poses/colmap_records.h"
 #include "base/check.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr {
 namespace fs = std::filesystem;

@@ -29,7 +29,7 @@ std::optional<std::size_t> numberAt(std::string_view text, std::size_t& at) {
   return value && *value >= 0 ? std::optional(std::size_t(*value)) : std::nullopt;
 }
 
-// "… [3/12] …", or "… [2/3, 1/4] …" of blocks of blocks.
+// Parses "… [3/12] …", or "… [2/3, 1/4] …" for nested blocks.
 std::optional<Count> bracketed(std::string_view line) {
   std::size_t at = line.find('[');
   if (at == line.npos) return std::nullopt;
@@ -46,7 +46,7 @@ std::optional<Count> bracketed(std::string_view line) {
   return count;
 }
 
-// "Registering image #5 (12)", of newer versions "(num_reg_frames=12)".
+// Parses "Registering image #5 (12)", in newer versions "(num_reg_frames=12)".
 std::optional<std::size_t> registered(std::string_view line) {
   if (line.find("Registering image") == line.npos) return std::nullopt;
   const std::size_t open = line.rfind('(');
@@ -81,7 +81,7 @@ void ColmapProgram::run(const std::string& mark, const std::string& command, con
   std::ofstream all(logFile, std::ios::app);
   std::deque<std::string> last;
   Count count{0, photographs};
-  bool nothing = false;  // it did what it could
+  bool nothing = false;  // no model found, which is no failure
   const ChildResult result = runLine(
       line,
       [&](std::string_view text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program COLMAP, run command by command in a folder that tells which commands were run to their end.
+// Runs the program COLMAP, command by command, in a folder that records which commands have finished.
 #pragma once
 
 #include <cstddef>
@@ -16,25 +16,25 @@ namespace ibr {
 
 class ColmapProgram {
  public:
-  /// `program`: looked for along PATH unless it names a folder. `progress` may be empty; it must outlive the object.
+  /// `program`: searched along PATH unless it contains a folder. `progress` may be empty; it must outlive the object.
   ColmapProgram(std::string program, std::filesystem::path folder, const ProgressCallback& progress)
       : program_(std::move(program)), folder_(std::move(folder)), progress_(progress) {}
 
-  /// Names of options that are called otherwise from version 4 on. Throws Error{io} where the program cannot be
-  /// started.
+  /// Prefixes of options that were renamed in COLMAP 4. Throws Error{io} if the
+  /// program cannot be started.
   struct OptionNames {
     std::string extraction, matching;
   };
   OptionNames optionNames(const char* stage) const;
 
-  /// Of a command that was run to its end. `mark` tells several runs of a command apart.
+  /// Marker file of a finished command. `mark` distinguishes several runs of a command.
   std::filesystem::path doneFile(const std::string& mark, const std::string& command) const {
     return folder_ / (mark + command + ".done");
   }
 
-  /// Runs a command unless it has been run to its end before; what it prints goes to MARK COMMAND .log. Tells its
-  /// progress, in photographs where it says nothing else. A mapper that finds no model is not done, and no fault.
-  /// Throws Error: io where the program is missing or fails, with its last lines; cancelled.
+  /// Runs a command unless it has finished before; output is appended to MARK COMMAND .log. Reports progress, in
+  /// photographs unless COLMAP reports otherwise. A mapper that finds no model is neither finished nor an error. Throws
+  /// Error: io if the program is missing or fails, with its last lines; cancelled.
   void run(const std::string& mark, const std::string& command, const char* stage,
            const std::vector<std::string>& arguments, std::size_t photographs) const;
 

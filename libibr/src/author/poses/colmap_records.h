@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in the files of a COLMAP model, read but not yet judged: readColmapModel() checks and converts it.
+// Records of a COLMAP model's files as read; readColmapModel() checks and converts them.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace ibr::colmap {
 
-/// Where something stands in a file, for messages.
+/// Position of a record in a file, for messages.
 struct RecordLocation {
   const std::filesystem::path* file;
   std::uint64_t at;  // line (from 1) of a text file, byte of a binary one
@@ -24,8 +24,8 @@ struct ModelKind {
   const char* name;
   std::size_t parameters;
 };
-/// Camera models of COLMAP 3.8 (src/base/camera_models.h), and that of panoramas, which COLMAP 4.1 has: its parameters
-/// are width and height again. Text models of before leave them out.
+/// Camera models of COLMAP 3.8 (src/base/camera_models.h), and the panorama model of COLMAP 4.1, whose parameters
+/// repeat width and height. Older text models leave these parameters out.
 inline constexpr std::array<ModelKind, 12> kModelKinds{{{0, "SIMPLE_PINHOLE", 3},
                                                         {1, "PINHOLE", 4},
                                                         {2, "SIMPLE_RADIAL", 4},
@@ -38,7 +38,7 @@ inline constexpr std::array<ModelKind, 12> kModelKinds{{{0, "SIMPLE_PINHOLE", 3}
                                                         {9, "RADIAL_FISHEYE", 5},
                                                         {10, "THIN_PRISM_FISHEYE", 12},
                                                         {17, "EQUIRECTANGULAR", 2}}};
-inline constexpr std::size_t kEquirectangular = 11;  // those before it stand as in LensModel (ibr/lens.h)
+inline constexpr std::size_t kEquirectangular = 11;  // those before it are in LensModel's order (ibr/author/lens.h)
 
 inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation without a point
 inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered
@@ -48,7 +48,7 @@ struct CameraRecord {
   std::uint64_t id;
   std::size_t kind;  // index into kModelKinds
   std::uint64_t width, height;
-  std::vector<double> parameters;  // as many as its kind has; an EQUIRECTANGULAR may have none
+  std::vector<double> parameters;  // as many as the model requires; an EQUIRECTANGULAR may have none
 };
 struct ObservationRecord {
   double x, y;
@@ -69,19 +69,19 @@ struct PointRecord {
   std::array<double, 3> position;
 };
 
-/// All numbers are finite; nothing else is promised.
+/// All numbers are finite; nothing else is guaranteed.
 struct Records {
   Records() = default;
-  Records(const Records&) = delete;  // the places point into it
+  Records(const Records&) = delete;  // the RecordLocations point into it
   Records& operator=(const Records&) = delete;
 
-  std::filesystem::path camerasFile, imagesFile, pointsFile;  // what the places point to
+  std::filesystem::path camerasFile, imagesFile, pointsFile;  // the RecordLocations point to these
   std::vector<CameraRecord> cameras;
   std::vector<ImageRecord> images;
   std::vector<PointRecord> points;
 };
 
-/// Fill `records`, whose three file names are set (an empty pointsFile: there is none). Throw Error with the place.
+/// Fill `records`, whose three file names are set (empty pointsFile: none). Throw Error that names the position.
 void readText(Records& records);
 void readBinary(Records& records);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// COLMAP's text files. Departure: COLMAP ends an image's name at the first space; we take the rest of the line.
+// Reads COLMAP's text files. Departure: COLMAP ends an image's name at the first space, libibr at the line's end.
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// One line, word by word.
+// Parses one line, word by word.
 class Line {
  public:
   Line(std::string_view text, RecordLocation place) : rest_(trimmed(text)), place_(place) {}
@@ -62,7 +62,7 @@ class Lines {
  public:
   explicit Lines(const std::filesystem::path& file) : file_(&file), text_(readTextFile(file, std::uint64_t(8) << 30)) {}
 
-  /// The next line as it is.
+  /// Returns the next line unchanged.
   std::optional<Line> raw() {
     if (at_ >= text_.size()) return std::nullopt;
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
@@ -70,7 +70,7 @@ class Lines {
     at_ = end + 1;
     return Line(line, {file_, ++number_, true});
   }
-  /// The next line that says something.
+  /// Returns the next line that is neither empty nor a comment.
   std::optional<Line> meaningful() {
     while (auto line = raw()) {
       Line probe = *line;
@@ -138,7 +138,7 @@ void readPoints(Records& records) {
     point.id = std::uint64_t(line->integer("POINT3D_ID", 0, kLargestId));
     constexpr const char* kFields[] = {"X", "Y", "Z"};
     for (std::size_t i = 0; i < 3; ++i) point.position[i] = line->real(kFields[i]);
-    records.points.push_back(point);  // colour, error and track say nothing that the images do not
+    records.points.push_back(point);  // colour, error and track repeat what the images contain
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// COLMAP's text files, written. Frames: author/geometry/world_to_camera.h.
+// Writes COLMAP's text files. Frames: author/geometry/world_to_camera.h.
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
@@ -8,7 +8,7 @@
 #include "author/poses/colmap_records.h"
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 
 namespace ibr {
 namespace {
@@ -18,7 +18,7 @@ void append(std::string& text, fmt::format_string<Args...> format, Args&&... arg
   fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
 }
 
-// The reader takes the rest of a line for the name, without blanks at its ends.
+// Names may not begin or end with blanks: the reader takes the rest of a line, trimmed.
 void checkName(const std::string& name) {
   const bool ends =
       !name.empty() && name.front() != ' ' && name.back() != ' ' && name.front() != '\t' && name.back() != '\t';
@@ -26,7 +26,7 @@ void checkName(const std::string& name) {
         "\"{}\" cannot be the name of an image in a COLMAP text model", name);
 }
 
-// As cameras.txt has it, after the camera's number.
+// Formats a camera for cameras.txt, without the camera's number.
 std::string cameraText(const PosedImage& image) {
   if (const auto& lens = image.lens) {
     std::string text =
@@ -40,7 +40,7 @@ std::string cameraText(const PosedImage& image) {
              : fmt::format("PINHOLE {} {} {} {} {} {}", k.width, k.height, k.fx, k.fy, k.cx, k.cy);
 }
 
-// Where it is seen in the photograph as it was taken.
+// Maps an undistorted pixel to the source photograph, distortion included.
 glm::dvec2 taken(const PosedImage& image, glm::dvec2 pixel) {
   const auto seen = image.lens ? image.lens->project(unproject(image.camera.intrinsics, pixel)) : std::optional(pixel);
   check(seen.has_value(), ErrorCode::invalidInput, "{}: its lens does not see what is observed at {}, {}", image.name,
@@ -58,7 +58,7 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
   std::vector<std::size_t> count(model.images.size(), 0);
   for (std::size_t t = 0; t < model.tracks.size(); ++t) {
     const glm::dvec3 p = model.tracks[t].position;
-    append(points, "{} {} {} {} 128 128 128 -1", t + 1, p.x, p.y, p.z);  // −1: COLMAP's word for an error not known
+    append(points, "{} {} {} {} 128 128 128 -1", t + 1, p.x, p.y, p.z);  // −1: COLMAP's value for an unknown error
     for (const TrackObservation& o : model.tracks[t].observations) {
       check(o.image < model.images.size(), ErrorCode::invalidInput, "track {} is seen by image {} of {}", t, o.image,
             model.images.size());

@@ -18,7 +18,7 @@ constexpr double kPatch = 1.0 / 12;  // of a photograph's width
 constexpr std::size_t kFewPatches = 8;
 constexpr double kRoundingPx = 0.01;
 
-// Axes that turn with the world: the cameras' own, in the mean. Those of the world where cameras look all around.
+// Axes that rotate with the world: the mean of the cameras' axes. If cameras look all around, the world's axes.
 glm::dmat3 axesOf(std::span<const Camera> cameras) {
   glm::dmat3 sum(0.0);
   for (const Camera& camera : cameras) sum += glm::mat3_cast(camera.pose.rotation) / double(cameras.size());
@@ -32,7 +32,7 @@ glm::dmat3 axesOf(std::span<const Camera> cameras) {
 
 std::vector<std::uint32_t> patchesOf(std::span<const Camera> cameras, std::span<const BundlePoint> points) {
   glm::dvec3 middle(0.0);
-  double width = 0;  // of a picture one unit away, the mean
+  double width = 0;  // mean width of an image at distance 1
   for (const Camera& camera : cameras) {
     middle += camera.pose.position / double(cameras.size());
     width += camera.intrinsics.width / camera.intrinsics.fx / double(cameras.size());

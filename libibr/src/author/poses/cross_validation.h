@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether cameras that were fitted to some points suit others better than they did before.
+// Tests whether cameras that were fitted to some points also fit other points better than before.
 //
-// Every fit suits the points that it was made with. So the points are parted in two halves: cameras that are fitted to
-// one are asked about the other. Neighbours err alike, and one place is found from several photographs: halves are made
-// of patches, all points in one direction from the middle of the cameras, and what a patch says counts once.
+// Every fit suits the points that were fitted. So the points are split in two halves: cameras fitted to one half are
+// tested on the other. Errors of neighbours are correlated: halves consist of patches, which are directions from the
+// cameras' mean centre, and a patch counts as one independent sample.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace ibr {
 
-/// Of each point: the number of its patch, about a twelfth of a photograph wide. Half of them are even, half odd.
-/// Cameras are pinholes.
+/// Returns each point's patch number; a patch is about a twelfth of a photograph wide. Half of the numbers are even,
+/// half odd. Cameras are pinholes.
 std::vector<std::uint32_t> patchesOf(std::span<const Camera> cameras, std::span<const BundlePoint> points);
 
-/// With poses and intrinsics that stay: bundle adjustment then only places points.
+/// Returns the cameras with fixed poses and intrinsics: bundle adjustment then only triangulates points.
 std::vector<BundleCamera> still(std::span<const BundleCamera> cameras);
 
-/// How badly each point suits the cameras where it suits them best: Cauchy's loss of the scale `px`, summed over those
-/// that see it; 0 for points that count nothing in a bundle adjustment, and up to 0.01 px, for numbers are rounded.
+/// Returns each point's cost at its best position: Cauchy's loss of scale `px`, summed over its observations. Errors up
+/// to 0.01 px cost nothing, since numbers are rounded; points that a bundle adjustment does not count cost 0.
 std::vector<double> costsOf(std::span<const BundleCamera> cameras, std::span<const BundlePoint> points, double px);
 
-/// By how many standard errors the costs' sum went down, patches being taken for independent: beyond 3, hardly by
-/// chance. NaN where fewer than 8 patches cost anything.
+/// Returns the decrease of the costs' sum in standard errors, with patches taken as independent: above 3, hardly by
+/// chance. NaN if fewer than 8 patches have a cost.
 double significance(std::span<const double> before, std::span<const double> after,
                     std::span<const std::uint32_t> patches);
 

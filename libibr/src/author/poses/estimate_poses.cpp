@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses by the program COLMAP (Schönberger and Frahm 2016), step by step in a folder that is kept.
+// Estimates poses with the program COLMAP (Schönberger and Frahm 2016), step by step in a cached folder.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,28 +15,28 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 3;           // of the steps: raise it when they come out differently
-constexpr std::size_t kMostExhaustive = 60;     // photographs that are all matched with each other
-constexpr std::size_t kMostAddedPairs = 10000;  // that are matched to add photographs
-constexpr double kMostAdded = 0.5;              // of those that there are
-constexpr double kMostLeft = 0.2;               // of these, that the model may lack
-constexpr std::size_t kBlocks = 8;              // of photographs, matched two by two
-constexpr double kBytesPerPixel = 14;           // that reading and turning a photograph take
+constexpr std::uint64_t kVersion = 3;           // of the steps: raise it when their results change
+constexpr std::size_t kMostExhaustive = 60;     // maximum number of photographs for exhaustive matching
+constexpr std::size_t kMostAddedPairs = 10000;  // maximum number of pairs matched to add photographs
+constexpr double kMostAdded = 0.5;              // maximum share of added photographs, of the previous ones
+constexpr double kMostLeft = 0.2;               // maximum share of the previous ones that the model may lack
+constexpr std::size_t kBlocks = 8;              // of photographs, matched pair by pair
+constexpr double kBytesPerPixel = 14;           // memory for reading and rotating a photograph
 constexpr const char* kLooking = "looking at photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
 constexpr const char* kMapping = "estimating poses with COLMAP";
 constexpr const char* kAdding = "adding photographs with COLMAP";
-constexpr const char* kOnlyCamera = "1";  // COLMAP's number of it, where all photographs share one
+constexpr const char* kOnlyCamera = "1";  // COLMAP's camera id, if all photographs share one
 
-// Of an empty folder: nothing is.
+// False if `folder` is an empty path.
 bool isWithin(const fs::path& file, const fs::path& folder) {
   if (folder.empty()) return false;
   const fs::path inside = fs::weakly_canonical(file).lexically_relative(fs::weakly_canonical(folder));
@@ -73,7 +73,7 @@ class Estimator {
   fs::path databaseFile() const { return file(mark_ + "database.db"); }
   fs::path listFile() const { return file(mark_ + "photographs.txt"); }
 
-  // What was made of other photographs, or in another way, is thrown away; poses stand where some were only added.
+  // Discards results of other photographs or settings; keeps poses if photographs were only added.
   void prepare() {
     probe();
     const std::vector<std::string> key = keyLines();
@@ -105,7 +105,7 @@ class Estimator {
     return fs::exists(file("added-key")) && readTextFile(file("added-key")) == key;
   }
 
-  // A poor model, and one of few photographs, is better estimated anew: it may become another one.
+  // Poor models, and those of few photographs, are estimated again: the result may be a different model.
   bool canAdd(const std::string& key) const {
     const std::size_t before = names_.size() - added_.size();
     if (added_.empty() || !fs::exists(file("mapper.done")) || double(added_.size()) > kMostAdded * double(before) ||
@@ -117,7 +117,7 @@ class Estimator {
     return models().size() == 1 && double(largestModel().registered) >= (1 - kMostLeft) * double(before);
   }
 
-  // Steps of another addition, which was stopped, are not this one's: it begins with the database before that.
+  // Discards the steps of another, stopped addition: this one starts from the database before that addition.
   void prepareToAdd(const std::string& key) {
     looked_ = added_;
     mark_ = "added-";
@@ -132,7 +132,7 @@ class Estimator {
     writeFile(file("added-key"), key);
   }
 
-  // Indices of the photographs of `now` that `before` lacks; none where anything else is different.
+  // Indices of the photographs of `now` that `before` lacks; none if anything else differs.
   static std::vector<std::size_t> addedTo(const std::string& before, const std::vector<std::string>& now) {
     std::set<std::string> lines;
     for (std::size_t at = 0, end; (end = before.find('\n', at)) != before.npos; at = end + 1)
@@ -151,7 +151,7 @@ class Estimator {
     checkReadable(std::move(faults));
   }
 
-  // What holds for all, then a line for each photograph.
+  // Returns a line for the common settings, then a line for each photograph.
   std::vector<std::string> keyLines() const {
     std::vector<std::string> lines{
         fmt::format("{} {}", kVersion, options_.orientation == Orientation::stored ? "stored" : "upright")};
@@ -165,7 +165,7 @@ class Estimator {
     return lines;
   }
 
-  // Damage is found before hours go into the others. Where some are to be turned, all stand in a folder of ours.
+  // Finds damaged files before hours of work. If some photographs are rotated, all are placed in a folder of their own.
   void look() {
     double most = 0;
     for (const ImageFileInfo& info : infos_) most = std::max(most, double(info.width) * info.height);
@@ -218,10 +218,10 @@ class Estimator {
       if (isTurned(i)) return true;
     return false;
   }
-  // Where COLMAP finds the photographs.
+  // Folder from which COLMAP reads the photographs.
   fs::path pictures() const { return turnsAny() ? file("upright") : options_.photographs; }
 
-  // Of the upright pictures, too.
+  // True if all photographs, once upright, have the same size.
   bool sameSize(const std::vector<std::size_t>& photographs) const {
     const auto size = [this](std::size_t i) {
       const bool swaps = isTurned(i) && infos_[i].orientation >= 5;
@@ -240,7 +240,7 @@ class Estimator {
 
   std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
 
-  // Under the names that COLMAP looks for. False where there are none.
+  // Copies masks under the names that COLMAP expects. Returns false if there are none.
   bool copyMasks() const {
     bool any = false;
     for (std::size_t i = 0; i < names_.size(); ++i)
@@ -258,7 +258,7 @@ class Estimator {
 
   void findFeatures() {
     option_ = colmap_.optionNames(kFeatures);
-    // Photographs of one size are most often of one lens: its focal length is then found more surely.
+    // Photographs of one size usually share one lens: a shared focal length is estimated more reliably.
     std::vector<std::string> arguments{"--database_path",
                                        databaseFile().string(),
                                        "--image_path",
@@ -293,7 +293,7 @@ class Estimator {
       return step("matches_importer", kMatching, arguments);
     }
     const bool all = names_.size() <= kMostExhaustive;
-    // COLMAP tells and keeps what it matched block by block: of one block, nothing is seen, and a stop loses all of it.
+    // COLMAP reports and stores matches block by block: a single block shows no progress, and is lost when stopped.
     if (all) {
       const std::size_t side = std::max<std::size_t>(2, (names_.size() + kBlocks - 1) / kBlocks);
       arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
@@ -301,7 +301,7 @@ class Estimator {
     step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments);
   }
 
-  // Each added photograph with all others.
+  // Pairs each added photograph with all others.
   void writePairs() const {
     std::string pairs;
     for (const std::size_t i : added_)
@@ -313,7 +313,7 @@ class Estimator {
   void estimate() {
     estimateOnce({});
     if (!fs::is_empty(file("sparse"))) return;
-    // COLMAP begins with two photographs side by side; on a walk straight ahead there are none.
+    // COLMAP starts from two photographs side by side; a walk straight ahead has none.
     if (log_)
       log_(LogLevel::info,
            "COLMAP found no two photographs to begin with: once more, with such as lie one behind the other");
@@ -322,7 +322,7 @@ class Estimator {
   }
 
   void estimateOnce(const std::vector<std::string>& more) {
-    fs::remove_all(file("sparse"));  // a half-finished one is begun anew
+    fs::remove_all(file("sparse"));  // a half-finished model is started again
     makeFolders(file("sparse"));
     std::vector<std::string> arguments{
         "--database_path", file("database.db").string(), "--image_path",         pictures().string(),
@@ -331,7 +331,7 @@ class Estimator {
     step("mapper", kMapping, arguments);
   }
 
-  // Poses and points that there are stay as they are, to the bit: depth that was found with them holds.
+  // Keeps existing poses and points bit-identical: cached depth that used them stays valid.
   void addPhotographs() {
     findFeatures();
     matchFeatures();
@@ -342,7 +342,7 @@ class Estimator {
            {"--database_path", databaseFile().string(), "--input_path", models()[0].string(), "--output_path",
             after.string(), "--Mapper.num_threads", threads()});
     }
-    // Whenever this is stopped, it can be done again.
+    // These steps may be repeated whenever the process stops.
     if (fs::exists(after) && !fs::is_empty(after)) {
       fs::remove_all(file("sparse"));
       makeFolders(file("sparse"));
@@ -353,7 +353,7 @@ class Estimator {
     tellUnjoined();
   }
 
-  // Added photographs are joined to points that there are: to each other they are not.
+  // Added photographs are registered to existing points only, not to each other.
   void tellUnjoined() const {
     std::set<std::string> posed;
     for (const PosedImage& image : readColmapModel(largestModel().model).images) posed.insert(image.name);
@@ -413,8 +413,8 @@ class Estimator {
   std::vector<std::string> names_;
   std::vector<ImageFileInfo> infos_;
   std::vector<std::size_t> added_;   // since poses were estimated
-  std::vector<std::size_t> looked_;  // those of this run: added_, or all
-  std::string mark_;                 // before the names of this run's files
+  std::vector<std::size_t> looked_;  // photographs of this run: added_, or all
+  std::string mark_;                 // prefix of this run's files
   const ColmapProgram colmap_;
   ColmapProgram::OptionNames option_;
 };

@@ -42,7 +42,7 @@ std::vector<LocalTrack> localTracks(const PosedModel& model, std::span<const std
   for (std::size_t count = members.size(); count >= 2; --count) {
     const std::vector<std::uint32_t>& list = seenBy[count];
     const std::size_t room = kMostTracks - tracks.size(), wanted = std::min(room, list.size());
-    for (std::size_t k = 0; k < wanted; ++k) {  // evenly: neighbours in the model are neighbours in pictures
+    for (std::size_t k = 0; k < wanted; ++k) {  // evenly spaced: neighbours in the model are neighbours in images
       const Track& track = model.tracks[list[k * list.size() / wanted]];
       LocalTrack local{track.position, std::vector<std::optional<glm::dvec2>>(members.size())};
       for (const TrackObservation& seen : track.observations)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Equirectangular panoramas with their poses from one JSON file. The file's axes are COLMAP's; a direction d in them is
-// seen at x = (atan2(d.x, d.z) / 2π + ½)·width, y = (asin(d.y) / π + ½)·height: conventions.h after half a turn about
-// x.
+// Reads equirectangular panoramas with their poses from a JSON file. The file's axes are COLMAP's. A direction d in
+// these axes is seen at x = (atan2(d.x, d.z) / 2π + ½)·width, y = (asin(d.y) / π + ½)·height. This is the mapping of
+// conventions.h after half a turn about x.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -13,13 +13,13 @@
 #include "author/geometry/world_to_camera.h"
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "scene/json_check.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kRounding = 1e-3;  // of rotations, and of values that a file says twice
+constexpr double kRounding = 1e-3;  // tolerance for rotations, and for redundant values in a file
 
 glm::dvec3 vector(const JsonValue& json) {
   if (json.size() != 3) json.fault(fmt::format("has {} numbers, not 3", json.size()));
@@ -64,7 +64,7 @@ Pose poseOf(const JsonValue& entry) {
       !(glm::distance(translation, vector(entry[kTranslation])) <= kRounding * std::max(1.0, glm::length(position))))
     entry[kTranslation].fault(fmt::format("is another place than \"{}\"", kPosition));
   Pose pose = poseFromWorldToCamera(toCamera, translation);
-  pose.position = position;  // as the file says it
+  pose.position = position;  // exactly the file's value
   return pose;
 }
 

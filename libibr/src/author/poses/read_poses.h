@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses for a build, from wherever its options say.
+// Reads the poses of a build from the source that its options name.
 #pragma once
 
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 
 namespace ibr {
 
-/// The file or folder that poses are read from. Throws Error{invalidInput} where the options name several.
+/// Returns the file or folder of the poses. Throws Error{invalidInput} if the options name several.
 std::filesystem::path posesFile(const BuildOptions& options);
 
-/// What stands there.
+/// Reads the poses from that file or folder.
 PosedModel readPoses(const BuildOptions& options, const LogCallback& log);
 
 }  // namespace ibr

@@ -12,7 +12,7 @@ namespace ibr {
 namespace {
 
 constexpr std::size_t kFewPoints = 20;
-constexpr double kRadians = 0.1, kShift = 1;  // one standard deviation of the prior; of the way to the nearest other
+constexpr double kRadians = 0.1, kShift = 1;  // standard deviations; kShift: relative to the nearest other's distance
 
 bool sameLens(const PosedImage& a, const PosedImage& b) {
   return a.camera.intrinsics == b.camera.intrinsics && a.lens == b.lens;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// transforms.json of nerfstudio and instant-ngp. Its axes are ours: x right, y up, looking along −z; camera to world.
+// Reads transforms.json of nerfstudio and instant-ngp. libibr's axes: x right, y up, looks along −z; camera to world.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "io/image_file.h"
 #include "scene/json_check.h"
 
@@ -20,7 +20,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kRounding = 1e-3;  // of rotations
+constexpr double kRounding = 1e-3;  // tolerance for rotations
 constexpr int kLargest = 1 << 16;
 
 Pose poseOf(const JsonValue& matrix) {
@@ -48,7 +48,7 @@ Pose poseOf(const JsonValue& matrix) {
   return {{rows[0][3], rows[1][3], rows[2][3]}, glm::normalize(glm::quat_cast(turn))};
 }
 
-// A field of a frame, or of the file for all frames.
+// Looks a field up in a frame, then in the file, which holds for all frames.
 class Fields {
  public:
   Fields(const JsonValue& file, const JsonValue& frame) : file_(file), frame_(frame) {}
@@ -68,7 +68,7 @@ class Fields {
   JsonValue file_, frame_;
 };
 
-// Whole numbers are often written as 800.0.
+// Accepts whole numbers written as 800.0.
 std::optional<int> sizeOf(const Fields& fields, const char* key) {
   const auto value = fields.find(key);
   if (!value) return std::nullopt;
@@ -139,8 +139,8 @@ void setCamera(PosedImage& image, const Fields& fields, int width, int height, B
   }
 }
 
-// The picture's name below the folder of the photographs: its path is meant from there or, more often, from the file's
-// own folder, and may lack its extension.
+// Returns the image's name below the photographs' folder. Its path is relative to that folder or, more often, to the
+// file's own folder, and may lack its extension.
 std::optional<std::string> nameBelow(const fs::path& photographs, const fs::path& folder, const fs::path& path) {
   const fs::path root = fs::weakly_canonical(photographs);
   for (const fs::path& start : {folder / path, photographs / path, photographs / path.filename()})

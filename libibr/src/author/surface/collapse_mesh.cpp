@@ -12,7 +12,7 @@ bool has(const glm::uvec3& face, std::uint32_t vertex) {
   return face.x == vertex || face.y == vertex || face.z == vertex;
 }
 
-// Number of faces at `vertex` that have `other` too.
+// Number of faces at `vertex` that also have `other`.
 std::size_t facesBetween(const TriangleMesh& mesh, std::span<const std::uint32_t> faces, std::uint32_t other) {
   return std::size_t(
       std::count_if(faces.begin(), faces.end(), [&](std::uint32_t f) { return has(mesh.triangles[f], other); }));
@@ -78,7 +78,7 @@ bool CollapseMesh::keepsTopology(std::uint32_t a, std::uint32_t b) const {
   std::vector<std::uint32_t> both;
   std::set_intersection(ofA.begin(), ofA.end(), ofB.begin(), ofB.end(), std::back_inserter(both));
   if (both.size() != shared) return false;
-  // No edge may lie opposite to both ends: a tetrahedron would fold flat, a lone triangle vanish.
+  // Reject an edge opposite to both ends: a tetrahedron would fold flat, a lone triangle would vanish.
   if (shared == 2) {
     const auto opposite = [&](std::uint32_t vertex) {
       return std::any_of(facesAt_[vertex].begin(), facesAt_[vertex].end(), [&](std::uint32_t f) {

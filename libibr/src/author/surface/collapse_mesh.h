@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh that edges are collapsed in: two vertices become one, the faces at the edge vanish.
+// A mesh for edge collapses: two vertices become one, and the faces at the edge vanish.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace ibr {
 /// Vertices and faces keep their indices; a dead face has three equal corners.
 class CollapseMesh {
  public:
-  /// Precondition: what repairMesh gives.
+  /// Precondition: a result of repairMesh.
   explicit CollapseMesh(TriangleMesh mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }
@@ -25,30 +25,30 @@ class CollapseMesh {
   bool isBorder(std::uint32_t vertex) const;
   double area(std::uint32_t face) const;
 
-  /// The planes of the faces at a vertex, weighted by area, and along its border edges the planes upright on their
-  /// faces, which hold a border in its place.
+  /// Sums the planes of the faces at a vertex, weighted by area. Border edges add planes perpendicular to their faces,
+  /// which keep the border in place.
   Quadric planesAt(std::uint32_t vertex) const;
 
-  /// Whether {a, b} is an edge whose collapse leaves a manifold of the same topology (the link condition: Dey,
+  /// True if {a, b} is an edge whose collapse leaves a manifold of the same topology (the link condition: Dey,
   /// Edelsbrunner, Guha, Nekhayev, Topology preserving edge contraction, 1999).
   bool keepsTopology(std::uint32_t a, std::uint32_t b) const;
 
-  /// Whether with a and b moved to `to` the normal of no remaining face turns by more than the angle with cosine
-  /// `leastCosine` or vanishes.
+  /// True if, with a and b moved to `to`, no remaining face's normal vanishes or turns by more than the angle with
+  /// cosine `leastCosine`.
   bool keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to, double leastCosine) const;
 
-  /// Where the merged vertex deviates least from the planes in `quadric`: on the border if one end is, on the edge's
-  /// middle as far as the planes leave it free.
+  /// Returns the position of the merged vertex with the least deviation from `quadric`'s planes: at the border vertex
+  /// if only one end is on the border; near the edge's midpoint where the planes leave freedom.
   glm::dvec3 placement(std::uint32_t a, std::uint32_t b, const Quadric& quadric) const;
 
-  /// b becomes a, at `to`.
+  /// Merges b into a, at `to`.
   void collapse(std::uint32_t a, std::uint32_t b, glm::dvec3 to);
 
-  /// Without what is dead or unused, in the same order.
+  /// Returns the mesh without dead faces and unused vertices, in the same order.
   TriangleMesh compact() const;
 
  private:
-  glm::dvec3 normal(const glm::uvec3& face) const;  // twice the area long
+  glm::dvec3 normal(const glm::uvec3& face) const;  // length: twice the area
 
   TriangleMesh mesh_;
   std::vector<std::vector<std::uint32_t>> facesAt_;

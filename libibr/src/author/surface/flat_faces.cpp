@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-// The corner that the longest edge starts at.
+// Index of the corner at which the longest edge starts.
 int longestEdge(const TriangleMesh& mesh, const glm::uvec3& face) {
   int longest = 0;
   double most = -1;
@@ -22,9 +22,9 @@ int longestEdge(const TriangleMesh& mesh, const glm::uvec3& face) {
   return longest;
 }
 
-using HalfEdges = std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t>;  // to its face
+using HalfEdges = std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t>;  // half-edge to its face
 
-// Turns the longest edge of `face`, or drops the face at a border; false where that would not leave a manifold.
+// Flips the longest edge of `face`, or drops a border face; returns false if the mesh would not stay manifold.
 bool removeFace(TriangleMesh& mesh, std::size_t face, HalfEdges& faceOf, std::vector<char>& gone) {
   const glm::uvec3 t = mesh.triangles[face];
   const int k = longestEdge(mesh, t);
@@ -62,7 +62,7 @@ bool isFlat(const TriangleMesh& mesh, const glm::uvec3& face) {
   const glm::dvec3 a = mesh.positions[face[k]];
   const glm::dvec3 along = mesh.positions[face[(k + 1) % 3]] - a, to = mesh.positions[face[(k + 2) % 3]] - a;
   constexpr double kFlat = 1e-9;
-  // Negated, so that what is not finite counts as flat.
+  // Negated, so that faces with non-finite values count as flat.
   return !(glm::length(glm::cross(along, to)) > kFlat * glm::dot(along, along));
 }
 
@@ -76,7 +76,7 @@ FlatFaces removeFlatFaces(TriangleMesh& mesh) {
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
     for (int e = 0; e < 3; ++e) faceOf[{mesh.triangles[f][e], mesh.triangles[f][(e + 1) % 3]}] = f;
   std::vector<char> gone(mesh.triangles.size(), 0);
-  // Each success makes one flat face fewer, and may let another one's edge be turned.
+  // Each success leaves one flat face fewer, and may allow another one's edge to be flipped.
   for (bool progress = true; progress && !flat.empty();) {
     progress = false;
     std::vector<std::size_t> left;

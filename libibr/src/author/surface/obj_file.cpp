@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wavefront OBJ: the vertices and faces of all groups; everything else is passed over.
+// Reads Wavefront OBJ: the vertices and faces of all groups; everything else is ignored.
 #include <string_view>
 
 #include "author/surface/triangle_mesh_file.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kSpaces = " \t\r";
 
-// The next word of a line, which loses it; empty at its end.
+// Removes the next word from a line and returns it; empty at the line's end.
 std::string_view nextWord(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kSpaces), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kSpaces));

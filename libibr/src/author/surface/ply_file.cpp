@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turk, The PLY Polygon File Format (1994): a header that lists elements and their properties, then their values.
+// Reads PLY (Turk, The PLY Polygon File Format, 1994): a header lists elements and properties; their values follow.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -114,7 +114,7 @@ class PlyReader {
     demand(hasFormat, "the header has no format");
   }
 
-  // So that a wrong count takes no memory.
+  // Checks a count against the file's size before any allocation.
   void checkRoom(const Element& element) const {
     std::size_t least = 0;
     for (const Property& property : element.properties)

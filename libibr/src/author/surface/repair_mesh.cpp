@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-//   1. faces that can be used, none twice
-//   2. which faces are joined across which edge: by their corners, then borders by position
-//   3. one orientation for each connected part
-//   4. corners that are joined around a vertex become one vertex
-//   5. faces without area
-// again until nothing changes.
+// Repairs a mesh in rounds, until nothing changes:
+//   1. drop unusable and duplicate faces
+//   2. join faces across edges: by their corners, then borders by position
+//   3. orient each connected part
+//   4. merge corners that are joined around a vertex into one vertex
+//   5. remove faces without area
 #include "author/surface/repair_mesh.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace ibr {
 namespace {
 
-// Corner k of face f is 3f + k; so is the half-edge from it to the next.
+// Corner k of face f is 3f + k, and so is the half-edge from corner k to the next.
 std::uint32_t next(std::uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
@@ -87,7 +87,7 @@ class Repair {
     keepFaces(keep);
   }
 
-  // Half-edges sorted so that those of one edge lie together; `key` names an edge's ends in either order.
+  // Calls `use` with the half-edges of each edge; `key` identifies an edge by its ends in either order.
   template <class Key, class Use>
   void forEachEdge(const std::vector<std::uint32_t>& halfEdges, const Key& key, const Use& use) {
     std::vector<std::pair<decltype(key(0u)), std::uint32_t>> sorted;
@@ -129,10 +129,10 @@ class Repair {
     };
     const std::size_t cutByVertex = cut_;
     joinBy(border, byPlace);
-    cut_ = cutByVertex;  // what lies on one another may be separate surfaces
+    cut_ = cutByVertex;  // coincident borders may belong to separate surfaces
   }
 
-  // Two half-edges of an edge are joined; of more, those two that the rest of the surface joins.
+  // Joins the two half-edges of an edge; of more than two, the pair that the rest of the surface joins.
   template <class Key>
   void joinBy(const std::vector<std::uint32_t>& halfEdges, const Key& key) {
     std::vector<std::vector<std::uint32_t>> crowded;
@@ -193,7 +193,7 @@ class Repair {
     }
     for (std::uint32_t f = 0; f < faces; ++f) {
       if (!turn[f]) continue;
-      // The second and third corners change places, and with them the outer half-edges.
+      // The second and third corners are swapped, and with them the outer half-edges.
       std::swap(mesh_.triangles[f].y, mesh_.triangles[f].z);
       std::swap(across_[3 * f], across_[3 * f + 2]);
       for (const std::uint32_t h : {3 * f, 3 * f + 2})
@@ -224,7 +224,7 @@ class Repair {
         corners.unite(next(h), across_[h]);
         if (vertex(h) != vertex(next(across_[h])) || vertex(next(h)) != vertex(across_[h])) ++report_.stitchedEdges;
       }
-    // A vertex that one fan has keeps its name, so that a mesh without faults is left as it is.
+    // A vertex with a single fan keeps its index, so that a mesh without faults is unchanged.
     std::vector<std::uint32_t> owner(mesh_.positions.size(), kNone), name(cornerCount(), kNone);
     for (std::uint32_t c = 0; c < cornerCount(); ++c) {
       const std::uint32_t root = corners.find(c), v = vertex(root);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any triangles → an oriented manifold mesh, for the steps that walk from face to face.
+// Repairs any triangles into an oriented manifold mesh, for algorithms that walk from face to face.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@
 namespace ibr {
 
 struct RepairReport {
-  std::size_t unusableFaces = 0;   // left out: a corner that is not finite or has no vertex, two corners in one place
-  std::size_t duplicateFaces = 0;  // left out: the same three corners as an earlier face
-  std::size_t stitchedEdges = 0;   // borders that lay on one another exactly, joined
-  std::size_t turnedFaces = 0;     // their corners' order reversed
-  std::size_t cutEdges = 0;        // more than two faces met there, or two that no turning makes agree
-  std::size_t surplusFaces = 0;    // left out, since edges remained non-manifold however they were cut
-  std::size_t flatFaces = 0;       // three corners on a line: replaced by turning an edge, or left out
-  std::size_t flatFacesLeft = 0;   // of these, those that nothing could be done about
-  std::size_t verticesBefore = 0, verticesAfter = 0;  // unused ones go; ones where several sheets meet are made several
-  bool changed = false;                               // anything at all
+  std::size_t unusableFaces = 0;   // removed: a corner without vertex or not finite, two corners at one position
+  std::size_t duplicateFaces = 0;  // removed: the same three corners as an earlier face
+  std::size_t stitchedEdges = 0;   // coincident borders, joined
+  std::size_t turnedFaces = 0;     // with reversed corner order
+  std::size_t cutEdges = 0;        // with more than two faces, or two whose orientations cannot agree
+  std::size_t surplusFaces = 0;    // removed, since edges remained non-manifold however they were cut
+  std::size_t flatFaces = 0;       // three corners on a line: replaced by an edge flip, or removed
+  std::size_t flatFacesLeft = 0;   // of these, faces that could not be removed
+  std::size_t verticesBefore = 0, verticesAfter = 0;  // unused ones are removed; those with several fans split
+  bool changed = false;                               // true if the mesh changed
 };
 
 struct RepairedMesh {
@@ -27,11 +27,11 @@ struct RepairedMesh {
 };
 
 /// Every edge of the result has one face or two, which run along it in opposite directions; the faces at a vertex form
-/// one fan; no vertex is unused. Where several sheets meet at an edge, two faces stay joined there if the rest of the
-/// surface joins them too (a box with a fin, two boxes that touch), otherwise all are cut apart. A connected part whose
-/// faces agree already keeps its side; otherwise a closed part's volume becomes positive, and an open one goes by the
-/// majority. Repairing a repaired mesh changes nothing. No positions are moved or made up. Never throws for what the
-/// mesh is like; may return one without faces.
+/// one fan; no vertex is unused. At an edge of several sheets, two faces stay joined if the rest of the surface joins
+/// them too (a box with a fin, two boxes that touch); otherwise all are cut apart. A connected part whose faces already
+/// agree keeps its orientation. Otherwise a closed part gets positive volume, and an open one the majority's
+/// orientation. Repairing a repaired mesh changes nothing. Positions are neither moved nor added. Never throws for any
+/// mesh; may return one without faces.
 RepairedMesh repairMesh(const TriangleMesh& mesh);
 
 }  // namespace ibr

@@ -10,10 +10,10 @@ namespace ibr {
 namespace {
 
 constexpr int kPlaneRadius = 3;         // px
-constexpr float kNearby = 6.0f;         // steps from the pixel's own value that a first fit takes in …
-constexpr float kOnPlane = 1.0f;        // … and from that fit, the second
+constexpr float kNearby = 6.0f;         // maximum distance from the pixel's own value for the first fit, steps …
+constexpr float kOnPlane = 1.0f;        // … and from that fit for the second
 constexpr float kLeastOnPlane = 12.0f;  // px
-constexpr float kFarthestPull = 2.0f;   // steps; a fit that is further off speaks of another surface
+constexpr float kFarthestPull = 2.0f;   // steps; a fit farther off belongs to another surface
 
 }  // namespace
 

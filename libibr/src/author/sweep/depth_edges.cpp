@@ -16,21 +16,21 @@
 namespace ibr {
 namespace {
 
-constexpr int kFattened = 4;         // px: the sweep's window and what smoothing adds
-constexpr float kEdge = 3.0f;        // levels
-constexpr float kBorder = 8.0f;      // grey levels between neighbours: an edge of the picture
-constexpr float kAsWell = 1.1f;      // of the foreground's difference, and …
-constexpr float kNoise = 0.25f;      // … grey levels more
-constexpr float kBetter = 0.7f;      // of it
-constexpr int kRadius = 2;           // px of the window
+constexpr int kFattened = 4;         // px: radius of the sweep's window plus smoothing
+constexpr float kEdge = 3.0f;        // minimum step of a depth edge, levels
+constexpr float kBorder = 8.0f;      // minimum step of an image edge between neighbours, grey levels
+constexpr float kAsWell = 1.1f;      // tolerance for the surface behind: of the foreground's difference …
+constexpr float kNoise = 0.25f;      // … plus this many grey levels
+constexpr float kBetter = 0.7f;      // at an image edge: of the foreground's difference
+constexpr int kRadius = 2;           // of the window, px
 constexpr float kColour = 10.0f;     // grey levels that divide a pixel's weight by e
-constexpr float kDifferent = 25.0f;  // grey levels: more is not more different
+constexpr float kDifferent = 25.0f;  // grey levels: larger differences count as this one
 
 float meanOf(std::span<const float> values) {
   return std::accumulate(values.begin(), values.end(), 0.0f) / float(std::max(values.size(), std::size_t(1)));
 }
 
-// Behind a silhouette one member may see the foreground: the value that is farthest from the mean does not count.
+// Drops the value farthest from the mean: behind a silhouette one member may see the foreground.
 std::span<float> withoutOutlier(std::span<float> values) {
   const float mean = meanOf(values);
   std::swap(*std::ranges::max_element(values, {}, [&](float v) { return std::abs(v - mean); }), values.back());
@@ -44,7 +44,7 @@ class PhotoConsistency {
     for (const SweepView& view : views) maps_.push_back(frameToMember(frame, view.camera));
   }
 
-  // How much members differ about the pixel if it has this level: grey levels.
+  // Difference between the members around the pixel at this level, grey levels.
   float difference(int x, int y, float level) const {
     const double inverseDepth = range_.at(double(level));
     const Seen centre = seen(x, y, inverseDepth);
@@ -101,7 +101,7 @@ class PhotoConsistency {
 void trimForegrounds(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range,
                      const ImageF& guide, ImageF& level) {
   const PhotoConsistency consistency(frame, views, range);
-  // The farthest of the neighbours' levels that the pixel may have.
+  // Returns the farthest of the neighbours' levels that the pixel may take.
   const auto trimmed = [&](const ImageF& before, int x, int y) {
     const float here = before.pixel(x, y)[0];
     float best = here;

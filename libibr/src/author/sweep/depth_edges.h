@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where surfaces end in a swept depth map. A window that holds a silhouette agrees best at the foreground's depth,
-// wherever its centre lies, so foregrounds come out wider than they are.
+// Corrects surface borders in a swept depth map. A window across a silhouette matches best at the foreground's depth,
+// wherever its centre lies, so foregrounds are fattened.
 #pragma once
 
 #include <span>
@@ -9,12 +9,12 @@
 
 namespace ibr {
 
-/// Gives pixels before a depth edge to the surface behind, in place, from the edge inwards and four pixels at most:
-/// where that surface explains the pixel as well as the foreground does and no edge of the picture lies between, or
-/// where it explains it clearly better. Explained well: members differ little over a window, whose pixels weigh as
-/// their colour is like the pixel's (Yoon & Kweon 2006); of three or more members the odd one does not count, since it
-/// may see the foreground. `level` is of `range`, in the frame's pixels as `guide` is. Precondition: kMostMembers views
-/// at most.
+/// Assigns pixels in front of a depth edge to the surface behind, in place, from the edge inwards by at most four
+/// pixels. The surface behind must explain the pixel as well as the foreground, without an image edge between; at an
+/// image edge it must explain the pixel clearly better. A surface explains a pixel well if members differ little over a
+/// window, whose pixels are weighted by similarity to the pixel's colour (Yoon & Kweon 2006). Of three or more members
+/// the outlier is ignored, since it may see the foreground. `level` is in levels of `range`, in the frame's pixels, as
+/// is `guide`. Precondition: at most kMostMembers views.
 void trimForegrounds(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range,
                      const ImageF& guide, ImageF& level);
 

@@ -12,11 +12,11 @@ namespace ibr {
 namespace {
 
 constexpr std::size_t kMost = 3;
-constexpr double kLeastShare = 0.2;  // of the points; with less, chance puts planes through trees
-constexpr std::size_t kNear = 8;     // tracks about one on a plane, most of which must lie on it, too
+constexpr double kLeastShare = 0.2;  // of the points; with less, chance fits planes through trees
+constexpr std::size_t kNear = 8;     // neighbours of a track, most of which must lie on its plane
 constexpr std::uint64_t kSeed = 1;
 
-// Where the frame and the members would see the points, in front of all of them and in the frame's picture.
+// Projects the points into the frame and the members; keeps those in front of all of them and inside the frame's image.
 std::vector<PlaneTrack> tracksOf(std::span<const Camera> cameras, std::span<const glm::dvec3> points) {
   std::vector<PlaneTrack> tracks;
   for (const glm::dvec3& point : points) {
@@ -35,9 +35,9 @@ std::vector<PlaneTrack> tracksOf(std::span<const Camera> cameras, std::span<cons
   return tracks;
 }
 
-// Whether most of the tracks nearest to this one were found on the same plane.
+// True if most of the nearest tracks were found on the same plane.
 bool amongItsOwn(const PlaneTrack& track, std::span<const PlaneTrack> tracks) {
-  std::vector<std::pair<double, int>> near;  // squared distance in the frame's picture, plane
+  std::vector<std::pair<double, int>> near;  // squared distance in the frame's image, plane
   for (const PlaneTrack& other : tracks) {
     const glm::dvec2 off = other.at[0] - track.at[0];
     near.emplace_back(glm::dot(off, off), other.plane);
@@ -48,8 +48,8 @@ bool amongItsOwn(const PlaneTrack& track, std::span<const PlaneTrack> tracks) {
   return 2 * own > end - near.begin() - 1;
 }
 
-// Share of the tracks that are on the plane with most of those about them. Where the plane is what is seen they are;
-// where chance puts it through trees and houses, or across the ground, what it passes lies among them.
+// Share of the tracks that lie on the plane together with most of their neighbours. A visible plane has such tracks; a
+// chance plane through trees and houses, or across the ground, has other tracks in between.
 double support(std::span<const PlaneTrack> tracks, int plane) {
   const auto held = [&](const PlaneTrack& track) { return track.plane == plane && amongItsOwn(track, tracks); };
   return double(std::ranges::count_if(tracks, held)) / double(tracks.size());
@@ -65,7 +65,7 @@ std::vector<glm::dvec3> dominantPlanes(const Camera& frame, std::span<const Came
   const PlaneFitter fit(cameras, true);
   std::vector<FrameToMember> maps;
   for (const Camera& camera : cameras) maps.push_back(frameToMember(frame, camera));
-  // The member with the largest parallax tells the plane best: its homography is a + b·nᵀ.
+  // The member with the largest parallax determines the plane best: its homography is a + b·nᵀ.
   const auto farthest = std::ranges::max_element(maps, {}, [](const FrameToMember& m) { return glm::dot(m.b, m.b); });
 
   std::vector<PlaneMaps> found;

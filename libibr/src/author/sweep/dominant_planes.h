@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes that much of the scene lies on, as the ground or a long wall, from the points that photographs share.
+// Finds planes that much of the scene lies on, as the ground or a long wall, from points that photographs share.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,9 +10,9 @@
 
 namespace ibr {
 
-/// The largest first; none where no plane holds many of the points. Each is given by its inverse depth along the
-/// frame's axis, linear in the frame's picture: n·(x, y, 1), px. The same scene gives the same planes wherever in the
-/// world it stands.
+/// Largest first; empty if no plane holds many of the points. A plane is given by its inverse depth along the
+/// frame's axis, linear in the frame's image: n·(x, y, 1), px. The result does not depend on the scene's
+/// position in the world.
 std::vector<glm::dvec3> dominantPlanes(const Camera& frame, std::span<const Camera> members,
                                        std::span<const glm::dvec3> points);
 

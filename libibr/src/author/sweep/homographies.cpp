@@ -9,9 +9,9 @@ namespace ibr {
 namespace {
 
 constexpr int kSamples = 160;
-constexpr std::size_t kNear = 16, kWide = 80;  // neighbours that a sample is drawn from
+constexpr std::size_t kNear = 16, kWide = 80;  // neighbours from which a sample is drawn
 constexpr int kGrowths = 6;
-constexpr std::size_t kScored = 1500;  // tracks that samples are scored on; what wins is counted on all
+constexpr std::size_t kScored = 1500;  // maximum tracks for scoring samples; the winner is counted on all
 
 std::vector<const PlaneTrack*> inliersOf(const PlaneMaps& plane, std::span<PlaneTrack* const> tracks, double limit) {
   std::vector<const PlaneTrack*> inliers;
@@ -20,12 +20,12 @@ std::vector<const PlaneTrack*> inliersOf(const PlaneMaps& plane, std::span<Plane
   return inliers;
 }
 
-// Fits the plane to its inliers until these become no more.
+// Refits the plane to its inliers until their number stops growing.
 void grow(const PlaneFitter& fit, std::span<PlaneTrack* const> tracks, PlaneMaps& plane,
           std::vector<const PlaneTrack*>& inliers) {
   inliers = inliersOf(plane, tracks, kOnPlanePx);
   for (int round = 0; round < kGrowths; ++round) {
-    // A plane through few neighbours is off a little farther away: those are let in, too.
+    // A plane fitted to few neighbours is slightly off farther away: the first rounds use a wider tolerance.
     const std::vector<const PlaneTrack*> wide = inliersOf(plane, tracks, round < 2 ? 2 * kOnPlanePx : kOnPlanePx);
     const std::optional<PlaneMaps> next = fit(wide);
     if (!next) return;
@@ -62,7 +62,7 @@ bool sealLargestPlane(const PlaneFitter& fit, std::span<PlaneTrack> tracks, std:
       near[t] = {glm::dot(off, off), t};
     }
     std::nth_element(near.begin(), near.begin() + std::ptrdiff_t(wanted), near.end());
-    // In a defined order: nth_element's is the library's own.
+    // Sort for a defined order: nth_element's differs between libraries.
     std::sort(near.begin(), near.begin() + std::ptrdiff_t(wanted) + 1);
     std::vector<const PlaneTrack*> drawn{rest[first]};
     for (int tries = 0; tries < 20 && drawn.size() < fit.leastTracks(); ++tries) {
@@ -71,7 +71,7 @@ bool sealLargestPlane(const PlaneFitter& fit, std::span<PlaneTrack> tracks, std:
     }
     std::optional<PlaneMaps> plane = fit(drawn);
     if (!plane) continue;
-    // Only samples that look better than all before are grown: that is what takes time.
+    // Growing is expensive: only samples with more raw inliers than all earlier ones are grown.
     std::vector<const PlaneTrack*> inliers = inliersOf(*plane, scored, 2 * kOnPlanePx);
     if (inliers.size() <= mostRaw) continue;
     mostRaw = inliers.size();

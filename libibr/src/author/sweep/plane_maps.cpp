@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLargestScale = 8;
 
-// How areas grow at a pixel under a homography; negative where it mirrors.
+// Returns the growth of areas at a pixel under a homography; negative if mirrored.
 double growth(const glm::dmat3& h, glm::dvec2 pixel) {
   const double w = h[0].z * pixel.x + h[1].z * pixel.y + h[2].z;
   return glm::determinant(h) / (w * w * w);
@@ -81,7 +81,7 @@ std::optional<PlaneMaps> PlaneFitter::withPoses(std::span<const PlaneTrack* cons
   for (const PlaneTrack* track : tracks) {
     const glm::dvec3 row((track->at[0] - centre_) / unit_, 1.0);
     for (std::size_t i = 1; i < maps_.size(); ++i) {
-      // As in depthFromPositions: where the track is seen is linear in its inverse depth.
+      // As in depthFromPositions: a track's position is linear in its inverse depth.
       const glm::dvec3 infinite = maps_[i].homogeneous(track->at[0], 0);
       if (!(infinite.z > 0)) return std::nullopt;
       const glm::dvec2 slope = (glm::dvec2(maps_[i].b) - track->at[i] * maps_[i].b.z) / infinite.z;
@@ -111,7 +111,7 @@ std::optional<PlaneMaps> PlaneFitter::withoutPoses(std::span<const PlaneTrack* c
         tracks.size() == 4 ? cv::getPerspectiveTransform(from.data(), to.data()) : cv::findHomography(from, to, 0);
     if (found.empty() || !cv::checkRange(found)) return std::nullopt;
     glm::dmat3 h = fromCv(found);
-    // The sign that has the tracks before the member.
+    // Choose the sign that puts the tracks in front of the member.
     const double side = h[0].z * tracks[0]->at[0].x + h[1].z * tracks[0]->at[0].y + h[2].z;
     if (!(std::abs(side) > 0)) return std::nullopt;
     plane.to.push_back(side < 0 ? -h : h);

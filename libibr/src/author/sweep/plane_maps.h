@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plane as the members of a cell see it: a homography from the first member's picture to each other's.
+// A plane as the members of a cell see it: homographies from the first member's image to each other member's.
 //
-// Without poses each has 8 degrees of freedom of its own. With poses one plane has 3: its inverse depth along the first
-// member's axis is linear in the picture, w = n·(x, y, 1), and member i sees it by H_i = A_i + b_i nᵀ, where A_i and
-// b_i are those of FrameToMember.
+// Without poses each homography has its own 8 degrees of freedom. With poses a plane has 3: its inverse depth along the
+// first member's axis is linear in the image, w = n·(x, y, 1). Member i then sees the plane by H_i = A_i + b_i nᵀ, with
+// A_i and b_i of FrameToMember.
 #pragma once
 
 #include <array>
@@ -21,31 +21,31 @@ namespace ibr {
 
 inline constexpr std::uint32_t kNoFeature = 0xffffffffu;
 
-/// A place that all members see; px in each one's picture.
+/// A point that all members see; px in each one's image.
 struct PlaneTrack {
   std::array<glm::dvec2, kMostMembers> at{};
   std::array<std::uint32_t, kMostMembers> feature{kNoFeature, kNoFeature, kNoFeature, kNoFeature};
-  int plane = -1;  // that it was first found on
+  int plane = -1;  // on which it was first found
 };
 
 struct PlaneMaps {
-  std::vector<glm::dmat3> to;  // of each member; that of the first is the identity
+  std::vector<glm::dmat3> to;  // for each member; the first one's is the identity
 
-  /// nullopt where a member has it behind itself.
+  /// Maps a pixel of the first member to all members; nullopt if the point is behind a member.
   std::optional<std::array<glm::dvec2, kMostMembers>> operator()(glm::dvec2 pixel) const;
-  /// Largest distance of the track from where the plane puts its first place, px; infinite where a member has it
-  /// behind.
+  /// Maximum distance of the track from the plane's prediction for its first position, px; infinite if the prediction
+  /// is behind a member.
   double error(const PlaneTrack& track) const;
 };
 
 class PlaneFitter {
  public:
-  /// With poses: the first member is the frame. Without: `cameras` only tells how many members there are.
+  /// With poses: the first member is the frame. Without: `cameras` only gives the number of members.
   PlaneFitter(std::span<const Camera> cameras, bool posed);
 
   std::size_t leastTracks() const { return posed_ ? 3 : 4; }
-  /// Least squares. nullopt for too few tracks, tracks that fix no plane, and planes that are seen mirrored or at a
-  /// scale of more than 8 there.
+  /// Least squares. nullopt for too few tracks, for tracks that determine no plane, and for planes that are seen
+  /// mirrored or at a scale of more than 8 there.
   std::optional<PlaneMaps> operator()(std::span<const PlaneTrack* const> tracks) const;
 
  private:

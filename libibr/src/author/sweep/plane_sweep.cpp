@@ -12,13 +12,13 @@
 namespace ibr {
 namespace {
 
-constexpr int kBlock = 16;  // levels that are matched before they are turned to lie side by side at each pixel
-// Cost below which a slanted plane is believed (a correlation of 0.25): where nothing has texture, as in the sky,
-// planes would go on for ever.
+constexpr int kBlock = 16;  // levels that are matched before transposing them to lie side by side at each pixel
+// Cost below which a slanted plane is accepted (a correlation of 0.25): in areas without texture, as the sky, planes
+// would otherwise extend without limit.
 constexpr std::uint8_t kBelieved = 90;
-constexpr double kLeastSlant = 0.3;  // of planes, levels a pixel
+constexpr double kLeastSlant = 0.3;  // of planes, levels per pixel
 
-// Where a member sees what lies on a plane of inverse depth n·(x, y, 1): as in PlaneMaps.
+// Homography of a member for a plane of inverse depth n·(x, y, 1), as in PlaneMaps.
 glm::dmat3 through(const FrameToMember& map, glm::dvec3 n) {
   return map.a + glm::outerProduct(map.b, n);
 }
@@ -40,7 +40,7 @@ class Sweep {
     for (const SweepView& view : views) maps_.push_back(frameToMember(frame, view.camera));
   }
 
-  /// Planes that face the frame: one a level.
+  /// Matches planes that face the frame: one per level.
   void facing() {
     std::vector<std::uint8_t> block(pixels_ * kBlock);
     for (int base = 0; base < levels_; base += kBlock) {
@@ -55,8 +55,8 @@ class Sweep {
     }
   }
 
-  /// A slanted plane and others beside it, each a step of inverse depth nearer everywhere. A level lies between two
-  /// neighbours of them, and takes what they cost there if that is less than what it has.
+  /// Matches a slanted plane and parallel ones, offset by steps of inverse depth. A level between two of these planes
+  /// takes their interpolated cost if it is lower than the level's own.
   void along(glm::dvec3 plane) {
     std::vector<std::int16_t>& on = volume_.planes.emplace_back(pixels_, kNoLevel);
     std::vector<std::uint8_t> cost(pixels_), before(pixels_), least(pixels_, 255);
@@ -75,7 +75,7 @@ class Sweep {
           least[p] = std::min(least[p], cost[p]);
           if (k == 0) on[p] = std::int16_t(std::lround(level));
           if (k == -kPlaneReach) continue;
-          const int below = int(level);  // between this plane and the one before
+          const int below = int(level);  // between this plane and the previous one
           const float part = float(level - below);
           const float between = float(cost[p]) + part * (float(before[p]) - float(cost[p]));
           if (between < float(kBelieved)) at(p, below) = std::min(at(p, below), std::uint8_t(between + 0.5f));
@@ -119,7 +119,7 @@ class Sweep {
   std::vector<FrameToMember> maps_;
   std::vector<WarpedView> warped_;
   WindowCorrelation correlation_;
-  std::vector<std::uint8_t> best_;  // cost of what the guide shows
+  std::vector<std::uint8_t> best_;  // cost of the match that the guide shows
   CostVolume volume_;
 };
 

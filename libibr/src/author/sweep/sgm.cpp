@@ -8,18 +8,18 @@
 namespace ibr {
 namespace {
 
-// Found to matter more than any other choice: with a tenth of these, foliage and cobbles break into speckles, and each
-// speckle that is too near hides others.
+// The most influential parameters: with a tenth of them, foliage and cobbles break into speckles, and each speckle that
+// is too near hides other surfaces.
 constexpr int kP1 = 40, kP2 = 400;  // of costs up to kCostLargest
 constexpr float kEdge = 25.0f;      // grey levels that halve P2
 constexpr float kDirections = 8;
-constexpr std::int16_t kOutside = 16000;  // stands for the levels before the first and after the last
+constexpr std::int16_t kOutside = 16000;  // cost of the levels before the first and after the last
 
 std::int16_t smoothness(float guide, float neighbour) {
   return std::int16_t(std::max(float(kP2) / (1.0f + std::abs(guide - neighbour) / kEdge), 3.0f * kP1));
 }
 
-// One step of one path. `before` and `here` have an entry before the first and after the last level; returns min(here).
+// One step of a path. `before` and `here` have an entry before the first and after the last level; returns min(here).
 std::int16_t step(const std::uint8_t* __restrict cost, const std::int16_t* __restrict before, std::int16_t least,
                   std::int16_t p2, std::int16_t* __restrict here, std::int16_t* __restrict sum, int levels) {
   const std::int16_t jump = std::int16_t(least + p2);
@@ -34,8 +34,8 @@ std::int16_t step(const std::uint8_t* __restrict cost, const std::int16_t* __res
   return smallest;
 }
 
-// Lets the step follow a plane that is at level `from` where the path comes from and at `to` here; returns the new
-// min(here), which was `smallest`.
+// Adds the choice to follow a plane, at level `from` in the previous pixel and `to` here; returns the new min(here),
+// previously `smallest`.
 std::int16_t follow(const std::uint8_t* cost, const std::int16_t* before, std::int16_t least, int from, int to,
                     std::int16_t smallest, std::int16_t* here, std::int16_t* sum, int levels) {
   const int change = to - from;
@@ -51,7 +51,7 @@ std::int16_t follow(const std::uint8_t* cost, const std::int16_t* before, std::i
   return smallest;
 }
 
-// Rows of path costs for one direction across rows, or the pixel before for the direction along the row.
+// Path costs of a row for one direction across rows, or of the previous pixel for the direction along the row.
 struct PathRow {
   PathRow(int pixels, int levels) : stride(levels + 2), least(std::size_t(pixels), 0) {
     values.assign(std::size_t(pixels) * std::size_t(stride), 0);
@@ -62,7 +62,7 @@ struct PathRow {
   std::vector<std::int16_t> values, least;
 };
 
-// Four of the eight directions: from the left, upper left, upper and upper right; mirrored for the other four.
+// Processes four of the eight directions: from left, upper left, upper and upper right; mirrored for the other four.
 void sweepOnce(const CostVolume& volume, bool mirrored, std::vector<std::int16_t>& sum) {
   const int width = volume.width, height = volume.height, levels = volume.levels;
   const int towards = mirrored ? -1 : 1;

@@ -5,8 +5,8 @@
 //   level(p) = argmin_l Σ over 8 directions r of L_r(p, l), refined by a parabola
 //   P2 falls where the guide has an edge, and never below 3·P1
 //
-// Near the volume's slanted planes, where l is the plane's level, give or take kPlaneReach, L_r(p−r, l − change of the
-// plane's level) is one more choice: following the plane costs nothing (Scharstein, Taniai & Sinha, "Semi-global stereo
+// Near the volume's slanted planes, at levels l within kPlaneReach of the plane's level, one more choice is L_r(p−r, l
+// − change of the plane's level): following the plane costs nothing (Scharstein, Taniai & Sinha, "Semi-global stereo
 // matching with surface orientation priors", 3DV 2017).
 #pragma once
 
@@ -17,7 +17,7 @@ namespace ibr {
 /// One channel each.
 struct SemiGlobalMatch {
   ImageF level;        // of least cost, fractional
-  ImageF firstExcess;  // cost of level 0 beyond the least, mean of the directions
+  ImageF firstExcess;  // cost of level 0 minus the least cost, mean of the directions
 };
 SemiGlobalMatch semiGlobalMatch(const CostVolume& volume);
 

@@ -11,9 +11,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastLevels = 64, kMostLevels = 256;  // among the tracks
-constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches beyond the tracks' inverse depths …
-constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
+constexpr double kLeastLevels = 64, kMostLevels = 256;  // range of the number of levels among the tracks
+constexpr double kBehind = 0.7, kBefore = 2.0;  // factors by which the range exceeds the tracks' inverse depths …
+constexpr double kBeforeCompact = 1.4;          // … for similar depths, as over flat ground or along a wall:
 constexpr double kCompact = 0.5;                // the farthest is more than this share of the nearest
 constexpr double kGrowth = 1.3;                 // of steps from there to infinity
 
@@ -29,12 +29,12 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
   std::sort(w.begin(), w.end());
   auto percentile = [&](double share) { return w[std::size_t(share * double(w.size() - 1) + 0.5)]; };
   const double far = percentile(0.005), near = percentile(0.995);
-  // Tracks miss what has no texture: the sky, and under wide lenses the nearest part of the ground.
+  // Tracks miss areas without texture: the sky and, with wide lenses, the nearest part of the ground.
   const double highest = (far > kCompact * near ? kBeforeCompact : kBefore) * near, lowest = kBehind * far;
 
   std::vector<FrameToMember> maps;
   for (const Camera& member : members) maps.push_back(frameToMember(frame, member));
-  std::vector<double> motion;  // px of members against each other, over the whole range
+  std::vector<double> motion;  // px between members, over the whole range
   constexpr int kSamples = 16;
   for (int sy = 0; sy < kSamples; ++sy)
     for (int sx = 0; sx < kSamples; ++sx) {
@@ -43,7 +43,7 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
       double largest = 0;
       for (std::size_t i = 0; i < maps.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-          // Measured in the middle of the range: at its near end pictures are wide apart.
+          // Measured in the middle of the range: at its near end the members' images are far apart.
           constexpr double kPart = 0.02;
           const double middle = 0.5 * (lowest + highest), next = middle + kPart * (highest - lowest);
           const auto i0 = maps[i](pixel, middle), i1 = maps[i](pixel, next);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The depths that a plane sweep tries: spaced so that one step moves the members by about one pixel against each other.
+// Depth levels of a plane sweep: one step moves the members by about one pixel relative to each other.
 #pragma once
 
 #include <span>
@@ -9,19 +9,19 @@
 
 namespace ibr {
 
-/// The depths that are tried, as inverse depths along the frame's axis: from 0 (infinity) upwards.
+/// Depth levels as inverse depths along the frame's axis: from 0 (infinity) upwards.
 struct SweepLevels {
   std::vector<double> inverseDepth;  // ascending
   double step = 0;                   // between levels among the tracks; towards infinity the steps grow
-  double evenFrom = 0;               // inverse depth from which on they do not
+  double evenFrom = 0;               // inverse depth from which on steps are constant
 
   int count() const { return int(inverseDepth.size()); }
-  /// Between levels by linear interpolation. Precondition: 0 <= level <= count() − 1.
+  /// Interpolates linearly between levels. Precondition: 0 <= level <= count() − 1.
   double at(double level) const;
 };
 
-/// Levels from infinity to well before the nearest tracks. Precondition: a track's inverse depth at least, all
-/// positive.
+/// Returns levels from infinity to well in front of the nearest tracks. Precondition: at least one inverse depth, all
+/// of them positive.
 SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, std::vector<double> trackInverseDepths);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels of the mean frame a member can see, given their depth.
+// Determines which pixels of the mean frame a member sees, given their depth.
 #pragma once
 
 #include "author/geometry/mean_frame.h"
@@ -7,9 +7,9 @@
 
 namespace ibr {
 
-/// One channel, the frame's size: 1 where the member sees the point of a pixel. The points of pixels that are `solid`
-/// (1 channel) are splatted into the member (3×3 pixels each); a point is hidden where one of them is nearer there by
-/// more than `tolerance` (inverse depth), and unseen where it falls outside the member's picture.
+/// One channel, the frame's size: 1 where the member sees a pixel's point. The points of `solid` pixels (1 channel) are
+/// splatted into the member (3×3 pixels each). A point is hidden if a splat there is nearer by more than `tolerance`
+/// (inverse depth), and unseen if it falls outside the member's image.
 Image8 visibleFrom(const FrameToMember& map, const ImageF& inverseDepth, const Image8& solid, int memberWidth,
                    int memberHeight, float tolerance);
 

@@ -6,9 +6,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kAlike = 20.0;   // RMS difference of windows, grey levels, that look the same anyway
-constexpr double kTexture = 9.0;  // grey²: variance of a window that can tell one depth from another
-constexpr double kNoise = 25.0;   // grey², added to variances and covariance: flat windows correlate
+constexpr double kAlike = 20.0;   // RMS difference of windows below which they count as alike, grey levels
+constexpr double kTexture = 9.0;  // grey²: minimum variance of a window with texture
+constexpr double kNoise = 25.0;   // grey², added to variances and covariance, so that flat windows correlate
 
 }  // namespace
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Written row by row so that the window sums stay in the cache: the plain way through whole pictures takes three times
-// as long. Quarters of grey levels about mid-grey are whole numbers; a window's sums of them and of their products stay
-// below 2²⁴ and are exact in float, so that rows can be added and taken away again without drift.
+// Computes the matching costs of a sweep plane from window sums.
+// Works row by row so that window sums stay in the cache; whole-image passes take three times as long. Grey values
+// relative to mid-grey, in quarters of levels, are integers. A window's sums of values and products stay below 2²⁴,
+// exact in float: rows can be added and removed without drift.
 #include "author/sweep/window_correlation.h"
 
 #include <algorithm>
@@ -20,15 +20,15 @@ constexpr float kShare = 1.0f / float(kWindow * kWindow);
 constexpr float kUnits = WarpedView::kUnits;
 constexpr float kNoise = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
 constexpr float kNoCorrelation = float(kCostLargest) / 2;
-constexpr float kUnseen = 132;  // cost of a pair that does not both see the pixel: a little worse than no texture
-// Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing. Costs of the
-// nearest level are higher by this share; good matches, being low, are hardly touched. …
+constexpr float kUnseen = 132;  // cost of a pair that does not both see the pixel: slightly worse than no texture
+// Without evidence for any depth the farthest is the best guess: a surface that is too far hides nothing. Costs of the
+// nearest level are higher by this share; good matches have low costs and hardly change. …
 constexpr float kFarther = 0.2f;
-// … Windows without texture cost this much more there: else a sky without clouds ends on the roofs below it. With more,
-// plain walls become sky.
+// … Windows without texture cost this much more at the nearest level: otherwise a cloudless sky attaches to the roofs
+// below it. With higher values, plain walls become sky.
 constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
 
-// By value: through the references of std::max the loops below would not be vectorised.
+// Arguments by value: references of std::max would prevent vectorisation of the loops below.
 [[gnu::always_inline]] inline float larger(float a, float b) {
   return a < b ? b : a;
 }
@@ -36,7 +36,7 @@ constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
   return b < a ? b : a;
 }
 
-// Sums over kWindow × kWindow of one quantity, row by row: columns over kWindow rows are kept, then summed sideways.
+// Sums kWindow × kWindow values row by row: column sums over kWindow rows are kept, then summed sideways.
 [[gnu::always_inline]] inline void sumSideways(const float* __restrict column, float* __restrict out, int width) {
   // `column` has kRadius valid entries before and after.
   for (int x = 0; x < width; ++x) out[x] = column[x - 2] + column[x - 1] + column[x] + column[x + 1] + column[x + 2];
@@ -189,7 +189,7 @@ void WindowCorrelation::costs(int y, glm::dvec3 nearness, std::uint8_t* __restri
   }
 }
 
-// Where a member is masked its pairs do not count; where none is left, all depths cost the same.
+// Counts the pairs without a masked member; with no pair left, all depths cost the same.
 void WindowCorrelation::countPairs(std::span<const WarpedView> warped, int y) {
   std::fill(pairs_.begin(), pairs_.end(), float(d_ * (d_ - 1) / 2));
   if (std::ranges::all_of(warped, [](const WarpedView& w) { return w.ignored.empty(); })) return;
@@ -201,7 +201,7 @@ void WindowCorrelation::countPairs(std::span<const WarpedView> warped, int y) {
   }
 }
 
-// Adds row `in` to the columns and takes row `out` away, both brought into the picture; without `out` only adds.
+// Adds row `in` to the column sums and subtracts row `out`, both clamped to the image; without `out` only adds.
 void WindowCorrelation::move(std::span<const WarpedView> warped, int in, std::optional<int> out) {
   const auto row = [&](int i, int y) {
     return &warped[std::size_t(i)].grey.values[std::size_t(std::clamp(y, 0, height_ - 1)) * std::size_t(width_)];
@@ -227,7 +227,7 @@ void WindowCorrelation::move(std::span<const WarpedView> warped, int in, std::op
     }
 }
 
-// Of the members' windows about the pixels of the row.
+// Sums the variances of the members' windows around the pixels of the row.
 void WindowCorrelation::addVariances() {
   std::fill(variance_.begin(), variance_.end(), 0.0f);
   float* __restrict const variance = variance_.data();

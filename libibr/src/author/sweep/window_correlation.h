@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a plane of the sweep costs: how unlike the members are, brought to the frame through it.
+// Matching cost of a sweep plane: the dissimilarity of the members, warped to the frame through that plane.
 //
-//   cost(pixel) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest; more where the plane is
-//   near,
-//                 above all in windows without texture; of pairs in which neither is masked there, where there are any
+//   cost(pixel) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest. Pairs with a masked member
+//                 are left out, if any pair remains. Near planes cost more, above all in windows without texture: far
+//                 depth is the better guess without evidence
 #pragma once
 
 #include <cstdint>
@@ -18,39 +18,39 @@
 
 namespace ibr {
 
-/// A member's grey picture in the sweep's resolution, 0 … 255.
+/// A member's grey image at the sweep's resolution, 0 … 255.
 struct SweepView {
   Camera camera;
   ImageF grey;
-  Image8 mask = {};  // of grey's size; 0: a window there, or its neighbour, holds what is masked. Or empty
+  Image8 mask = {};  // of grey's size; 0: the window at the pixel or its neighbour holds masked pixels. Or empty
 };
 
 inline constexpr int kCostLargest = 240;  // perfectly opposite; 120: no correlation, no texture
 
-/// A member's picture as the frame would see it if everything lay on one plane. Beyond the picture's border its edge is
+/// A member's image warped to the frame as if everything lay on one plane. Beyond the image's border the edge is
 /// repeated; `first` and `last` bound the pixels of each row that are inside.
 struct WarpedView {
-  static constexpr float kUnits = 4.0f;  // a grey level in the units of `grey`, which are about mid-grey
+  static constexpr float kUnits = 4.0f;  // units of `grey` per grey level; `grey` is relative to mid-grey
 
   ImageF grey;
   std::vector<int> first, last;
-  std::vector<std::uint8_t> ignored;  // 1 where the view's mask is 0; empty where it has none
-  std::vector<int> corner;            // of the row at hand: where each pixel's four neighbours begin
-  std::vector<float> fu, fv;          // and its place between them
+  std::vector<std::uint8_t> ignored;  // 1 where the view's mask is 0; empty without a mask
+  std::vector<int> corner;            // of the current row: offset of each pixel's four neighbours
+  std::vector<float> fu, fv;          // and its position between them
 
   WarpedView(int width, int height);
 };
 
-/// `map` leads from (x, y, 1), px of the frame, to the member's homogeneous px.
+/// `map`: from (x, y, 1), px of the frame, to the member's homogeneous px.
 void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out);
 
-/// Keeps its working memory from one plane to the next. Not for several threads at once.
+/// Keeps its working memory from plane to plane. Not thread-safe.
 class WindowCorrelation {
  public:
   WindowCorrelation(int members, int width, int height);
 
-  /// Costs of one plane into `cost` (height × width). `nearness`, linear in the picture as the plane's inverse depth,
-  /// n·(x, y, 1), is 0 at the farthest level and 1 at the nearest.
+  /// Writes the costs of one plane into `cost` (height × width). `nearness` is n·(x, y, 1), linear in the image like
+  /// the plane's inverse depth: 0 at the farthest level and 1 at the nearest.
   void run(std::span<const WarpedView> warped, glm::dvec3 nearness, std::uint8_t* cost);
 
  private:

@@ -6,7 +6,7 @@
 namespace ibr {
 
 void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name) {
-  // Null where the extension is not enabled, also in an instance that is not ours.
+  // Null if the extension is not enabled, also in an instance that the caller made.
   const auto setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
       vkGetInstanceProcAddr(device.instance(), "vkSetDebugUtilsObjectNameEXT"));
   if (!setName) return;
@@ -15,7 +15,7 @@ void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, s
                                            .objectType = type,
                                            .objectHandle = handle,
                                            .pObjectName = text.c_str()};
-  setName(device.handle(), &info);  // a name that cannot be set is no reason to stop
+  setName(device.handle(), &info);  // names are for debugging only, so a failure is ignored
 }
 
 }  // namespace ibr

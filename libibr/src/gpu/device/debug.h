@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and labels for debuggers and validation messages (VK_EXT_debug_utils). Without the extension nothing happens.
+// Names and labels for debuggers and validation messages (VK_EXT_debug_utils). No effect without the extension.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,7 +13,7 @@ namespace ibr {
 
 void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name);
 
-/// The same for a handle of any type.
+/// Overload for a handle of any type.
 template <class T>
 void nameObject(const Device& device, VkObjectType type, T* handle, std::string_view name) {
   nameObject(device, type, reinterpret_cast<std::uint64_t>(handle), name);

@@ -36,7 +36,7 @@ struct Device::State {
   }
 
   Messages messages;
-  Instance owned;  // null where the instance is borrowed
+  Instance owned;  // null if the instance is borrowed
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
@@ -45,10 +45,10 @@ struct Device::State {
   std::mutex* queueMutex = nullptr;
   const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
   std::optional<PipelineCache> ownedCache;
-  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // its, or a borrowed one
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // owned or borrowed
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
-  DeviceFeatures features;  // enabled, as far as is known of an adopted device
+  DeviceFeatures features;  // enabled features, as far as known for an adopted device
   std::string name;
   ShaderReplacements shaders;
   std::atomic<bool> lost = false;
@@ -102,7 +102,7 @@ Device Device::adopt(const DeviceHandles& handles) {
   DeviceDescription description = describe(handles.physicalDevice);
   for (std::string& lack : lackingOfQueueFamily(handles.physicalDevice, handles.queueFamily))
     description.lacking.push_back(std::move(lack));
-  // What was enabled cannot be asked, but a device made for an older version of Vulkan has no such function.
+  // Vulkan cannot report enabled features, but a device created for an older version lacks this function.
   if (description.lacking.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
     description.lacking.push_back("Vulkan 1.3, as it was created");
   check(description.lacking.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
@@ -179,16 +179,16 @@ const VkPhysicalDeviceProperties& Device::properties() const noexcept {
 const VkPhysicalDeviceMemoryProperties& Device::memoryProperties() const noexcept {
   return state_->memory;
 }
-bool Device::samplesBlocks() const noexcept {
+bool Device::supportsBlockCompression() const noexcept {
   return state_->features.core.features.textureCompressionBC;
 }
-bool Device::counts64Bits() const noexcept {
+bool Device::supportsInt64() const noexcept {
   return state_->features.core.features.shaderInt64;
 }
-bool Device::countsTogether64Bits() const noexcept {
-  return counts64Bits() && state_->features.vulkan12.shaderBufferInt64Atomics;
+bool Device::supportsInt64Atomics() const noexcept {
+  return supportsInt64() && state_->features.vulkan12.shaderBufferInt64Atomics;
 }
-bool Device::drawsViewsTogether() const noexcept {
+bool Device::supportsMultiview() const noexcept {
   return state_->features.vulkan11.multiview;
 }
 DeviceKind Device::kind() const noexcept {
@@ -201,7 +201,7 @@ bool Device::isLost() const noexcept {
   return state_->lost;
 }
 
-void Device::lose() const noexcept {
+void Device::markLost() const noexcept {
   state_->lost = true;
 }
 
@@ -212,11 +212,15 @@ std::uint64_t Device::shaderGeneration() const noexcept {
   return state_->shaders.generation;
 }
 
+Device::State& stateOf(const Device& device) noexcept {
+  return *device.state_;
+}
+
 ShaderReplacements& shaderReplacements(Device& device) noexcept {
-  return device.state_->shaders;
+  return stateOf(device).shaders;
 }
 const ShaderReplacements& shaderReplacements(const Device& device) noexcept {
-  return device.state_->shaders;
+  return stateOf(device).shaders;
 }
 
 }  // namespace ibr

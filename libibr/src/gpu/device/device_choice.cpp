@@ -20,29 +20,29 @@ struct Feature {
   VkBool32& (*of)(DeviceFeatures&);
 };
 
-// Each has its reason, and nothing else is asked for.
+// Required features, each with its reason.
 constexpr Feature kFeatures[]{
-    // Cells are drawn with a slice of the depth range each; what lies before the near plane must not be cut away.
+    // Each cell is drawn into a slice of the depth range; geometry before the near plane must not be clipped.
     {"depthClamp", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.depthClamp; }},
-    // The paper's way of counting colours.
+    // For the paper's method of counting colours.
     {"fragmentStoresAndAtomics",
      [](DeviceFeatures& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
-    // Structures shared by C++ and shaders are laid out as C++ does it.
+    // C++ and shaders share structures in the layout of C++.
     {"scalarBlockLayout", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.scalarBlockLayout; }},
-    // All barriers.
+    // For all barriers.
     {"synchronization2", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan13.synchronization2; }},
-    // The draw into the caller's image, for which there is no VkFramebuffer.
+    // Draws into the caller's image, for which there is no VkFramebuffer.
     {"dynamicRendering", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan13.dynamicRendering; }},
 };
 
-// Used where they are there, by the names that users know; each says what happens without.
+// Optional features, by the names that users see, each with the fallback.
 constexpr Feature kOptionalFeatures[]{
-    // Alignment by the passes of the optimiser; otherwise it is done on the processor.
+    // Alignment by the passes of the optimiser; otherwise on the CPU.
     {"int64", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.shaderInt64; }},
     {"int64-atomics", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.shaderBufferInt64Atomics; }},
-    // Textures in BC1 and BC7 stay as they are; otherwise they are decoded to RGBA8.
+    // Textures in BC1 and BC7 stay compressed; otherwise they are decoded to RGBA8.
     {"bc", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.textureCompressionBC; }},
-    // Both eyes in one pass, where the device does that right (gpu/draw/multiview.h); otherwise in one each.
+    // Both views in one pass if the device does that correctly (gpu/draw/multiview.h); otherwise one pass each.
     {"multiview", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan11.multiview; }},
 };
 
@@ -114,7 +114,7 @@ std::string lowerCase(std::string text) {
   return text;
 }
 
-/// An index into the list, or a part of the name; a number that is no index is taken for a part of a name.
+/// Matches an index into the list or a part of the name; a number beyond the list is a part of a name.
 bool matches(const std::string& wish, std::size_t index, std::size_t count, const std::string& name) {
   const auto number = parseInt(wish);
   if (number && *number >= 0 && std::uint64_t(*number) < count) return std::uint64_t(*number) == index;
@@ -177,7 +177,7 @@ void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, cons
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
   std::uint32_t count = 0;
   const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr);
-  if (result == VK_ERROR_INITIALIZATION_FAILED) return {};  // the loader's word for drivers that find no device
+  if (result == VK_ERROR_INITIALIZATION_FAILED) return {};  // returned by the loader if the drivers find no device
   vk(result, "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> devices(count);
   vk(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
@@ -202,7 +202,7 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
   if (properties.apiVersion < requirements.apiVersion) {
     lacking.push_back(
         fmt::format("Vulkan {} (it has {})", versionText(requirements.apiVersion), versionText(properties.apiVersion)));
-    return description;  // of an older device the features cannot even be asked
+    return description;  // an older device does not report these features
   }
   DeviceFeatures has = featuresOf(device);
   for (const Feature& feature : kOptionalFeatures)

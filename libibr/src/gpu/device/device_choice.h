@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What libibr needs of a physical device, what each lacks, and which one is taken.
+// Requirements on a physical device, the lacks of each device, and the choice of one.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -15,26 +15,26 @@
 
 namespace ibr {
 
-/// In the loader's order, by which users number them.
+/// Devices in the loader's order, which is their numbering for users.
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance);
 
 /// `lacking` covers Device::requirements() and the further extensions.
 DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string> extensions = {});
 
-/// Adds those of requirements().optionalFeatures that the device has and DeviceOptions::disabledFeatures does not name.
+/// Adds the device's features of requirements().optionalFeatures that DeviceOptions::disabledFeatures does not name.
 void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, const std::string& disabled = {});
 
-/// Takes away those that are named.
+/// Removes the features that `disabled` names.
 void removeFeatures(DeviceFeatures& features, const std::string& disabled = {});
 
-/// What requirements() names and the queue family does not offer.
+/// Requirements of requirements() that the queue family does not meet.
 std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family);
 
-/// The first that serves, if any.
+/// Index of the first queue family that meets the requirements, if any.
 std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device);
 
-/// The index of the device that `option` wishes (index or part of the name), else IBR_DEVICE, else by type: discrete
-/// GPU, integrated, virtual, CPU. Throws Error{unsupported} that names all devices and why each was rejected.
+/// Index of the device that `option` names (index or part of the name), else IBR_DEVICE, else the best type: discrete,
+/// integrated, virtual GPU, CPU. Throws Error{unsupported} with all devices and the reason why each was rejected.
 std::size_t choose(std::span<const DeviceDescription> devices, const std::string& option);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Owners of Vulkan objects. What the device still uses must not be destroyed: who holds a handle waits first.
+// Owners of Vulkan objects. The device must be done with an object before its handle is destroyed.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -11,7 +11,7 @@
 
 namespace ibr {
 
-/// Move-only; the device must outlive it. A default-made or moved-from one holds VK_NULL_HANDLE.
+/// Move-only; the device must outlive the handle. A default-made or moved-from handle is VK_NULL_HANDLE.
 template <class T, auto Destroy>
 class Handle {
  public:

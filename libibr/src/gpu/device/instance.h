@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan instance of our own.
+// A Vulkan instance that libibr owns.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -15,11 +15,11 @@ namespace ibr {
 
 class Instance {
  public:
-  /// Null, as for a borrowed device.
+  /// Null, for a borrowed device.
   Instance() = default;
-  /// Debug utils are enabled where there are such. With validation as gpu/device/validation.h has it, errors and
-  /// warnings to `messages`, which must outlive the instance. Throws Error{unsupported} that names what is missing: a
-  /// driver, the layer, an extension.
+  /// Enables debug utils if available. With validation (gpu/device/validation.h), errors and warnings go to `messages`,
+  /// which must outlive the instance. Throws Error{unsupported} with the missing part: a driver, the layer, an
+  /// extension.
   Instance(std::span<const std::string> extensions, bool validation, Messages& messages);
 
   VkInstance get() const noexcept { return instance_.get(); }

@@ -24,13 +24,13 @@ Wish wish(MemoryKind kind) {
     case MemoryKind::device:
       break;
   }
-  // What the host can see of a discrete GPU's memory is often a small window, and best left to others.
+  // Host-visible memory of a discrete GPU is often a small window, best left to other uses.
   return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT};
 }
 
-/// The best of the allowed types, the first among equals as Vulkan orders them by speed; −1 if there is none.
+/// Best of the allowed types, the first among equals as Vulkan orders them by speed; −1 if there is none.
 int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed, const Wish& wish) {
-  // Protected, lazily allocated and vendors' kinds of memory need features or usages that we do not ask for.
+  // Protected, lazily allocated and vendor-specific memory needs features or usages that libibr does not enable.
   constexpr VkMemoryPropertyFlags kOrdinary = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT |
                                               VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                               VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;

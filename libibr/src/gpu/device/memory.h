@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Device memory: one allocation a resource. What must be many (cells, photographs) shares few resources.
+// Device memory: one allocation per resource. Cells and photographs share few resources.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -14,10 +14,10 @@ namespace ibr {
 enum class MemoryKind {
   device,    // fast for the device; not mapped
   upload,    // written by the host; mapped, coherent
-  readback,  // read by the host; mapped, coherent, cached where there is such memory
+  readback,  // read by the host; mapped, coherent, cached if the device has such memory
 };
 
-/// Throws Error{outOfMemory} that names the resource and its size; what exceeds the heap is not even asked for.
+/// Throws Error{outOfMemory} with the resource and its size; sizes beyond the heap fail without a call to Vulkan.
 MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirements, MemoryKind kind,
                       std::string_view name);
 

@@ -22,7 +22,7 @@ constexpr std::size_t kHeadBytes = kMagic.size() + sizeof(std::uint64_t);
 constexpr std::uint64_t kLargestFile = std::uint64_t(256) << 20;
 static_assert(std::endian::native == std::endian::little);
 
-// Vulkan's data from a file. Throws Error for a file that is broken.
+// Reads Vulkan's data from a file. Throws Error if the file is damaged.
 std::vector<std::byte> unpacked(const fs::path& file) {
   std::vector<std::byte> bytes = readFile(file, kLargestFile);
   const std::vector<std::byte> data(bytes.begin() + std::ptrdiff_t(std::min(kHeadBytes, bytes.size())), bytes.end());
@@ -39,7 +39,7 @@ bool isOf(const VkPhysicalDeviceProperties& properties, std::span<const std::byt
          std::ranges::equal(header.pipelineCacheUUID, properties.pipelineCacheUUID);
 }
 
-// Nothing where there is no file that helps.
+// Returns an empty vector if no file suits the device and driver.
 std::vector<std::byte> dataFor(const VkPhysicalDeviceProperties& properties, const fs::path& file, Messages& messages) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return {};

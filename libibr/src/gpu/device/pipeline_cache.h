@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a driver keeps of the pipelines it compiled, also from one run of a program to the next.
+// Pipeline cache of a device, stored in a file between runs of a program.
 //
-// The file: "ibrpipe1", 64 bits that check what follows (base/hash.h), and Vulkan's data, which says whose it is. A
-// driver need not survive data that it did not write, so it never sees any other.
+// File: "ibrpipe1", a 64-bit hash of the rest (base/hash.h), and Vulkan's data, whose header names device and driver.
+// Drivers may crash on foreign data, so a driver only gets data that it wrote.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -16,18 +16,18 @@
 
 namespace ibr {
 
-/// The file's bytes for Vulkan's data.
+/// Returns the file's bytes for Vulkan's data.
 std::vector<std::byte> packedPipelineCache(std::span<const std::byte> data);
 
 class PipelineCache {
  public:
-  /// Begins with the file's data where there are such of this device and driver; what is not is ignored, and `messages`
-  /// (which must outlive it, as must the device) told. An empty path: no file. Throws as vk().
+  /// Starts with the file's data if device and driver match; else reports to `messages`. Device and messages must
+  /// outlive the cache. An empty path: no file. Throws as vk().
   PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& properties, std::filesystem::path file,
                 Messages& messages);
   PipelineCache(const PipelineCache&) = delete;
   PipelineCache& operator=(const PipelineCache&) = delete;
-  /// Writes the file, beside it first, where its data have changed. What fails is told.
+  /// Writes the file (to a draft, then renamed) if the data have changed. Failures are reported.
   ~PipelineCache();
 
   VkPipelineCache get() const noexcept { return cache_; }
@@ -38,7 +38,7 @@ class PipelineCache {
   VkDevice device_;
   std::filesystem::path file_;
   Messages& messages_;
-  std::vector<std::byte> read_;  // of the file
+  std::vector<std::byte> read_;  // contents of the file
   VkPipelineCache cache_ = VK_NULL_HANDLE;
 };
 

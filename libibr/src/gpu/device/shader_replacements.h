@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in for embedded shaders on one device ([T] §4.1.3). Read by all that makes pipelines, written by
-// ShaderReloader.
+// Replacements of embedded shaders on one device ([T] §4.1.3). ShaderReloader writes them; all code that makes
+// pipelines reads them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace ibr {
 
 struct ShaderReplacements {
-  std::map<const std::uint32_t*, std::vector<std::uint32_t>> words;  // by where the embedded words lie
+  std::map<const std::uint32_t*, std::vector<std::uint32_t>> words;  // by the address of the embedded words
   std::uint64_t generation = 0;                                      // Device::shaderGeneration()
 
   std::span<const std::uint32_t> inUse(std::span<const std::uint32_t> embedded) const noexcept {
@@ -22,7 +22,7 @@ struct ShaderReplacements {
   }
 };
 
-/// The device's own, which stays where it is when the Device is moved.
+/// Replacements of the device; their address stays when the Device is moved.
 ShaderReplacements& shaderReplacements(Device& device) noexcept;
 const ShaderReplacements& shaderReplacements(const Device& device) noexcept;
 

@@ -31,7 +31,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL receive(VkDebugUtilsMessageSeverityFlagBitsEXT se
         level, fmt::format("Vulkan validation, {}: {}", data->pMessageIdName ? data->pMessageIdName : "no id",
                            data->pMessage));
   } catch (...) {
-    // An exception of the caller's log must not cross the layer; the message is counted all the same.
+    // An exception of the caller's log must not cross the layer; the message is counted anyway.
   }
   return VK_FALSE;
 }
@@ -41,7 +41,7 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(Messages& messages) {
       .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
       .messageSeverity =
           VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-      // Not GENERAL: in it the loader tells of other people's drivers and layers.
+      // Not GENERAL: those messages are about drivers and layers of others.
       .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
       .pfnUserCallback = receive,
       .pUserData = &messages};

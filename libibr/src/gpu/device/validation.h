@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan's validation, of an instance of our own or of one that others make for us (an OpenXR runtime):
+// Vulkan validation for libibr's own instance or for an instance that others make (an OpenXR runtime):
 //
 //   Messages messages(log);
 //   const Validation validation(messages);       // into the create-info: kLayer, kExtensions, chain()
@@ -20,7 +20,7 @@
 
 namespace ibr {
 
-/// Where messages go. Layers may send from any thread.
+/// Receives messages. Layers may send from any thread.
 class Messages {
  public:
   explicit Messages(LogCallback log);
@@ -28,7 +28,7 @@ class Messages {
   Messages& operator=(const Messages&) = delete;
 
   void send(LogLevel level, std::string_view text);
-  void sendValidation(LogLevel level, std::string_view text);  // counts as well
+  void sendValidation(LogLevel level, std::string_view text);  // counted by validationMessages()
   const std::atomic<std::uint64_t>& validationMessages() const noexcept { return validationMessages_; }
 
  private:
@@ -37,19 +37,19 @@ class Messages {
   std::atomic<std::uint64_t> validationMessages_{0};
 };
 
-/// What an instance is made with so that it is validated, core and synchronisation.
+/// Parts of the create-info of an instance with core and synchronisation validation.
 class Validation {
  public:
   static constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
   static constexpr std::array kExtensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
 
-  /// Errors and warnings of the instance's own making and end go to `messages`, which must outlive the instance. Throws
-  /// Error{unsupported} that names what is missing: the layer, an extension.
+  /// Errors and warnings while the instance is made and destroyed go to `messages`, which must outlive the instance.
+  /// Throws Error{unsupported} with the missing part: the layer, an extension.
   explicit Validation(Messages& messages);
   Validation(const Validation&) = delete;
   Validation& operator=(const Validation&) = delete;
 
-  /// For VkInstanceCreateInfo::pNext, while *this lives.
+  /// For VkInstanceCreateInfo::pNext; valid while *this lives.
   const void* chain() const noexcept { return &features_; }
 
  private:
@@ -60,7 +60,7 @@ class Validation {
 /// Sends an instance's errors and warnings to `messages` while it lives.
 class Messenger {
  public:
-  /// The instance has VK_EXT_debug_utils and outlives it, as do the messages. Throws as vk().
+  /// The instance has VK_EXT_debug_utils. Instance and messages outlive the object. Throws as vk().
   Messenger(VkInstance instance, Messages& messages);
   Messenger(const Messenger&) = delete;
   Messenger& operator=(const Messenger&) = delete;

@@ -52,7 +52,7 @@ ErrorCode errorCode(VkResult result) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_POOL_MEMORY:
     case VK_ERROR_FRAGMENTED_POOL:
-    case VK_ERROR_TOO_MANY_OBJECTS:  // of vkAllocateMemory: more allocations than the device allows
+    case VK_ERROR_TOO_MANY_OBJECTS:  // from vkAllocateMemory: more allocations than the device allows
       return ErrorCode::outOfMemory;
     case VK_ERROR_DEVICE_LOST:
       return ErrorCode::deviceLost;
@@ -74,7 +74,7 @@ void vk(VkResult result, const char* call) {
 }
 
 void vk(const Device& device, VkResult result, const char* call) {
-  if (result == VK_ERROR_DEVICE_LOST) device.lose();
+  if (result == VK_ERROR_DEVICE_LOST) device.markLost();
   vk(result, call);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of Vulkan calls as exceptions, and what the loader has.
+// Turns results of Vulkan calls into exceptions, and queries the loader.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -10,19 +10,19 @@
 
 namespace ibr {
 
-/// The enumerator, such as "VK_ERROR_DEVICE_LOST"; "an unknown VkResult" for those of extensions that we do not use.
+/// The enumerator, such as "VK_ERROR_DEVICE_LOST"; "an unknown VkResult" for those of extensions not used here.
 const char* resultName(VkResult result) noexcept;
 
-/// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) that names call and result unless it is VK_SUCCESS.
+/// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) with call and result unless VK_SUCCESS.
 void vk(VkResult result, const char* call);
 
-/// The same, of a call that a device may be lost in: then it is from now on (Device::isLost).
+/// As above, for calls that can report a lost device, which is then marked lost (Device::isLost).
 void vk(const Device& device, VkResult result, const char* call);
 
-/// Throws Error{deviceLost} that names the call, before it is made of a device that is lost.
+/// Throws Error{deviceLost} with the call if the device is lost; used before the call is made.
 void checkAlive(const Device& device, const char* call);
 
-/// Whether the loader and the drivers have an instance extension, or with `layer` that layer. Throws as vk().
+/// True if the loader or a driver has the instance extension, or with `layer` that layer has. Throws as vk().
 bool hasInstanceExtension(std::string_view name, const char* layer = nullptr);
 
 }  // namespace ibr

@@ -49,7 +49,7 @@ RenderPassHandle makeRenderPass(const Device& device, std::uint32_t layers) {
   constexpr VkAccessFlags kWrites = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
   constexpr VkAccessFlags kReads = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT;
   const VkSubpassDependency dependencies[]{
-      // The frame before: its draws (write after write) and whoever reads its result (write after read, for which an
+      // The previous frame: its draws (write after write) and the readers of its result (write after read, for which an
       // execution dependency is enough).
       {.srcSubpass = VK_SUBPASS_EXTERNAL,
        .dstSubpass = 0,
@@ -57,7 +57,7 @@ RenderPassHandle makeRenderPass(const Device& device, std::uint32_t layers) {
        .dstStageMask = kDrawing,
        .srcAccessMask = kWrites,
        .dstAccessMask = kWrites | kReads},
-      // Those who read this frame's.
+      // Readers of this frame's result.
       {.srcSubpass = 0,
        .dstSubpass = VK_SUBPASS_EXTERNAL,
        .srcStageMask = kDrawing,

@@ -12,9 +12,9 @@
 namespace ibr {
 
 bool multiviewWorks(const Device& device) {
-  if (!device.drawsViewsTogether()) return false;
-  // shaders/gpu/multiview_probe.vert: view v draws the squares (x, y) of 2×2 pixels with x and y odd or even as v is,
-  // and a large triangle behind them. That one matters: it is clipped triangles that go astray on lavapipe.
+  if (!device.supportsMultiview()) return false;
+  // shaders/gpu/multiview_probe.vert: view v draws the squares (x, y) of 2×2 pixels with x and y of v's parity, and a
+  // large triangle behind them. The triangle is essential: lavapipe misplaces clipped triangles.
   constexpr std::uint32_t kSquares = 4, kBehind = 4, kSide = 8;
   constexpr VkExtent2D kExtent{kSide, kSide};
   const Canvas canvas(device, kExtent, 0, 2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipelines and their layouts, with the states that our passes share fixed: no culling, one sample, viewport and
-// scissor dynamic.
+// Pipelines and their layouts. States that all passes share are fixed: no culling, one sample, dynamic viewport and
+// scissor.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -14,17 +14,17 @@
 
 namespace ibr {
 
-/// Values of specialisation constants, seen by all stages of a pipeline. Empty: the shaders' own.
+/// Values of specialisation constants, for all stages of a pipeline. Empty: the shaders' defaults.
 struct Specialisation {
   std::span<const VkSpecializationMapEntry> entries;
   std::span<const std::byte> data;
 };
 
-/// What becomes of colours that are there. Other than by `replace`, their alpha stays.
+/// Effect of a draw on the colours in the attachment. Only `replace` overwrites their alpha; `over` keeps it.
 enum class Blending : std::uint8_t {
   replace,
-  over,  // mixed by the new colour's alpha
-  add,   // of alphas the greatest stays
+  over,  // blended by the new colour's alpha
+  add,   // colours are added; alpha is the maximum
 };
 
 struct GraphicsPipelineInfo {
@@ -34,12 +34,12 @@ struct GraphicsPipelineInfo {
   std::span<const VkVertexInputBindingDescription> bindings;
   std::span<const VkVertexInputAttributeDescription> attributes;
   VkPipelineLayout layout = VK_NULL_HANDLE;
-  VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; or else
-  std::span<const VkFormat> colourFormats;     // of dynamic rendering
+  VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; null: dynamic rendering
+  std::span<const VkFormat> colourFormats;     // for dynamic rendering
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written, untested but for depthTest
   bool attachments = true;                     // false: dynamic rendering without any; fragments only store
-  bool depthTest = false;                      // passes where less,
-  bool depthEqual = false;                     // or where equal too
+  bool depthTest = false;                      // passes if less,
+  bool depthEqual = false;                     // or with this flag if equal
   bool depthWrite = false;
   bool depthClamp = false;
   Blending blending = Blending::replace;
@@ -52,8 +52,8 @@ struct ComputePipelineInfo {
   VkPipelineLayout layout = VK_NULL_HANDLE;
 };
 
-/// Of `spirv`, or of what stands in for it on this device (gpu/device/shader_replacements.h), as in the pipelines
-/// below.
+/// Module of `spirv`, or of the words that replace `spirv` on this device (gpu/device/shader_replacements.h). The
+/// pipelines below use the same replacements.
 ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv);
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info);
 PipelineHandle makeComputePipeline(const Device& device, const ComputePipelineInfo& info);

@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-// Instructions.
+// Opcodes.
 constexpr std::uint32_t kName = 5, kEntryPoint = 15, kExecutionMode = 16, kCapability = 17;
 constexpr std::uint32_t kBool = 20, kInt = 21, kFloat = 22, kVector = 23, kMatrix = 24, kImage = 25, kSampler = 26;
 constexpr std::uint32_t kSampledImage = 27, kArray = 28, kRuntimeArray = 29, kStruct = 30, kPointer = 32;
@@ -22,9 +22,9 @@ constexpr std::uint32_t kDescriptorSet = 34, kOffset = 35;
 // Storage classes.
 constexpr std::uint32_t kUniformConstant = 0, kInput = 1, kUniform = 2, kOutput = 3, kPushConstant = 9, kBuffer = 12;
 
-constexpr std::uint32_t kWhole = 0xffffffff;  // in the place of a member's number
+constexpr std::uint32_t kWhole = 0xffffffff;  // in place of a member's number: the type or variable itself
 
-// Definitions come before uses: one walk, in which nothing is followed twice.
+// SPIR-V defines identifiers before their uses, so one pass over the words is enough.
 class SpirvReader {
  public:
   explicit SpirvReader(std::span<const std::uint32_t> words) : words_(words) {
@@ -44,11 +44,11 @@ class SpirvReader {
  private:
   struct Type {
     std::string text;
-    std::uint64_t bytes = 0;      // in a buffer, but for matrices; 0 where that has no meaning
+    std::uint64_t bytes = 0;      // in a buffer, matrices excluded; 0 if undefined
     std::uint64_t count = 0;      // components of a vector, columns of a matrix
     std::uint64_t rows = 0;       // of a matrix
-    std::uint32_t stride = 0;     // of an array without end, or of the one that ends a structure
-    std::uint32_t structure = 0;  // the id, also of an array's elements
+    std::uint32_t stride = 0;     // of a runtime array, or of the one that ends a structure
+    std::uint32_t structure = 0;  // the structure's id, also for an array of structures
   };
 
   std::uint32_t word(std::uint32_t i) const {
@@ -81,7 +81,7 @@ class SpirvReader {
     const auto found = names_.find(id);
     return found == names_.end() ? std::string() : found->second;
   }
-  static std::string shortened(std::string text) {  // types of types of types stay small
+  static std::string shortened(std::string text) {  // limits the text of nested types
     constexpr std::size_t kLongest = 200;
     if (text.size() > kLongest) text.resize(kLongest);
     return text;
@@ -193,7 +193,7 @@ class SpirvReader {
   std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::uint32_t> decorations_;  // id, member, which
   std::map<std::uint32_t, Type> types_;
   std::map<std::uint32_t, std::uint32_t> pointees_;  // types, by pointer type
-  std::map<std::uint32_t, std::uint32_t> numbers_;   // values of constants, their lowest word
+  std::map<std::uint32_t, std::uint32_t> numbers_;   // values of constants, lowest word
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 using Variables = std::map<SpirvInterface::InterfaceSlot, SpirvVariable>;
 
-// `what` gets the two numbers of the place.
+// `what` is a format string for the two numbers of a slot.
 std::string mismatch(const char* what, const Variables& own, const Variables& other, bool all) {
   std::string text;
   const auto line = [&](const auto& variable, const std::string& how) {
@@ -28,7 +28,7 @@ std::string mismatch(const char* what, const Variables& own, const Variables& ot
   return text;
 }
 
-// Vulkan 1.2, appendix "SPIR-V Environment": these want no feature.
+// Capabilities that need no feature: Vulkan 1.2, appendix "SPIR-V Environment".
 bool always(std::uint32_t capability) {
   constexpr std::uint32_t kAlways[]{0, 1, 40, 43, 44, 46, 47, 50, 51};
   return std::ranges::find(kAlways, capability) != std::end(kAlways);

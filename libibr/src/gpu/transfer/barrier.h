@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Barriers between two named uses (VK_KHR_synchronization2). Nothing is tracked: the caller knows what came before.
+// Barriers between two named uses (VK_KHR_synchronization2). No tracking: the caller knows the previous use.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -34,22 +34,22 @@ inline constexpr BufferUse kAnything{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                      VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }  // namespace use
 
-/// `to.layout` is not UNDEFINED; with `from` = kUndefined the contents are lost. All levels and layers.
+/// `to.layout` is not UNDEFINED; `from` = kUndefined discards the contents. Covers all levels and layers.
 void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,
                 VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT) noexcept;
 
-/// The same for a part of the image.
+/// As above, for a part of the image.
 void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,
                 const VkImageSubresourceRange& range) noexcept;
 
-/// The same for a caller's Target, DepthTarget or BufferTarget: its one level and layer.
+/// As above, for a caller's Target, DepthTarget or BufferTarget: one level and layer.
 template <class AnyTarget>
 void transitionTarget(VkCommandBuffer commands, const AnyTarget& target, ImageUse from, ImageUse to,
                       VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT) noexcept {
   transition(commands, target.image, from, to, VkImageSubresourceRange{aspect, 0, 1, target.layer, 1});
 }
 
-/// Orders all buffers' uses: a global memory barrier, which drivers treat no worse than one that names a buffer.
+/// Orders accesses to all buffers: drivers treat a global memory barrier no worse than a buffer barrier.
 void bufferBarrier(VkCommandBuffer commands, BufferUse from, BufferUse to) noexcept;
 
 }  // namespace ibr

@@ -14,24 +14,24 @@
 
 namespace ibr {
 
-/// Move-only; the device must outlive it. Holds nothing when default-made; a moved-from one may only be assigned to.
+/// Move-only; the device must outlive the buffer. Empty when default-made; a moved-from buffer only allows assignment.
 class Buffer {
  public:
   Buffer() = default;
-  /// `size` is at least 1. Throws Error{outOfMemory} that names buffer and size.
+  /// `size` is at least 1. Throws Error{outOfMemory} with the buffer's name and size.
   Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind, std::string_view name);
 
   VkBuffer get() const noexcept { return buffer_.get(); }
   VkDeviceSize size() const noexcept { return size_; }
 
-  /// upload and readback: the whole buffer, as long as it lives; host-coherent, so nothing is to be flushed, but
-  /// commands that write it must end with a barrier to use::kHostRead. device: empty.
+  /// upload, readback: the whole buffer, valid while the buffer lives. Host-coherent, so no flush is needed, but
+  /// commands that write the buffer must end with a barrier to use::kHostRead. device: empty.
   std::span<std::byte> mapped() const noexcept { return mapped_; }
 
   VkDeviceSize allocatedBytes() const noexcept { return allocated_; }
 
  private:
-  MemoryHandle memory_;  // before the buffer, so that it goes after it
+  MemoryHandle memory_;  // before the buffer: destroyed after it
   BufferHandle buffer_;
   VkDeviceSize size_ = 0;
   VkDeviceSize allocated_ = 0;

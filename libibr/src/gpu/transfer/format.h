@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes of the formats that we use.
+// Sizes of the formats that libibr uses.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -8,16 +8,16 @@
 
 namespace ibr {
 
-/// Whether the format encodes what is written.
+/// True if writes are sRGB-encoded by the format.
 constexpr bool isSrgb(VkFormat format) noexcept {
   return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
 }
-/// Whether a caller's picture may have it: 8-bit RGBA or BGRA.
+/// True if a caller's target may have the format: 8-bit RGBA or BGRA.
 constexpr bool isPictureFormat(VkFormat format) noexcept {
   return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
 }
 
-/// Bytes of a texel, or of a block of blockSide² of them; 0 for formats that are not ours.
+/// Bytes per texel, or per block of blockSide² texels; 0 for other formats.
 constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
   switch (format) {
     case VK_FORMAT_R8_UNORM:
@@ -56,7 +56,7 @@ constexpr std::uint32_t blockSide(VkFormat format) noexcept {
   return format == VK_FORMAT_BC1_RGB_UNORM_BLOCK || format == VK_FORMAT_BC7_UNORM_BLOCK ? 4 : 1;
 }
 
-/// Blocks that a row or a column of so many texels takes.
+/// Number of blocks that cover a row or column of `texels` texels.
 constexpr std::uint32_t blockCount(VkFormat format, std::uint32_t texels) noexcept {
   return (texels + blockSide(format) - 1) / blockSide(format);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of a frame that is in flight, and when the device has done them.
+// Command buffer and fence of a frame in flight.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -11,14 +11,14 @@ namespace ibr {
 
 struct FrameSlot {
   CommandPoolHandle pool;
-  VkCommandBuffer commands = VK_NULL_HANDLE;  // the pool's
-  FenceHandle done;                           // signalled to begin with
+  VkCommandBuffer commands = VK_NULL_HANDLE;  // allocated from pool
+  FenceHandle done;                           // initially signalled
 };
 
 /// Throws as vk().
 FrameSlot makeFrameSlot(const Device& device);
 
-/// Begins the commands anew, which the device has done. Throws as vk().
+/// Begins the command buffer again; the device must have finished it. Throws as vk().
 void beginCommands(const Device& device, const FrameSlot& slot);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image with its memory and a view of the whole of it.
+// An image with its memory and a view of the whole image.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -22,32 +22,32 @@ struct GpuImageInfo {
   VkImageViewType viewType = VK_IMAGE_VIEW_TYPE_2D;  // with more than one layer: VK_IMAGE_VIEW_TYPE_2D_ARRAY
 };
 
-/// Move-only; the device must outlive it. Begins as use::kUndefined. Optimal tiling, one sample, one queue family.
+/// Move-only; must not outlive the device. Starts in use::kUndefined. Optimal tiling, one sample, one queue family.
 class GpuImage {
  public:
   GpuImage() = default;
-  /// Throws Error{unsupported} where the device has no such images (format with usage, extent, layers), naming what is
-  /// too much, and Error{outOfMemory} that names image and size.
+  /// Throws Error{unsupported} with the exceeded limit if the device lacks such images (format with usage, extent,
+  /// layers), and Error{outOfMemory} with the image's name and size.
   GpuImage(const Device& device, const GpuImageInfo& info, std::string_view name);
 
   VkImage get() const noexcept { return image_.get(); }
-  VkImageView view() const noexcept { return view_.get(); }  // all layers and levels; none where usage is transfer only
+  VkImageView view() const noexcept { return view_.get(); }  // all layers and levels; null for transfer-only usage
   const GpuImageInfo& info() const noexcept { return info_; }
   VkDeviceSize allocatedBytes() const noexcept { return allocated_; }
 
  private:
   GpuImageInfo info_;
-  MemoryHandle memory_;  // view, image, memory: the order in which they go
+  MemoryHandle memory_;  // destroyed in the order view, image, memory
   ImageHandle image_;
   ImageViewHandle view_;
   VkDeviceSize allocated_ = 0;
 };
 
-/// What such an image would allocate, asked of the device without allocating. Throws as the constructor, but for lack
-/// of memory.
+/// Bytes that such an image would allocate; the call allocates nothing. Throws as the constructor, except for lack of
+/// memory.
 VkDeviceSize allocationBytes(const Device& device, const GpuImageInfo& info, std::string_view name);
 
-/// One layer of it, all levels.
+/// View of one layer, all levels.
 ImageViewHandle makeLayerView(const Device& device, const GpuImage& image, std::uint32_t layer);
 
 }  // namespace ibr

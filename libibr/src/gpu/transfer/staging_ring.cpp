@@ -7,7 +7,7 @@
 namespace ibr {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 16;  // of the largest texel or block, as copies want it
+constexpr VkDeviceSize kAlignment = 16;  // bytes; a multiple of every texel and block, for copies
 
 constexpr VkDeviceSize aligned(VkDeviceSize bytes) {
   return (bytes + kAlignment - 1) / kAlignment * kAlignment;

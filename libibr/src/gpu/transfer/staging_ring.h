@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host memory for uploads that travel in the caller's command buffers, taken in turn and given back frame by frame.
+// Ring of host memory for uploads in the caller's command buffers; space is freed frame by frame.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,7 +13,7 @@
 
 namespace ibr {
 
-/// Never waits: what frames still use is simply not there to be taken. The device must outlive it.
+/// Never waits: space that frames still use is not available. The device must outlive the ring.
 class StagingRing {
  public:
   StagingRing() = default;
@@ -21,17 +21,17 @@ class StagingRing {
 
   VkBuffer buffer() const noexcept { return buffer_.get(); }
 
-  /// What can be taken at once now.
+  /// Number of bytes that one take() can return at present.
   VkDeviceSize room() const noexcept;
 
   struct Piece {
     VkDeviceSize offset;
     std::span<std::byte> memory;  // mapped, coherent
   };
-  /// 1 to room() bytes, aligned for copies of any format, for commands of this frame. Frames come in order.
+  /// Takes 1 to room() bytes, aligned for copies of any format, for commands of `frame`. Frame numbers ascend.
   Piece take(VkDeviceSize bytes, std::uint64_t frame);
 
-  /// Frames up to this one have finished: what they took is free again.
+  /// Frees the pieces of all frames up to completedFrame, which the device has finished.
   void release(std::uint64_t completedFrame);
 
  private:
@@ -40,8 +40,8 @@ class StagingRing {
     std::uint64_t frame;
   };
   Buffer buffer_;
-  VkDeviceSize head_ = 0;    // where the next piece begins, unless the end is too near
-  std::deque<Taken> taken_;  // oldest first, each behind the last but where they begin anew
+  VkDeviceSize head_ = 0;    // begin of the next piece, unless the end is too near
+  std::deque<Taken> taken_;  // oldest first; contiguous but for the wrap-around
 };
 
 }  // namespace ibr

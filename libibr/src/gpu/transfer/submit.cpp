@@ -14,7 +14,7 @@ std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex) {
 VkResult waitIdle(const Device& device) {
   const auto held = holdQueue(device.queueMutex());
   const VkResult result = vkDeviceWaitIdle(device.handle());
-  if (result == VK_ERROR_DEVICE_LOST) device.lose();
+  if (result == VK_ERROR_DEVICE_LOST) device.markLost();
   return result;
 }
 
@@ -54,7 +54,7 @@ void Submission::run(const std::function<void(VkCommandBuffer)>& record) {
     vk(*device_, vkQueueSubmit2(device_->queue(), 1, &info, fence), "vkQueueSubmit2");
   }
   const VkResult result = vkWaitForFences(device, 1, &fence, VK_TRUE, UINT64_MAX);
-  // The callers' objects may go as soon as this throws, so the device must be done with them by then.
+  // Callers may destroy their objects as soon as this throws, so the queue must be idle by then.
   if (result != VK_SUCCESS) {
     const auto held = holdQueue(device_->queueMutex());
     vkQueueWaitIdle(device_->queue());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work that is submitted and waited for at once.
+// Submits work and waits for it.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -12,30 +12,30 @@
 
 namespace ibr {
 
-/// Around every use of a device's queue: holds its Device::queueMutex() while what it returns lives, where there is
-/// one.
+/// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this
+/// lock.
 [[nodiscard]] std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex);
 
-/// vkDeviceWaitIdle, which uses the queue. A device that is found lost is so from then on (Device::isLost).
+/// vkDeviceWaitIdle, which uses the queue. Marks the device lost if the call reports that (Device::isLost).
 VkResult waitIdle(const Device& device);
 
-/// A command buffer that is used again and again. The device must outlive it.
+/// A reusable command buffer. The device must outlive the object.
 class Submission {
  public:
   explicit Submission(const Device& device);
 
-  /// Records by calling `record`, submits on the device's queue and waits until it is done. Throws what `record`
-  /// throws (then nothing is submitted) and Error (deviceLost, outOfMemory); it may be run again after either.
+  /// Calls `record`, submits to the device's queue and waits for the end. Throws the exceptions of `record` (nothing is
+  /// submitted) and Error (deviceLost, outOfMemory); run() may be called again after either.
   void run(const std::function<void(VkCommandBuffer)>& record);
 
  private:
   const Device* device_;
   CommandPoolHandle pool_;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // allocated from pool_
   FenceHandle fence_;
 };
 
-/// The same, once.
+/// As Submission::run, once.
 void submitAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& record);
 
 }  // namespace ibr

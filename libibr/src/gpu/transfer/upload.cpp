@@ -12,8 +12,8 @@
 namespace ibr {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 16;                    // of the largest texel or block, as copies want it
-constexpr VkDeviceSize kSmallest = VkDeviceSize(1) << 20;  // holds a row of any image
+constexpr VkDeviceSize kAlignment = 16;                    // bytes; a multiple of every texel and block, for copies
+constexpr VkDeviceSize kSmallest = VkDeviceSize(1) << 20;  // bytes; holds a row of any image
 constexpr VkDeviceSize kLargestOnce = VkDeviceSize(32) << 20;
 
 VkImageSubresourceRange levelOf(const VkImageSubresourceLayers& layers) {
@@ -82,7 +82,7 @@ void Uploader::buffer(const Buffer& to, VkDeviceSize offset, std::span<const std
 
 void Uploader::flush() {
   if (images_.empty() && buffers_.empty()) return;
-  // Emptied first: whatever happens, the next upload begins afresh.
+  // Emptied first, so that the next upload starts clean even if this one throws.
   const auto images = std::exchange(images_, {});
   const auto buffers = std::exchange(buffers_, {});
   used_ = 0;

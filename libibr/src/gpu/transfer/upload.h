@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes from the host into buffers and images of the device.
+// Uploads bytes from the host to buffers and images of the device.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -16,19 +16,19 @@
 
 namespace ibr {
 
-/// Gathers uploads in a staging buffer of bounded size and submits whenever it is full; one larger than the buffer goes
-/// in pieces. After flush() everything is visible to all commands that are submitted later to the device's queue. What
-/// was not flushed when the uploader goes is dropped. Calls throw Error (outOfMemory, deviceLost).
+/// Collects uploads in a staging buffer of bounded size and submits when the buffer is full; larger uploads go in
+/// pieces. After flush() all uploads are visible to later submissions to the device's queue. The destructor drops
+/// uploads that were not flushed. Calls throw Error (outOfMemory, deviceLost).
 ///
-/// Targets must live until flush() and need VK_BUFFER/IMAGE_USAGE_TRANSFER_DST_BIT. Writing waits for earlier shader
+/// Targets must live until flush() and need VK_BUFFER/IMAGE_USAGE_TRANSFER_DST_BIT. Writes wait for earlier shader
 /// reads on the same queue, so a layer may be replaced while frames are in flight.
 class Uploader {
  public:
   explicit Uploader(const Device& device, VkDeviceSize stagingBytes = VkDeviceSize(32) << 20);
 
-  /// One level of one layer, whole, in a format without blocks: rows from the top, no padding; `extent` is the
-  /// level's. It ends in use::kSampled whatever it was before. Levels and layers that were never uploaded stay as
-  /// they were (undefined in a new image) and must not be read; they need no preparation.
+  /// Uploads one whole level of one layer, in an uncompressed format: rows from the top, no padding; `extent` is the
+  /// level's. The level ends in use::kSampled, whatever its previous use. Levels and layers without an upload keep
+  /// their state (undefined in a new image) and must not be read.
   void image(const GpuImage& to, std::uint32_t layer, std::uint32_t level, VkExtent2D extent,
              std::span<const std::byte> bytes);
   void buffer(const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes);
@@ -46,7 +46,7 @@ class Uploader {
   };
 
   VkDeviceSize room() const;
-  VkDeviceSize stage(std::span<const std::byte> bytes);  // what fits into room(); returns its place
+  VkDeviceSize stage(std::span<const std::byte> bytes);  // copies as much as fits into room(); returns the offset
 
   Submission submission_;
   Buffer staging_;
@@ -55,7 +55,7 @@ class Uploader {
   std::vector<BufferPiece> buffers_;
 };
 
-/// One upload with its own staging buffer, finished on return.
+/// Uploads once with its own staging buffer; finished on return.
 void uploadBuffer(const Device& device, const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes);
 
 }  // namespace ibr

@@ -17,7 +17,7 @@ struct Constants {
   float rank, extrapolation;
 };
 
-constexpr std::array kBlends{BlendMode::blend};  // colours are told apart, not blended
+constexpr std::array kBlends{BlendMode::blend};  // colours are output member by member, not blended
 
 std::array<const BufferTarget*, 3> all(const BufferTargets& targets) {
   return {&targets.surface, &targets.weights, &targets.confidence};
@@ -47,19 +47,20 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
       }
 }
 
-void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, const BufferTargets& targets,
-                        const GatherPass* gather) const noexcept {
+void BufferPass::record(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view,
+                        const BufferTargets& targets, const GatherPass* gather) const noexcept {
+  const FramePlan& plan = draws.plan;
   constexpr float kUnknown = std::numeric_limits<float>::infinity();
-  const float emptyTier = plan.settings.lowestTier >= kTierFilled ? float(kTierFilled) : -1.0f;
+  const float emptyTier = plan.settings.maxTier >= kTierFilled ? float(kTierFilled) : -1.0f;
   const std::array<VkClearColorValue, 3> empty{
       {{{kUnknown, emptyTier, -1.0f, 0.0f}}, {{0, 0, 0, 0}}, {{0, kUnknown, 0, 0}}}};
   std::array<VkRenderingAttachmentInfo, 3> colours{};
   for (std::size_t i = 0; i < colours.size(); ++i) {
     const BufferTarget& target = *all(targets)[i];
-    transitionTarget(commands, target, target.before, use::kColourAttachment);
+    transitionTarget(commands, target, target.initialUse, use::kColourAttachment);
     colours[i] = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, empty[i]);
   }
-  // Left as the canvas leaves it: the frame's passes have read it, the next frame clears it.
+  // The depth image is in the state that Canvas::end leaves: the frame's passes have read it, the next frame clears it.
   constexpr ImageUse kRead{use::kSampled.layout, use::kSampled.stages | use::kDepthAttachment.stages,
                            use::kSampled.access | use::kDepthAttachment.access};
   transition(commands, canvas_->depth(), kRead, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
@@ -67,24 +68,22 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
       depthAttachment(canvas_->depthView(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE);
   beginRendering(commands, targets.extent, colours, &depth);
   cells_->bind(commands, layout_.get());
-  cells_->eachStep(
-      commands, plan, Order::current, view, targets.extent, [&](const Step& step, std::uint32_t parameter) {
-        const Constants constants{float(step.rank), step.extrapolation};
+  cells_->eachItem(
+      commands, draws, Order::current, view, targets.extent, [&](const DrawItem& item, std::uint32_t parameter) {
+        const Constants constants{float(item.rank), item.extrapolation};
         const VkBuffer buffer = uncertainties_->get();
-        const VkDeviceSize offset = uncertainties_->offset(*step.mesh);
+        const VkDeviceSize offset = uncertainties_->offset(*item.mesh);
         vkCmdBindVertexBuffers(commands, 1, 1, &buffer, &offset);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                          pipelines_.at({variantOf(step, kBlends[0]), !cells_->isPainters(plan.settings)}).get());
+                          pipelines_.at({variantOf(item, kBlends[0]), !cells_->isPainters(plan.settings)}).get());
         vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
-        cells_->drawStep(commands, layout_.get(), step, parameter);
+        cells_->drawItem(commands, layout_.get(), item, parameter);
       });
-  if (gather)
-    gather->drawBuffers(commands, plan, view, targets.extent,
-                        stepsOf(cells_->scene(), plan, Order::current, view).count);
+  if (gather) gather->drawBuffers(commands, plan, view, targets.extent, draws.list(Order::current, view).count);
   vkCmdEndRendering(commands);
   transition(commands, canvas_->depth(), use::kDepthAttachment, use::kSampled, VK_IMAGE_ASPECT_DEPTH_BIT);
   for (const BufferTarget* target : all(targets))
-    transitionTarget(commands, *target, use::kColourAttachment, target->after);
+    transitionTarget(commands, *target, use::kColourAttachment, target->finalUse);
 }
 
 }  // namespace ibr

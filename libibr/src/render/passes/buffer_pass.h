@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plan's steps once more, into floats: what is known of every pixel beside its colour (BufferTargets).
+// Draws a plan's draw items into floating-point images: depth, weights and confidence of every pixel (BufferTargets).
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@ namespace ibr {
 
 class BufferPass {
  public:
-  /// `canvas` lends its depth image between frames' uses.
+  /// `canvas`: its depth image serves as depth attachment, once the frame's passes have read it.
   BufferPass(const Device& device, const CellPass& cells, const Uncertainties& uncertainties, const Canvas& canvas,
              const Requirements& requirements);
 
-  /// `gather`: draws the rest of the plan; null: it has none. Outside a render pass. CellPass::update has been recorded
-  /// for the plan, and what reads the canvas's depth too.
-  void record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, const BufferTargets& targets,
+  /// `gather`: draws pixels without a cell; null: the plan has no gather. Outside a render pass. CellPass::update and
+  /// all reads of the canvas's depth must have been recorded before.
+  void record(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view, const BufferTargets& targets,
               const GatherPass* gather) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
@@ -27,7 +27,7 @@ class BufferPass {
  private:
   struct Key {
     CellVariant variant;
-    bool depth;  // our order
+    bool depth;  // DrawOrder::ours
     auto operator<=>(const Key&) const = default;
   };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the passes after the cells find what was drawn: in the canvas, or in a layer of the one for both eyes.
+// Source images of the passes after the cells: the canvas, or one layer of the canvas of both eyes.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace ibr {
 
-inline constexpr std::size_t kFromCanvas = 0, kFromEyes = 1;  // plus the layer
+inline constexpr std::size_t kFromCanvas = 0, kFromEyes = 1;  // kFromEyes + layer
 
 struct CanvasSource {
   VkImageView colour, depth;
 };
 
-/// `eyes` may be null.
+/// `eyes`: the canvas of both eyes; may be null.
 inline std::vector<CanvasSource> sourcesOf(const Canvas& canvas, const Canvas* eyes) {
   std::vector<CanvasSource> sources{{canvas.colourView(), canvas.depthView()}};
   for (std::uint32_t layer = 0; eyes && layer < 2; ++layer)

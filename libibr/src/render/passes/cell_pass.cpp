@@ -20,13 +20,13 @@
 namespace ibr {
 CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
                    const Requirements& requirements, VkBuffer colourTables, VkRenderPass eyesPass)
-    : scene_(&scene.state()),
-      views_(options.views),
-      steps_(requirements.steps),
+    : scene_(&stateOf(scene)),
+      views_(options.maxViews),
+      maxItems_(requirements.maxDrawItems),
       mixes_(requirements.switchMixing),
       mayMap_(colourTables != VK_NULL_HANDLE) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  const std::uint32_t parameters = firstParameter(mixes_ ? Order::former : Order::current, views_);
+  const std::uint32_t parameters = firstParameter(mixes_ ? Order::previous : Order::current, views_);
   parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
                        "cell parameters");
   if (requirements.gains)
@@ -51,7 +51,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   pool_ = makeDescriptorPool(device, 1, {&size, 1});
   frameSet_ = allocateSet(device, pool_.get(), frameLayout_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingParameters, parameters_.get());
-  // A set is complete or not usable; what no pipeline reads may be anything.
+  // All bindings of a descriptor set must be valid; bindings that no pipeline reads get an arbitrary buffer.
   writeStorageBuffer(device, frameSet_, shader::kBindingNoise, (requirements.noise ? noise_ : parameters_).get());
   writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : parameters_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingExposures,
@@ -71,14 +71,14 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
             if (eyes) {
               info.renderPass = eyesPass;
               info.vertices = CellVertices::forBothEyes;
-              info.viewStride = steps_;
+              info.viewStride = maxItems_;
             }
             pipelines_.emplace(key, makeCellPipeline(device, variant, info));
           }
 }
 
 std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
-  return steps_ * (views_ * std::uint32_t(order) + std::uint32_t(view));
+  return maxItems_ * (views_ * std::uint32_t(order) + std::uint32_t(view));
 }
 
 bool CellPass::isPainters(const RenderSettings& settings) const noexcept {
@@ -86,58 +86,61 @@ bool CellPass::isPainters(const RenderSettings& settings) const noexcept {
                                                             settings.colourMapping == ColourMapping::paperRedraw));
 }
 
-bool CellPass::isMapped(const FramePlan& plan, const Step& step) const noexcept {
-  // Most of a picture is the main cell, whose table is the identity but for a second after a switch.
-  const bool isIdentity = step.table == kColourSlotCount ||
-                          (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
+bool CellPass::isMapped(const FramePlan& plan, const DrawItem& item) const noexcept {
+  // Most of an image is the main cell, whose table is the identity except during the fade after a switch.
+  const bool isIdentity = item.table == kColourSlotCount ||
+                          (!plan.colour.mainMapped && !plan.cells.empty() && item.table == plan.cells[0].colourSlot);
   return mayMap_ && plan.settings.colourMapping != ColourMapping::off && !isIdentity;
 }
 
-VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step, bool eyes) const noexcept {
-  const Key key{variantOf(step, plan.settings.blend), !isPainters(plan.settings), isMapped(plan, step), eyes};
+VkPipeline CellPass::pipeline(const FramePlan& plan, const DrawItem& item, bool eyes) const noexcept {
+  const Key key{variantOf(item, plan.settings.blend), !isPainters(plan.settings), isMapped(plan, item), eyes};
   return pipelines_.at(key).get();
 }
 
-void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
-  // The data travels inside the command buffer, so any number of frames may be recorded ahead, or never be submitted.
+void CellPass::update(VkCommandBuffer commandBuffer, const PlanDraws& draws) const noexcept {
+  const FramePlan& plan = draws.plan;
+  // vkCmdUpdateBuffer stores data in the command buffer: frames may be recorded ahead, or never be submitted.
   bufferBarrier(commandBuffer, use::kShaderRead, use::kTransferWrite);
-  for (const Order order : {Order::current, Order::former})
+  for (const Order order : {Order::current, Order::previous})
     for (std::size_t view = 0; view < plan.views.size(); ++view) {
-      if (order == Order::former && (!mixes_ || plan.formerWeight <= 0)) continue;
-      const Steps steps = stepsOf(*scene_, plan, order, view);
-      assert(steps.count <= steps_);
+      if (order == Order::previous && (!mixes_ || plan.previousWeight <= 0)) continue;
+      const DrawList& list = draws.list(order, view);
+      assert(list.count <= maxItems_);
       const auto write = [&]<class Parameters>(const Buffer& buffer, const Parameters& parametersOf) {
-        using Value = decltype(parametersOf(steps.step[0]));
+        using Value = decltype(parametersOf(list.items[0]));
         constexpr std::uint32_t kAtOnce = 65536 / sizeof(Value);
         std::array<Value, kAtOnce> chunk;
-        for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
-          const std::uint32_t count = std::min(kAtOnce, steps.count - first);
-          for (std::uint32_t s = 0; s < count; ++s) chunk[s] = parametersOf(steps.step[first + s]);
+        for (std::uint32_t first = 0; first < list.count; first += kAtOnce) {
+          const std::uint32_t count = std::min(kAtOnce, list.count - first);
+          for (std::uint32_t s = 0; s < count; ++s) chunk[s] = parametersOf(list.items[first + s]);
           vkCmdUpdateBuffer(commandBuffer, buffer.get(), (firstParameter(order, view) + first) * sizeof(Value),
                             count * sizeof(Value), chunk.data());
         }
       };
-      write(parameters_, [&](const Step& step) { return cellParameters(plan, view, step); });
-      if (exposures_.size() > 0) write(exposures_, [&](const Step& step) { return cellExposure(plan, step); });
+      write(parameters_, [&](const DrawItem& item) { return cellParameters(plan, view, item); });
+      if (exposures_.size() > 0) write(exposures_, [&](const DrawItem& item) { return cellExposure(plan, item); });
     }
   bufferBarrier(commandBuffer, use::kTransferWrite, use::kShaderRead);
 }
 
-void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+void CellPass::draw(VkCommandBuffer commandBuffer, const PlanDraws& draws, Order order, std::size_t view,
                     VkExtent2D extent) const noexcept {
+  const FramePlan& plan = draws.plan;
   bind(commandBuffer, layout_.get());
-  eachStep(commandBuffer, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
-    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step));
-    drawStep(commandBuffer, layout_.get(), step, parameter);
+  eachItem(commandBuffer, draws, order, view, extent, [&](const DrawItem& item, std::uint32_t parameter) {
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, item));
+    drawItem(commandBuffer, layout_.get(), item, parameter);
   });
 }
 
-void CellPass::drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept {
+void CellPass::drawEyes(VkCommandBuffer commandBuffer, const PlanDraws& draws, VkExtent2D extent) const noexcept {
+  const FramePlan& plan = draws.plan;
   bind(commandBuffer, layout_.get());
-  // The second view's parameters lie steps_ behind the first's, and the vertex stage knows.
-  eachStep(commandBuffer, plan, Order::current, 0, extent, [&](const Step& step, std::uint32_t parameter) {
-    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step, true));
-    drawStep(commandBuffer, layout_.get(), step, parameter);
+  // The second view's parameters lie maxItems_ behind the first's: kViewStride of cell_multiview.vert.
+  eachItem(commandBuffer, draws, Order::current, 0, extent, [&](const DrawItem& item, std::uint32_t parameter) {
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, item, true));
+    drawItem(commandBuffer, layout_.get(), item, parameter);
   });
 }
 
@@ -147,14 +150,14 @@ void CellPass::bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) cons
                           nullptr);
 }
 
-void CellPass::drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
+void CellPass::drawItem(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const DrawItem& item,
                         std::uint32_t parameter) const noexcept {
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetCell, 1,
-                          &step.mesh->photographs, 0, nullptr);
+                          &item.mesh->photographs, 0, nullptr);
   const VkBuffer vertices = scene_->vertices.get();
-  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
-  vkCmdDrawIndexed(commandBuffer, step.mesh->indices.count, 1, step.mesh->indices.first, 0,
-                   parameter);  // the instance finds the parameters
+  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &item.mesh->vertexOffset);
+  vkCmdDrawIndexed(commandBuffer, item.mesh->indices.count, 1, item.mesh->indices.first, 0,
+                   parameter);  // gl_InstanceIndex selects the parameters
 }
 
 }  // namespace ibr

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the planned meshes into a canvas ([T] §2.5.1, §2.5.2; ARCHITECTURE §5 "Depth", "Tiers").
+// Draws the planned meshes into a canvas ([T] §2.5.1, §2.5.2).
 //
-// Ours: best step first, with the depth test on. Step k of n owns the depth range [k, k + kStepDepth] / (n + 1), so a
-// better step always wins and true depth decides inside a mesh. The last range stays below 1, the cleared depth, so
-// that points at infinity pass too; the gap between ranges keeps infinity of one step apart from the nearest of the
-// next. Paper: the same steps in reverse, without depth: what is drawn last wins.
+// DrawOrder::ours: best draw item first, with depth test. DrawItem k of n owns the depth range [k, k + kStepDepth] /
+// (n + 1): a better item always wins, and inside a mesh true depth decides. The last range stays below 1, the cleared
+// depth, so that points at infinity pass too. A gap between ranges separates infinity of one item from the nearest
+// depth of the next. DrawOrder::paper: the same items in reverse without depth; the last drawn wins.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/passes/cell_pipeline.h"
-#include "render/passes/steps.h"
+#include "render/passes/draw_list.h"
 
 namespace ibr {
 
@@ -23,40 +23,40 @@ inline constexpr float kStepDepth = 1.0f - 1.0f / 1024.0f;
 class CellPass {
  public:
   /// `renderPass`: of the canvas, colour and depth. `requirements`: of the scene and `options`.
-  /// `eyesPass`: of a canvas for both eyes; null: they are never drawn at once.
+  /// `eyesPass`: of the canvas of both eyes; null: the two views are never drawn together.
   /// `colourTables`: packed entries by slot (render/passes/colour_tables.h); null: colours are never mapped.
   CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
            const Requirements& requirements, VkBuffer colourTables = VK_NULL_HANDLE,
            VkRenderPass eyesPass = VK_NULL_HANDLE);
 
-  /// Writes all parameters of the frame. Outside a render pass; waits for earlier frames' reads, makes its writes
+  /// Writes all parameters of the frame. Outside a render pass. Waits for reads of earlier frames and makes the writes
   /// visible to `draw`.
-  void update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept;
+  void update(VkCommandBuffer commandBuffer, const PlanDraws& draws) const noexcept;
 
-  /// Inside the canvas's render pass. Viewport and scissor are set here.
-  void draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+  /// Draws one view inside the canvas's render pass. Sets viewport and scissor.
+  void draw(VkCommandBuffer commandBuffer, const PlanDraws& draws, Order order, std::size_t view,
             VkExtent2D extent) const noexcept;
-  /// The current order of both views, inside the pass of the canvas for both eyes.
-  void drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept;
+  /// Draws the current order of both views, inside the render pass of the canvas of both eyes.
+  void drawEyes(VkCommandBuffer commandBuffer, const PlanDraws& draws, VkExtent2D extent) const noexcept;
 
-  // For other passes that draw steps, with pipelines of their own (render/passes/cell_pipeline.h) whose layouts begin
-  // with frameLayout and that of the scene's PhotographSets.
+  // For other passes that draw these items with their own pipelines (render/passes/cell_pipeline.h). Their pipeline
+  // layouts begin with frameLayout and the layout of the scene's PhotographSets.
   VkDescriptorSetLayout frameLayout() const noexcept { return frameLayout_.get(); }
   const GpuScene::State& scene() const noexcept { return *scene_; }
-  std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;  // of the first step
+  std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;  // of the first draw item
   void bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept;
-  void drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
+  void drawItem(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const DrawItem& item,
                 std::uint32_t parameter) const noexcept;
-  /// Whether what is drawn last wins, without depth. A scene with nothing to map has no sequence.
+  /// True if the last drawn item wins, without depth. The paper's sequence counts only if there are colour tables.
   bool isPainters(const RenderSettings& settings) const noexcept;
-  /// Whether a step's colours go through its table.
-  bool isMapped(const FramePlan& plan, const Step& step) const noexcept;
-  /// Calls draw(step, parameter) for each step that is not hidden, in the plan's order; viewport and scissor are set.
+  /// True if the item's colours go through its colour table.
+  bool isMapped(const FramePlan& plan, const DrawItem& item) const noexcept;
+  /// Calls draw(item, parameter) for each item that is not hidden, in draw order, with viewport and scissor set.
   template <class Draw>
-  void eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view, VkExtent2D extent,
+  void eachItem(VkCommandBuffer commandBuffer, const PlanDraws& draws, Order order, std::size_t view, VkExtent2D extent,
                 const Draw& draw) const noexcept;
-  /// As the plan wants it in the canvas.
-  VkPipeline pipeline(const FramePlan& plan, const Step& step, bool eyes = false) const noexcept;
+  /// Returns the pipeline that draws the item into the canvas.
+  VkPipeline pipeline(const FramePlan& plan, const DrawItem& item, bool eyes = false) const noexcept;
   VkPipelineLayout layout() const noexcept { return layout_.get(); }
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
@@ -66,40 +66,40 @@ class CellPass {
  private:
   struct Key {
     CellVariant variant;
-    bool depth;   // our order
-    bool mapped;  // colours go through their tables
-    bool eyes;    // both at once
+    bool depth;   // DrawOrder::ours
+    bool mapped;  // colours go through colour tables
+    bool eyes;    // both views in one render pass
     auto operator<=>(const Key&) const = default;
   };
 
   const GpuScene::State* scene_;
-  std::uint32_t views_, steps_;  // the most of a plan, and of a picture
-  bool mixes_;                   // there is room for the order before a switch
+  std::uint32_t views_, maxItems_;  // largest number of a plan; of a draw list
+  bool mixes_;                      // parameters have room for the previous order
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;
   VkDescriptorSet frameSet_ = VK_NULL_HANDLE;
   PipelineLayoutHandle layout_;
-  std::map<Key, PipelineHandle> pipelines_;  // those that the scene's meshes need
+  std::map<Key, PipelineHandle> pipelines_;  // for the variants that the scene's meshes need
   Buffer parameters_, noise_;
-  Buffer exposures_;  // empty where no photograph has a gain
+  Buffer exposures_;  // empty if no photograph has a gain
 };
 
 template <class Draw>
-void CellPass::eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+void CellPass::eachItem(VkCommandBuffer commandBuffer, const PlanDraws& draws, Order order, std::size_t view,
                         VkExtent2D extent, const Draw& draw) const noexcept {
-  const Steps steps = stepsOf(*scene_, plan, order, view);
+  const DrawList& list = draws.list(order, view);
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
-  const bool painters = isPainters(plan.settings);
-  const float slots = float(steps.count + 1);
-  for (std::uint32_t k = 0; k < steps.count; ++k) {
-    const std::uint32_t s = painters ? steps.count - 1 - k : k;
-    if (steps.step[s].hidden && !painters) continue;
+  const bool painters = isPainters(draws.plan.settings);
+  const float slots = float(list.count + 1);
+  for (std::uint32_t k = 0; k < list.count; ++k) {
+    const std::uint32_t s = painters ? list.count - 1 - k : k;
+    if (list.items[s].hidden && !painters) continue;
     const VkViewport viewport{
         0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
-    draw(steps.step[s], firstParameter(order, view) + s);
+    draw(list.items[s], firstParameter(order, view) + s);
   }
 }
 

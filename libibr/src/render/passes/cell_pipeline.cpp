@@ -31,14 +31,14 @@ struct Constants {  // specialisation constants of the cell shaders
 
 }  // namespace
 
-CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
-  return {.members = step.mesh->cameras.size(),
-          .panoramas = step.mesh->panoramas,
-          .cubic = step.mesh->cubic,
-          .masked = step.mesh->masked,
-          .onePage = step.mesh->onePage,
-          .dissolve = step.opacity < 1.0f,
-          .exposed = step.mesh->exposed,
+CellVariant variantOf(const DrawItem& item, BlendMode blend) noexcept {
+  return {.members = item.mesh->cameras.size(),
+          .panoramas = item.mesh->panoramas,
+          .cubic = item.mesh->cubic,
+          .masked = item.mesh->masked,
+          .onePage = item.mesh->onePage,
+          .dissolve = item.opacity < 1.0f,
+          .exposed = item.mesh->exposed,
           .blend = blend};
 }
 
@@ -100,7 +100,7 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   info.colourFormats = wanted.colourFormats;
   info.depthFormat = wanted.depthFormat;
   info.depthTest = info.depthWrite = wanted.depth;
-  info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
+  info.depthClamp = true;  // surfaces nearer than nearDistance are drawn at that depth, not clipped
   if (wanted.overlay == Overlay::overlap) info.blending = Blending::add;
   info.name = wanted.name;
   return makeGraphicsPipeline(device, info);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipelines that draw cells' meshes: one vertex stage, a fragment stage for each purpose, variants by what a mesh is.
+// Pipelines that draw cells: one vertex stage, a fragment stage for each purpose, specialised by properties of a mesh.
 #pragma once
 
 #include <compare>
@@ -10,14 +10,14 @@
 
 #include "gpu/device/handle.h"
 #include "ibr/device.h"
-#include "render/passes/steps.h"
+#include "render/passes/draw_list.h"
 
 namespace ibr {
 
-/// What specialisation makes of the shaders of a step.
+/// Properties of a draw item that specialise its shaders.
 struct CellVariant {
   std::size_t members;
-  std::uint32_t panoramas;  // bit i: member i is one
+  std::uint32_t panoramas;  // bit i: member i is a panorama
   bool cubic;               // TextureFilter::bicubic
   bool masked;              // a member's photograph has a mask
   bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
@@ -27,32 +27,32 @@ struct CellVariant {
   auto operator<=>(const CellVariant&) const = default;
 };
 
-CellVariant variantOf(const Step& step, BlendMode blend) noexcept;
+CellVariant variantOf(const DrawItem& item, BlendMode blend) noexcept;
 
-/// Variants in which a mesh may be drawn: with and without dissolving, in every way of blending that is declared. With
-/// one member there is nothing to blend.
+/// Returns the variants in which a mesh may be drawn: each declared blend mode, without and, if `mayDissolve`, with
+/// dissolving.
 std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayDissolve,
                                     std::span<const BlendMode> blends);
 
-/// What the vertex stage reads.
+/// Input of the vertex stage.
 enum class CellVertices : std::uint8_t {
   attributes,       // q_i and ρ: cell.vert
   forBothEyes,      // the same: cell_multiview.vert
-  withUncertainty,  // and that of ρ, in a second buffer: buffers.vert
-  fetched,          // nothing: overlay.vert fetches for itself
+  withUncertainty,  // also the uncertainty of ρ, from a second buffer: buffers.vert
+  fetched,          // none: overlay.vert reads storage buffers
 };
 
 struct CellPipelineInfo {
   const char* name = "";
-  std::span<const std::uint32_t> fragment;  // begins with shaders/render/cell_colour.glsl
+  std::span<const std::uint32_t> fragment;  // includes shaders/render/cell_colour.glsl
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkRenderPass renderPass = VK_NULL_HANDLE;
   bool depth = false;   // test and write
   bool mapped = false;  // kMapped of cell_mapped.glsl
   CellVertices vertices = CellVertices::attributes;
-  std::span<const VkFormat> colourFormats;  // without a render pass: of dynamic rendering, with
+  std::span<const VkFormat> colourFormats;  // for dynamic rendering if there is no renderPass, with
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;
-  std::uint32_t viewStride = 0;  // for both eyes: from a step's parameters for one view to those for the next
+  std::uint32_t viewStride = 0;  // for both eyes: distance from an item's parameters in one view to the next view's
   Overlay overlay = Overlay::none;
 };
 

@@ -20,7 +20,7 @@
 namespace ibr {
 namespace {
 
-struct FragmentConstants {  // push constants of colour_proxy.frag; of colour_count.frag the first alone
+struct FragmentConstants {  // push constants of colour_proxy.frag; colour_count.frag uses the first alone
   std::uint32_t originOrCell, originY;
   float detail;
 };
@@ -30,7 +30,7 @@ struct ApplyConstants {
 
 constexpr ImageUse kSampledByCompute{use::kSampled.layout, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                      VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-// Replaced as a whole, after all that was read from it.
+// The image is replaced as a whole, after all reads of it.
 constexpr ImageUse kReplaced{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_NONE};
 
 std::uint32_t shareOf(double share) {
@@ -49,13 +49,13 @@ std::uint32_t methodOf(ColourTable table) {
   return shader::kMapPreserving;
 }
 
-// Whether the proxy shows it.
-bool isCounted(const FramePlan& plan, const Step& step) {
-  return step.cell != kNoCell && plan.cells[step.cell].colourNeeded;
+// True if the proxy shows the item: a wanted cell whose table is needed.
+bool isCounted(const FramePlan& plan, const DrawItem& item) {
+  return item.cell != kNoCell && plan.cells[item.cell].colourNeeded;
 }
 
-bool startsWithMain(const Steps& steps) {
-  return steps.count > 0 && steps.step[0].cell == 0;
+bool startsWithMain(const DrawList& list) {
+  return list.count > 0 && list.items[0].cell == 0;
 }
 
 RenderPassHandle makeRenderPass(const Device& device) {
@@ -135,20 +135,20 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   frame.count = std::uint32_t(plan.cells.size());
   frame.joint = settings.colourMapping == ColourMapping::ours;
   frame.method = methodOf(settings.colourTable);
-  frame.least = std::min(settings.colourLeastSamples, 1u << 22);
+  frame.least = std::min(settings.colourMinSamples, 1u << 22);
   frame.kept = std::uint32_t(
       std::lround(std::clamp(settings.colourSamples, 0.0, 1.0) * shader::kNoiseSize * shader::kNoiseSize));
   frame.measured = !frame.joint;
   frame.mainShare = shareOf(plan.colour.mainShare);
   frame.share = shareOf(plan.colour.share);
-  frame.largestStep = std::uint32_t(std::lround(std::clamp(plan.colour.largestStep, 0.0, 255.0) * shader::kFine));
+  frame.largestStep = std::uint32_t(std::lround(std::clamp(plan.colour.maxStep, 0.0, 255.0) * shader::kFine));
   for (std::uint32_t k = 0; k < frame.count; ++k) {
     frame.slot[k] = plan.cells[k].colourSlot;
     frame.owner[k] = plan.cells[k].cell + 1;
     const bool fresh = plan.cells[k].colourFresh || !eyesShare(plan);
     frame.fresh[k] = (fresh ? shader::kColourFresh : 0) | (plan.cells[k].colourNeeded ? 0 : shader::kColourUnseen);
   }
-  // Small pictures would leave too few pixels to trust a table.
+  // A proxy of a small image would have too few pixels for reliable tables, so its pixels are closer together.
   constexpr double kEnoughPixels = 20'000;
   const double pixels = double(extent.width) * double(extent.height);
   const int most = std::max(1, int(std::sqrt(pixels / kEnoughPixels)));
@@ -163,14 +163,15 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   return frame;
 }
 
-void ColourMapPass::count(const FramePlan& plan, VkExtent2D extent, Renderer::Counters& counters) const noexcept {
+void ColourMapPass::count(const PlanDraws& draws, VkExtent2D extent, Renderer::Counters& counters) const noexcept {
+  const FramePlan& plan = draws.plan;
   const ColourMapping mapping = plan.settings.colourMapping;
   if (mapping == ColourMapping::off) return;
   const shader::ColourFrame frame = frameOf(plan, extent, canvas_->largest());
-  const Steps steps = stepsOf(cells_->scene(), plan, Order::current, 0);
-  const auto again = [&](const Step& step) {
+  const DrawList& list = draws.list(Order::current, 0);
+  const auto again = [&](const DrawItem& item) {
     ++counters.draws;
-    counters.triangles += step.mesh->indices.count / 3;
+    counters.triangles += item.mesh->indices.count / 3;
   };
   if (mapping == ColourMapping::ours) {
     for (std::size_t view = 0; view < (eyesShare(plan) ? 1 : plan.views.size()); ++view) {
@@ -178,29 +179,29 @@ void ColourMapPass::count(const FramePlan& plan, VkExtent2D extent, Renderer::Co
       if (!frame.measured || frame.count < 2) continue;
       ++counters.passes;
       ++counters.dispatches;
-      for (const Step& step : steps.all())
-        if (isCounted(plan, step)) again(step);
+      for (const DrawItem& item : list.all())
+        if (isCounted(plan, item)) again(item);
     }
     return;
   }
   std::uint32_t made = std::min(frame.count, 1u);
   counters.dispatches += made;
-  for (std::uint32_t s = startsWithMain(steps) ? 1 : 0; s < steps.count; ++s) {
-    const Step& step = steps.step[s];
+  for (std::uint32_t s = startsWithMain(list) ? 1 : 0; s < list.count; ++s) {
+    const DrawItem& item = list.items[s];
     ++counters.passes;
-    const std::uint32_t upTo = step.cell + 1;
+    const std::uint32_t upTo = item.cell + 1;
     counters.dispatches += made < upTo;
     made = std::max(made, upTo);
     if (mapping == ColourMapping::paper) {
       ++counters.dispatches;
     } else {
       ++counters.passes;
-      again(step);
+      again(item);
     }
   }
 }
 
-void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step, BlendMode blend,
+void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const DrawItem& item, BlendMode blend,
                          std::uint32_t parameter, VkExtent2D extent) const noexcept {
   const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                    .renderPass = renderPass_.get(),
@@ -208,31 +209,32 @@ void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step
                                    .renderArea = {{0, 0}, extent}};
   vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   setViewport(commands, extent);
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at({stage, variantOf(step, blend)}).get());
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at({stage, variantOf(item, blend)}).get());
   cells_->bind(commands, layout_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetColour, 1,
                           &sequenceSet_, 0, nullptr);
-  const FragmentConstants constants{step.cell, 0, 1};
+  const FragmentConstants constants{item.cell, 0, 1};
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
-  cells_->drawStep(commands, layout_.get(), step, parameter);
+  cells_->drawItem(commands, layout_.get(), item, parameter);
   vkCmdEndRenderPass(commands);
 }
 
-void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,
+void ColourMapPass::makeTables(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view,
                                VkExtent2D extent) const noexcept {
+  const FramePlan& plan = draws.plan;
   const shader::ColourFrame frame = frameOf(plan, extent, canvas_->largest());
   tables_->begin(commands, frame);
   if (frame.measured && frame.count > 1) {
-    const Steps steps = stepsOf(cells_->scene(), plan, Order::current, view);
+    const DrawList& list = draws.list(Order::current, view);
     const std::uint32_t rows = (frame.count + frame.tileColumns - 1) / frame.tileColumns;
     canvas_->begin(commands, {std::min(frame.count, frame.tileColumns) * frame.tileWidth, rows * frame.tileHeight},
                    {0, 0, 0, 0});
     cells_->bind(commands, layout_.get());
-    for (std::uint32_t s = 0; s < steps.count; ++s) {
-      const Step& step = steps.step[s];
-      if (!isCounted(plan, step)) continue;
-      const VkOffset2D origin{std::int32_t(step.cell % frame.tileColumns * frame.tileWidth),
-                              std::int32_t(step.cell / frame.tileColumns * frame.tileHeight)};
+    for (std::uint32_t s = 0; s < list.count; ++s) {
+      const DrawItem& item = list.items[s];
+      if (!isCounted(plan, item)) continue;
+      const VkOffset2D origin{std::int32_t(item.cell % frame.tileColumns * frame.tileWidth),
+                              std::int32_t(item.cell / frame.tileColumns * frame.tileHeight)};
       const VkViewport viewport{float(origin.x), float(origin.y), float(frame.tileWidth), float(frame.tileHeight), 0,
                                 kStepDepth};
       const VkRect2D scissor{origin, {frame.tileWidth, frame.tileHeight}};
@@ -241,9 +243,9 @@ void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, 
       vkCmdSetViewport(commands, 0, 1, &viewport);
       vkCmdSetScissor(commands, 0, 1, &scissor);
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                        pipelines_.at({Stage::proxy, variantOf(step, plan.settings.blend)}).get());
+                        pipelines_.at({Stage::proxy, variantOf(item, plan.settings.blend)}).get());
       vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof tile, &tile);
-      cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, view) + s);
+      cells_->drawItem(commands, layout_.get(), item, cells_->firstParameter(Order::current, view) + s);
     }
     canvas_->end(commands);
     transition(commands, canvas_->colour(), use::kSampled, kSampledByCompute);
@@ -252,11 +254,12 @@ void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, 
   if (frame.count > 0) tables_->chain(commands, proxySet_, 0, frame.count);
 }
 
-void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan, VkExtent2D extent) const noexcept {
+void ColourMapPass::drawSequence(VkCommandBuffer commands, const PlanDraws& draws, VkExtent2D extent) const noexcept {
+  const FramePlan& plan = draws.plan;
   assert(copy_);
   const bool byCompute = plan.settings.colourMapping == ColourMapping::paper;
   const shader::ColourFrame frame = frameOf(plan, extent, canvas_->largest());
-  const Steps steps = stepsOf(cells_->scene(), plan, Order::current, 0);
+  const DrawList& list = draws.list(Order::current, 0);
   const std::uint32_t parameter = cells_->firstParameter(Order::current, 0);
   tables_->begin(commands, frame);
   std::uint32_t made = 0;
@@ -266,19 +269,19 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
   };
   makeUpTo(std::min(frame.count, 1u));
 
-  // The main cell has nothing to adapt to.
+  // The main cell is not mapped: it is the reference.
   canvas_->begin(commands, extent, {0, 0, 0, 0});
-  if (startsWithMain(steps)) {
+  if (startsWithMain(list)) {
     setViewport(commands, extent);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cells_->pipeline(plan, steps.step[0]));
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cells_->pipeline(plan, list.items[0]));
     cells_->bind(commands, cells_->layout());
-    cells_->drawStep(commands, cells_->layout(), steps.step[0], parameter);
+    cells_->drawItem(commands, cells_->layout(), list.items[0], parameter);
   }
   canvas_->end(commands);
   transition(commands, canvas_->colour(), use::kSampled, use::kTransferSource);
 
-  for (std::uint32_t s = startsWithMain(steps) ? 1 : 0; s < steps.count; ++s) {
-    const Step& step = steps.step[s];
+  for (std::uint32_t s = startsWithMain(list) ? 1 : 0; s < list.count; ++s) {
+    const DrawItem& item = list.items[s];
     transition(commands, copy_->get(), kReplaced, use::kTransferDestination);
     const VkImageSubresourceLayers whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     const VkImageCopy region{whole, {}, whole, {}, {extent.width, extent.height, 1}};
@@ -286,11 +289,11 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
                    use::kTransferDestination.layout, 1, &region);
     transition(commands, copy_->get(), use::kTransferDestination, use::kSampled);
     transition(commands, canvas_->colour(), use::kTransferSource, use::kColourAttachment);
-    draw(commands, Stage::count, step, plan.settings.blend, parameter + s, extent);
-    makeUpTo(step.cell + 1);
+    draw(commands, Stage::count, item, plan.settings.blend, parameter + s, extent);
+    makeUpTo(item.cell + 1);
     if (byCompute) {
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kStorage);
-      const ApplyConstants which{extent.width, extent.height, step.table};
+      const ApplyConstants which{extent.width, extent.height, item.table};
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, apply_.get());
       vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, applyLayout_.get(), 0, 1, &sequenceSet_, 0,
                               nullptr);
@@ -299,7 +302,7 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
       transition(commands, canvas_->colour(), use::kStorage, use::kTransferSource);
     } else {
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kColourAttachment);
-      draw(commands, Stage::redraw, step, plan.settings.blend, parameter + s, extent);
+      draw(commands, Stage::redraw, item, plan.settings.blend, parameter + s, extent);
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kTransferSource);
     }
   }

@@ -19,11 +19,11 @@
 namespace ibr {
 namespace {
 
-static_assert(shader::kLargestMapped == int(kLargestCellCount));
+static_assert(shader::kLargestMapped == int(kMaxCellCount));
 
 constexpr std::uint32_t kLargestSetCount = 4;
 
-// Everything that any pass does with these buffers.
+// Stages and accesses of all passes that use these buffers.
 constexpr BufferUse kAnyPass{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                              VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
 
@@ -110,7 +110,7 @@ void ColourTables::begin(VkCommandBuffer commands, const shader::ColourFrame& fr
 
 void ColourTables::count(VkCommandBuffer commands, VkDescriptorSet set,
                          const shader::ColourFrame& frame) const noexcept {
-  // What a counter holds at most; the sums of a cell's counters have the same bound.
+  // Upper bound of a counter, and of the sums of a cell's counters: they must not overflow 32 bits.
   assert(std::uint64_t(frame.tileWidth) * frame.tileHeight < std::uint64_t(1) << 32);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, count_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set, 0, nullptr);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour tables on the device: histograms of a picture in which all cells lie side by side, or as the paper's sequence
-// fills them, become tables ([T] §2.5.3; ARCHITECTURE §5 "Colour tables, in parallel").
+// Colour tables on the device ([T] §2.5.3), made from histograms. The histograms come from an image of all cells side
+// by side (ours), or from the paper's sequence.
 //
-// Between frames it keeps, per slot of the plan, what the table shows and where it is going. Everything else lives for
-// a frame. A slot is marked with its cell, so a plan that was recorded and never submitted leaves nothing wrong behind.
+// For each slot of the plan, the table that is shown and the table that it moves to stay from frame to frame. All other
+// data lasts one frame. Each slot stores its cell, so a plan that is recorded and never submitted does no harm.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -20,16 +20,16 @@ namespace ibr {
 
 class ColourTables {
  public:
-  /// Room for `cells` cells a frame, at most shader::kLargestMapped, at least 1.
+  /// Allocates for `cells` cells per frame, 1 to shader::kLargestMapped.
   ColourTables(Device& device, std::uint32_t cells);
 
-  /// Compute and fragment stages; bindings of shared/colour_map.h.
+  /// For compute and fragment stages; bindings of shared/colour_map.h.
   VkDescriptorSetLayout setLayout() const noexcept { return setLayout_.get(); }
-  /// `picture`: in use::kSampled's layout when counted or drawn from. `canvas`: a storage image in GENERAL, or null
-  /// where nothing is mapped in place. At most four sets.
+  /// `picture`: in the layout of use::kSampled when colours are counted or drawn from it. `canvas`: a storage image in
+  /// GENERAL; null: no table is applied in place. At most four sets.
   VkDescriptorSet makeSet(const Device& device, VkImageView picture, VkImageView canvas);
 
-  /// Packed entries (shader::packLevels), kLevels a slot; after the slots the identity.
+  /// Packed entries (shader::packLevels), kLevels per slot; the identity follows after the last slot.
   VkBuffer tables() const noexcept { return tables_.get(); }
   const Buffer& tablesBuffer() const noexcept { return tables_; }
   const Buffer& counters() const noexcept { return counters_; }
@@ -37,12 +37,12 @@ class ColourTables {
     return frame_.size() + counters_.size() + slots_.size() + tables_.size() + noise_.size();
   }
 
-  /// Waits for earlier frames' reads and writes, writes the frame and clears its counters where frame.measured.
+  /// Waits for reads and writes of earlier frames, then writes the frame and, if frame.measured, clears its counters.
   void begin(VkCommandBuffer commands, const shader::ColourFrame& frame) const noexcept;
-  /// Ours: counts the proxy's frame.count tiles. The picture is visible to compute shaders.
+  /// Ours: counts the proxy's frame.count tiles. The proxy image must be visible to compute shaders.
   void count(VkCommandBuffer commands, VkDescriptorSet set, const shader::ColourFrame& frame) const noexcept;
-  /// Makes the tables of cells first … last − 1. Waits for counting in compute and fragment shaders; tables are visible
-  /// to both afterwards.
+  /// Makes the tables of cells first … last − 1. Waits for counting in compute and fragment shaders, and makes tables
+  /// visible to both.
   void chain(VkCommandBuffer commands, VkDescriptorSet set, std::uint32_t first, std::uint32_t last) const noexcept;
 
  private:

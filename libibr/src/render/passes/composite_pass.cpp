@@ -23,13 +23,13 @@ struct Constants {
   glm::vec3 background;
   std::uint32_t keepTier;
   glm::vec2 fillExtent, canvasExtent, targetExtent;
-  float formerWeight;
+  float previousWeight;
   shader::FloorConstants floor;
 };
 static_assert(sizeof(Constants) == 96);
 
 struct Variant {  // specialisation constants
-  VkBool32 srgb, former, fill, scaled, floor, hidden;
+  VkBool32 srgb, previous, fill, scaled, floor, hidden;
 };
 
 glm::vec2 vectorOf(VkExtent2D extent) {
@@ -42,7 +42,7 @@ bool CompositePass::supports(VkFormat format) noexcept {
   return isPictureFormat(format);
 }
 
-CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former,
+CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* previous,
                              const FillPass* fill, const RendererOptions& options, bool hidden) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
@@ -61,8 +61,8 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
   for (const CanvasSource& source : sources) {
     const VkDescriptorSet set = sets_.emplace_back(allocateSet(device, pool_.get(), setLayout_.get()));
     writeSampledImage(device, set, 0, sampler_.get(), source.colour);
-    // What there is not is not read; a binding must hold something all the same.
-    writeSampledImage(device, set, 1, sampler_.get(), former ? former->colourView() : source.colour);
+    // A binding must be valid even if the shader does not read it.
+    writeSampledImage(device, set, 1, sampler_.get(), previous ? previous->colourView() : source.colour);
     writeSampledImage(device, set, 2, linear_.get(), fill ? fill->colours().view() : source.colour);
   }
 
@@ -73,12 +73,12 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
     check(supports(key.format), ErrorCode::unsupported, "renderer: VkFormat {} is not 8-bit RGBA or BGRA",
           int(key.format));
     constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Variant, srgb), 4},
-                                                                {1, offsetof(Variant, former), 4},
+                                                                {1, offsetof(Variant, previous), 4},
                                                                 {2, offsetof(Variant, fill), 4},
                                                                 {3, offsetof(Variant, scaled), 4},
                                                                 {4, offsetof(Variant, floor), 4},
                                                                 {5, offsetof(Variant, hidden), 4}}};
-    const Variant variant{isSrgb(key.format), key.former, key.filled, key.scaled, key.floor, hidden};
+    const Variant variant{isSrgb(key.format), key.previous, key.filled, key.scaled, key.floor, hidden};
     GraphicsPipelineInfo info;
     info.vertex = shaders::composite_vert;
     info.fragment = shaders::composite_frag;
@@ -93,18 +93,18 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
       for (const bool filled : {false, true})
         for (const bool scaled : {false, true})
           for (const bool floor : {false, true})
-            if ((!mixed || former) && (!filled || fill) && (!scaled || options.largestScale > 0) &&
+            if ((!mixed || previous) && (!filled || fill) && (!scaled || options.maxRenderScale > 0) &&
                 (!floor || options.floor))
               require({format, mixed, filled, scaled, floor});
 }
 
 void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
-                           VkExtent2D drawn, float formerWeight, bool filled, const Target& target) const noexcept {
+                           VkExtent2D drawn, float previousWeight, bool filled, const Target& target) const noexcept {
   const RenderSettings& settings = plan.settings;
   const bool scaled = drawn.width != target.extent.width || drawn.height != target.extent.height;
-  const Key key{target.format, formerWeight > 0, filled, scaled, settings.floor.has_value()};
+  const Key key{target.format, previousWeight > 0, filled, scaled, settings.floor.has_value()};
   assert(pipelines_.contains(key));
-  transitionTarget(commandBuffer, target, target.before, use::kColourAttachment);
+  transitionTarget(commandBuffer, target, target.initialUse, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);
   beginRendering(commandBuffer, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
@@ -116,12 +116,12 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
                             vectorOf(FillPass::coarser(drawn)),
                             vectorOf(drawn),
                             vectorOf(target.extent),
-                            formerWeight,
+                            previousWeight,
                             floorConstants(plan, view)};
   vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commandBuffer, 3, 1, 0, 0);
   vkCmdEndRendering(commandBuffer);
-  transitionTarget(commandBuffer, target, use::kColourAttachment, target.after);
+  transitionTarget(commandBuffer, target, use::kColourAttachment, target.finalUse);
 }
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Canvas → the caller's image: background, transfer function of the target's format, alpha.
+// Composes the canvas into the caller's image: background, transfer function of the target's format, alpha.
 #pragma once
 
 #include <compare>
@@ -14,16 +14,16 @@ namespace ibr {
 
 class CompositePass {
  public:
-  /// `eyes`: a canvas of two layers that is composed too; `former`: the canvas of the order before a switch; `fill`:
-  /// what shows where nothing was drawn. Null: there is none. `hidden`: there is a hidden area.
-  CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former, const FillPass* fill,
+  /// `eyes`: canvas of both eyes, composed too. `previous`: canvas of the previous draw order. `fill`: colours of empty
+  /// pixels. Each may be null. `hidden`: the options have a hidden area.
+  CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* previous, const FillPass* fill,
                 const RendererOptions& options, bool hidden);
 
-  /// Outside a render pass; the canvas has been ended, the former one where formerWeight > 0, and the fill pass was
-  /// recorded where `filled`. `source`: as of FillPass; `drawn`: extent of the canvas's picture.
-  /// target.before → target.after; the whole extent is written.
+  /// Outside a render pass, after the canvas has ended; also the previous canvas if previousWeight > 0, and the fill
+  /// pass if `filled`. `source`: kFromCanvas or kFromEyes + layer. `drawn`: extent of the view's image in the canvas.
+  /// target.initialUse → target.finalUse; the whole extent is written.
   void record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
-              VkExtent2D drawn, float formerWeight, bool filled, const Target& target) const noexcept;
+              VkExtent2D drawn, float previousWeight, bool filled, const Target& target) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
@@ -37,10 +37,10 @@ class CompositePass {
   PipelineLayoutHandle layout_;
   struct Key {
     VkFormat format;
-    bool former, filled, scaled, floor;
+    bool previous, filled, scaled, floor;
     auto operator<=>(const Key&) const = default;
   };
-  std::map<Key, PipelineHandle> pipelines_;  // those that the options declare
+  std::map<Key, PipelineHandle> pipelines_;  // for the combinations that the options declare
 };
 
 }  // namespace ibr

@@ -65,16 +65,16 @@ DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* e
                                       .depthFormat = format}));
 }
 
-void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance,
+void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t items, double nearDistance,
                        VkExtent2D drawn, VkExtent2D extent, const DepthTarget& target) const noexcept {
   assert(supports(target.format));
-  transitionTarget(commands, target, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  transitionTarget(commands, target, target.initialUse, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   const VkRenderingAttachmentInfo attachment =
       depthAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_STORE);
   beginRendering(commands, extent, {}, &attachment);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0, nullptr);
-  // near → 0 and far → 1; an infinite far plane is the limit.
+  // depth = offset + slope / z maps near → 0 and far → 1; an infinite far plane is the limit.
   const double n = target.nearPlane, f = target.farPlane;
   double offset = std::isinf(f) ? 1.0 : f / (f - n);
   double slope = -n * offset;
@@ -82,7 +82,7 @@ void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32
     offset = 1.0 - offset;
     slope = -slope;
   }
-  const Constants constants{float(steps + 1),
+  const Constants constants{float(items + 1),
                             kStepDepth,
                             float(nearDistance),
                             float(offset),
@@ -92,7 +92,7 @@ void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commands, 3, 1, 0, 0);
   vkCmdEndRendering(commands);
-  transitionTarget(commands, target, use::kDepthAttachment, target.after, VK_IMAGE_ASPECT_DEPTH_BIT);
+  transitionTarget(commands, target, use::kDepthAttachment, target.finalUse, VK_IMAGE_ASPECT_DEPTH_BIT);
 }
 
 }  // namespace ibr

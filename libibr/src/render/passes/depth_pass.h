@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene's real depth for the caller's polygons ([T] §2.5.5, which has none: there polygons stand before
-// everything).
+// Writes the scene's depth for the caller's polygons. [T] §2.5.5 has no such depth: there, polygons are in front of
+// everything.
 #pragma once
 
 #include <vector>
@@ -14,12 +14,12 @@ namespace ibr {
 
 class DepthPass {
  public:
-  /// `eyes`: a canvas of two layers that is read too; null: there is none. `hidden`: there is a hidden area.
+  /// `eyes`: canvas of both eyes, read too; may be null. `hidden`: the options have a hidden area.
   DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes, bool hidden);
 
-  /// Outside a render pass; the canvas has been ended. `source`: as of FillPass; `steps`: how many were drawn into it
-  /// with our order; `drawn`: extent of the canvas's picture; `extent`: of the target, which takes the nearest.
-  void record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance, VkExtent2D drawn,
+  /// Outside a render pass, after the canvas has ended. `source`: kFromCanvas or kFromEyes + layer. `items`: draw items
+  /// in the canvas with DrawOrder::ours. `drawn`: extent of the image in the canvas. `extent`: of the target; nearest.
+  void record(VkCommandBuffer commands, std::size_t source, std::uint32_t items, double nearDistance, VkExtent2D drawn,
               VkExtent2D extent, const DepthTarget& target) const noexcept;
 
   static bool supports(VkFormat format) noexcept;
@@ -31,7 +31,7 @@ class DepthPass {
   DescriptorPoolHandle pool_;
   std::vector<VkDescriptorSet> sets_;  // by source
   PipelineLayoutHandle layout_;
-  std::vector<PipelineHandle> pipelines_;  // one a supported format
+  std::vector<PipelineHandle> pipelines_;  // one per supported format
 };
 
 }  // namespace ibr

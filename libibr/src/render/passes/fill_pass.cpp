@@ -19,7 +19,7 @@ struct Constants {
 
 struct Levels {
   std::array<VkExtent2D, 33> extents;  // of the canvas, then of the levels in use
-  std::uint32_t count = 0;             // levels
+  std::uint32_t count = 0;             // number of levels
 };
 
 Levels levelsIn(VkExtent2D extent) noexcept {
@@ -31,7 +31,7 @@ Levels levelsIn(VkExtent2D extent) noexcept {
   return levels;
 }
 
-// Read by the next dispatch as a texture.
+// Layout and access of a level that the next dispatch reads.
 constexpr ImageUse kComputeSampled{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                    VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
 
@@ -117,7 +117,7 @@ std::uint32_t FillPass::dispatchCount(VkExtent2D extent) noexcept {
 void FillPass::record(VkCommandBuffer commands, VkExtent2D extent, std::size_t source) const noexcept {
   const auto [extents, used] = levelsIn(extent);
 
-  // Contents are not needed; the frame before may still read them in its composition.
+  // Contents are discarded; passes of the previous frame may still read them.
   constexpr ImageUse kReadBefore{VK_IMAGE_LAYOUT_UNDEFINED,
                                  VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                  VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};

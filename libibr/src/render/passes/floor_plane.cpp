@@ -13,12 +13,12 @@ shader::FloorConstants floorConstants(const FramePlan& plan, std::size_t view) n
   const Floor& plane = *plan.settings.floor;
   const Camera& eye = plan.views[view];
   const Intrinsics& k = eye.intrinsics;
-  // Lines run along the world's x axis, or its y axis where that stands upright.
+  // Lines run along the world's x axis, or along the y axis if `up` is near the x axis.
   const glm::dvec3 reference = std::abs(plane.up.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 along = glm::normalize(glm::cross(reference, plane.up));
   const glm::dmat3 toPlane = glm::transpose(glm::dmat3(glm::cross(plane.up, along), plane.up, along));
   const glm::dmat3 toRay({1 / k.fx, 0, 0}, {0, -1 / k.fy, 0}, {-k.cx / k.fx, k.cy / k.fy, -1});
-  const glm::dvec3 place = toPlane * eye.pose.position / plane.spacing;  // double: only the fraction is left
+  const glm::dvec3 place = toPlane * eye.pose.position / plane.spacing;  // double: single precision loses the fraction
   constants.toPlane = glm::mat3(toPlane * glm::mat3_cast(eye.pose.rotation) * toRay);
   constants.height = float(place.y - plane.height / plane.spacing);
   constants.origin = {float(place.x - std::floor(place.x)), float(place.z - std::floor(place.z))};

@@ -6,7 +6,7 @@
 
 namespace ibr {
 
-/// The plan's floor as a view sees it; without one fadeRadius is 0.
+/// Returns the plan's floor as a view sees it; fadeRadius is 0 if the plan has no floor.
 shader::FloorConstants floorConstants(const FramePlan& plan, std::size_t view) noexcept;
 
 }  // namespace ibr

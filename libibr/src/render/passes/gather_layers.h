@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The candidates' meshes, each drawn into a tile of an atlas: what each photograph says of the depth of every pixel
-// (shared/gather.h). A mesh is cut where depth jumps.
+// Draws the mesh of each candidate photograph into a tile of an atlas: each photograph's hypothesis of every pixel's
+// depth (shared/gather.h). A mesh is cut where depth jumps.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace ibr {
 
 class GatherLayers {
  public:
-  /// `largest`: of a tile; `viewLayout`: of kSetGatherView. Throws Error{unsupported} where the atlas is larger than an
-  /// image of the device.
+  /// `largest`: of a tile. `viewLayout`: of kSetGatherView. Throws Error{unsupported} if the atlas is larger than the
+  /// device's largest image.
   GatherLayers(const Device& device, const GpuScene::State& scene, VkExtent2D largest, std::uint32_t candidates,
                VkDescriptorSetLayout viewLayout);
 
-  /// Outside a render pass. Waits for the reads of the frame before; afterwards the atlas can be sampled in compute
+  /// Outside a render pass. Waits for reads of the previous frame, and makes the atlas visible to compute shaders.
   /// shaders.
   void record(VkCommandBuffer commands, const FramePlan& plan, VkDescriptorSet viewSet,
               const shader::GatherConstants& constants) const noexcept;

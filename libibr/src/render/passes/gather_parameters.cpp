@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kStepPx = 2;  // px of the photograph: 1 px at half its size
 
-// px a radian in the middle of a photograph.
+// Pixels per radian in the middle of a photograph.
 double focalPx(const Intrinsics& k) {
   return k.model == CameraModel::pinhole ? k.fx : k.width / glm::two_pi<double>();
 }
 
-// The mean of the two in the middle.
+// Median; of an even number, the mean of the two middle values.
 double medianOf(std::span<double> values) {
   std::ranges::sort(values);
   return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
@@ -44,7 +44,7 @@ shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& pla
   result.focalPx = float(k.fx * scale.x);
   result.detail = shader::kFinerDetail / float(plan.settings.textureScale);
   result.nearDistance = float(plan.nearDistance / spacing);
-  result.lowestTier = plan.settings.lowestTier;
+  result.maxTier = plan.settings.maxTier;
   std::array<double, shader::kMaxGathered> steps{};
   const std::size_t count = std::min(plan.photographs.size(), steps.size());
   result.count = std::uint32_t(count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a plan's photographs in double precision to what the gather reads: relative to the view, in units of the capture
-// spacing, so that the device never sees a world coordinate.
+// Converts a plan's photographs from double precision to the gather's parameters. All are relative to the view, in
+// units of the capture spacing, so that the device needs no world coordinate.
 #pragma once
 
 #include "render/resident/gpu_scene_state.h"
@@ -8,7 +8,7 @@
 
 namespace ibr {
 
-/// `drawn`: of the image as it is drawn, px.
+/// `drawn`: extent of the view's image as it is drawn, px.
 shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& plan, std::size_t view,
                               VkExtent2D drawn) noexcept;
 

@@ -71,10 +71,10 @@ DescriptorSetLayoutHandle makeViewLayout(const Device& device) {
 
 GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass canvasPass, VkExtent2D largest,
                        const RendererOptions& options, const Requirements& requirements)
-    : scene_(&scene.state()), voteScale_(options.voteScale), viewLayout_(makeViewLayout(device)) {
+    : scene_(&stateOf(scene)), voteScale_(options.voteScale), viewLayout_(makeViewLayout(device)) {
   const VkExtent2D voted = scaled(largest, voteScale_);
   const std::uint32_t candidates = std::clamp(options.gatherCandidates, 1u, kMaxGatherCandidates);
-  views_ = Buffer(device, options.views * sizeof(shader::GatherView),
+  views_ = Buffer(device, options.maxViews * sizeof(shader::GatherView),
                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device,
                   "candidates of views");
   layers_.emplace(device, *scene_, voted, candidates, viewLayout_.get());
@@ -157,14 +157,14 @@ VkExtent2D GatherPass::voteExtent(const FramePlan& plan, VkExtent2D extent) cons
 }
 
 shader::GatherConstants GatherPass::constants(const FramePlan& plan, std::size_t view, VkExtent2D extent,
-                                              std::uint32_t steps) const noexcept {
+                                              std::uint32_t items) const noexcept {
   const VkExtent2D voted = voteExtent(plan, extent), tile = layers_->tile();
-  const float slots = float(steps + 1);
+  const float slots = float(items + 1);
   return {.extent = {extent.width, extent.height},
           .voteExtent = {voted.width, voted.height},
           .tile = {tile.width, tile.height},
           .view = std::uint32_t(view),
-          .depthFirst = float(steps) / slots,
+          .depthFirst = float(items) / slots,
           .depthSpan = kStepDepth / slots};
 }
 
@@ -195,23 +195,23 @@ void GatherPass::vote(VkCommandBuffer commands, const FramePlan& plan, std::size
 }
 
 void GatherPass::draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
-                      std::uint32_t steps) const noexcept {
-  drawOver(commands, gather_.get(), plan, view, extent, steps);
+                      std::uint32_t items) const noexcept {
+  drawOver(commands, gather_.get(), plan, view, extent, items);
 }
 
 void GatherPass::drawOverlay(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
-                             std::uint32_t steps) const noexcept {
-  drawOver(commands, overlays_.at(plan.settings.overlay).get(), plan, view, extent, steps);
+                             std::uint32_t items) const noexcept {
+  drawOver(commands, overlays_.at(plan.settings.overlay).get(), plan, view, extent, items);
 }
 
 void GatherPass::drawBuffers(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
-                             std::uint32_t steps) const noexcept {
-  drawOver(commands, buffers_.get(), plan, view, extent, steps);
+                             std::uint32_t items) const noexcept {
+  drawOver(commands, buffers_.get(), plan, view, extent, items);
 }
 
 void GatherPass::drawOver(VkCommandBuffer commands, VkPipeline pipeline, const FramePlan& plan, std::size_t view,
-                          VkExtent2D extent, std::uint32_t steps) const noexcept {
-  const shader::GatherConstants pushed = constants(plan, view, extent, steps);
+                          VkExtent2D extent, std::uint32_t items) const noexcept {
+  const shader::GatherConstants pushed = constants(plan, view, extent, items);
   const float depth = pushed.depthFirst + 0.5f * pushed.depthSpan;
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), depth, depth};
   const VkRect2D scissor{{0, 0}, extent};

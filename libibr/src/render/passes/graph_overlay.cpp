@@ -28,17 +28,17 @@ namespace ibr {
 namespace {
 
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-static_assert(sizeof(shader::GraphConstants) <= 128);  // what every device takes
+static_assert(sizeof(shader::GraphConstants) <= 128);  // minimum that Vulkan guarantees
 
 constexpr float kLineHalfWidth = 0.8f, kSeamHalfWidth = 2.3f;  // px
-constexpr glm::vec3 kGrey(0.75f);                              // of what is not drawn in the frame …
-constexpr float kFaint = 0.4f;                                 // … and how strong
+constexpr glm::vec3 kGrey(0.75f);                              // of photographs and cells that the frame does not draw
+constexpr float kFaint = 0.4f;                                 // their strength, 0 to 1
 
 struct Line {
   glm::vec3 from, to;  // from the graph's origin, world axes
 };
 
-// Lines of one photograph or cell.
+// Range of lines of one photograph or cell.
 struct LineRange {
   std::uint32_t first = 0, count = 0;
 };
@@ -49,7 +49,7 @@ class Lines {
 
   void add(glm::dvec3 from, glm::dvec3 to) { all.push_back({glm::vec3(from - origin_), glm::vec3(to - origin_)}); }
 
-  // The pyramid that a pinhole sees, with a roof over its upper side.
+  // Adds the pyramid of a pinhole's field of view, with a roof that marks the upper side.
   void addFrustum(const Camera& camera, double depth) {
     const Intrinsics& k = camera.intrinsics;
     const auto at = [&](double x, double y) {
@@ -66,7 +66,7 @@ class Lines {
     add(roof, glm::mix(corners[0], corners[1], 0.7));
   }
 
-  // Three great circles.
+  // Adds three great circles for a panorama.
   void addGlobe(const Pose& pose, double radius) {
     constexpr int kSides = 16;
     for (int axis = 0; axis < 3; ++axis) {
@@ -206,7 +206,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
   assert(s.pipelines.contains(target.format));
   assert(view.intrinsics.model == CameraModel::pinhole && view.intrinsics.width == int(target.extent.width) &&
          view.intrinsics.height == int(target.extent.height));
-  transitionTarget(commandBuffer, target, target.before, use::kColourAttachment);
+  transitionTarget(commandBuffer, target, target.initialUse, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);
   beginRendering(commandBuffer, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, s.pipelines.at(target.format).get());
@@ -224,7 +224,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
   const auto draw = [&](LineRange range) {
     if (range.count > 0) vkCmdDraw(commandBuffer, 6, range.count, 0, range.first);
   };
-  // Lines lie on dark seams, which set them off from any picture.
+  // A dark seam under each line keeps the line visible on any image.
   const auto drawAll = [&](glm::vec3 colour, float strength, const auto& drawLines) {
     paint({0, 0, 0}, 0.5f * strength, kSeamHalfWidth);
     drawLines();
@@ -232,7 +232,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
     drawLines();
   };
   drawAll(kGrey, kFaint, [&] { draw({0, s.lineCount}); });
-  for (std::size_t rank = best.size(); rank-- > 0;) {  // the best one last, over all others
+  for (std::size_t rank = best.size(); rank-- > 0;) {  // best cell last, over all others
     assert(best[rank] < s.cells.size());
     drawAll(shader::rankColour(float(rank), float(best.size())), 1, [&] {
       draw(s.cells[best[rank]]);
@@ -240,7 +240,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
     });
   }
   vkCmdEndRendering(commandBuffer);
-  transitionTarget(commandBuffer, target, use::kColourAttachment, target.after);
+  transitionTarget(commandBuffer, target, use::kColourAttachment, target.finalUse);
 }
 
 }  // namespace ibr

@@ -16,9 +16,9 @@
 namespace ibr {
 namespace {
 
-constexpr float kFurthest = 1e6f;  // tangent: beyond, single precision would not do
+constexpr float kFurthest = 1e6f;  // tangent: larger values exceed the precision of float
 
-// From tangents to normalised device coordinates, of any size of the picture.
+// Maps tangents to normalised device coordinates, for any size of the image.
 glm::vec4 toClip(const Intrinsics& k) {
   return {2.0 * k.fx / k.width, 2.0 * k.cx / k.width - 1.0, -2.0 * k.fy / k.height, 2.0 * k.cy / k.height - 1.0};
 }

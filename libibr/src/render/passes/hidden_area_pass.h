@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a view never shows (RendererOptions::hiddenArea), drawn into a canvas before the cells: at depth 0, where no
-// step passes, and with an alpha of its own that later passes know (shared/hidden_area.h).
+// Draws the pixels that a view never shows (RendererOptions::hiddenArea) into a canvas before the cells. They get depth
+// 0, so that no draw item passes, and an alpha that later passes recognise (shared/hidden_area.h).
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@
 
 namespace ibr {
 
-/// Throws Error{invalidInput} as RendererOptions::hiddenArea says.
+/// Throws Error{invalidInput} as RendererOptions::hiddenArea documents.
 void checkHiddenArea(const std::array<std::vector<glm::vec2>, 2>& triangles);
 
 class HiddenArea {
  public:
-  /// By view, not both empty, and as checkHiddenArea wants them; `renderPass` of the canvas, `eyesPass` of the one for
-  /// both eyes (null: there is none).
+  /// `triangles`: by view, not both empty, valid for checkHiddenArea. `renderPass`: of the canvas. `eyesPass`: of the
+  /// canvas of both eyes; may be null.
   HiddenArea(const Device& device, const std::array<std::vector<glm::vec2>, 2>& triangles, VkRenderPass renderPass,
              VkRenderPass eyesPass);
 
-  /// Inside the canvas's render pass, before all else. Viewport and scissor are set here.
+  /// Draws one view inside the canvas's render pass, before everything else. Sets viewport and scissor.
   void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent) const noexcept;
-  /// Both views', inside the pass of the canvas for both eyes.
+  /// Draws both views, inside the render pass of the canvas of both eyes.
   void drawEyes(VkCommandBuffer commands, const FramePlan& plan, VkExtent2D extent) const noexcept;
 
   std::uint32_t triangleCount(std::size_t view) const noexcept { return counts_[view] / 3; }
@@ -36,7 +36,7 @@ class HiddenArea {
               std::uint32_t first, std::uint32_t count) const noexcept;
 
   std::array<std::uint32_t, 2> counts_{};  // of corners, by view
-  Buffer corners_;                         // the first view's before the second's: tangents and view
+  Buffer corners_;                         // tangents and view; corners of the first view come first
   PipelineLayoutHandle layout_;
   PipelineHandle single_, eyes_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Overlaps are counted by adding: each cell adds one colour to a pixel, however often its mesh folds over it. For this
-// every cell has one depth, nearer than that of the step before it, so that of one step only the first triangle passes.
+// Overlap is counted by additive blending: each cell adds one colour to a pixel, even if its mesh folds there. So each
+// cell has one constant depth, nearer than that of the item before it: only its first triangle at a pixel passes.
 #include "render/passes/overlay_pass.h"
 
 #include <array>
@@ -26,14 +26,14 @@ static_assert(std::uint32_t(Overlay::wireframe) == shader::kOverlayWireframe &&
               std::uint32_t(Overlay::overlap) == shader::kOverlayOverlap &&
               std::uint32_t(Overlay::agreement) == shader::kOverlayAgreement);
 
-// Whether the picture's own colours are seen.
+// True if the overlay shows the image's own colours, too.
 bool showsPicture(Overlay overlay) {
   return overlay == Overlay::wireframe || overlay == Overlay::tiers || overlay == Overlay::weights;
 }
 
-// A step's depth, where overlaps are counted: behind what a step's own range holds, so that DepthPass takes it for far.
-VkViewport flat(VkExtent2D extent, std::uint32_t step) {
-  const float share = 1.0f - float(step + 1) / float(kLargestStepCount + 1);
+// Viewport with an item's constant depth for the overlap. It lies behind all regular depths, so DepthPass reads far.
+VkViewport flat(VkExtent2D extent, std::uint32_t item) {
+  const float share = 1.0f - float(item + 1) / float(kMaxDrawItemCount + 1);
   const float depth = kStepDepth + 0.4f * (1.0f - kStepDepth) * share;
   return {0, 0, float(extent.width), float(extent.height), depth, depth};
 }
@@ -67,7 +67,7 @@ void OverlayPass::makeSet(const Device& device) {
   check(scene.vertices.size() <= most && scene.indices.size() <= most, ErrorCode::unsupported,
         "overlay: the meshes take {} and {} bytes; {} can read {} in a shader", scene.vertices.size(),
         scene.indices.size(), device.name(), most);
-  // What no pipeline reads may be anything.
+  // Bindings that no pipeline reads get an arbitrary buffer.
   const std::array<VkBuffer, 3> buffers{scene.vertices.get(), scene.indices.get(),
                                         uncertainties_ ? uncertainties_->get() : scene.vertices.get()};
   std::array<VkDescriptorSetLayoutBinding, buffers.size()> bindings;
@@ -93,31 +93,32 @@ void OverlayPass::require(const Device& device, VkRenderPass renderPass, const K
                                             .overlay = key.overlay}));
 }
 
-void OverlayPass::draw(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+void OverlayPass::draw(VkCommandBuffer commands, const PlanDraws& draws, Order order, std::size_t view,
                        VkExtent2D extent) const noexcept {
+  const FramePlan& plan = draws.plan;
   const Overlay overlay = plan.settings.overlay;
-  const auto ranks = float(order == Order::current ? plan.cells.size() : plan.former.size());
+  const auto ranks = float(order == Order::current ? plan.cells.size() : plan.previous.size());
   std::uint32_t drawn = 0;
   cells_->bind(commands, layout_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetMeshes, 1, &set_, 0,
                           nullptr);
-  cells_->eachStep(commands, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
-    const VkDeviceSize uncertainty = uncertainties_ ? uncertainties_->offset(*step.mesh) / sizeof(float) : 0;
-    const shader::OverlayConstants constants{step.mesh->indices.first,
-                                             std::uint32_t(step.mesh->vertexOffset / 4),
+  cells_->eachItem(commands, draws, order, view, extent, [&](const DrawItem& item, std::uint32_t parameter) {
+    const VkDeviceSize uncertainty = uncertainties_ ? uncertainties_->offset(*item.mesh) / sizeof(float) : 0;
+    const shader::OverlayConstants constants{item.mesh->indices.first,
+                                             std::uint32_t(item.mesh->vertexOffset / 4),
                                              std::uint32_t(uncertainty),
-                                             float(step.rank),
+                                             float(item.rank),
                                              ranks,
-                                             step.cell != kNoCell};
+                                             item.cell != kNoCell};
     const bool counts = overlay == Overlay::overlap;
-    const Key key{overlay, variantOf(step, plan.settings.blend), counts || !cells_->isPainters(plan.settings),
-                  showsPicture(overlay) && cells_->isMapped(plan, step)};
+    const Key key{overlay, variantOf(item, plan.settings.blend), counts || !cells_->isPainters(plan.settings),
+                  showsPicture(overlay) && cells_->isMapped(plan, item)};
     if (const VkViewport viewport = flat(extent, drawn++); counts) vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
-                            &step.mesh->photographs, 0, nullptr);
+                            &item.mesh->photographs, 0, nullptr);
     vkCmdPushConstants(commands, layout_.get(), kStages, 0, sizeof constants, &constants);
-    vkCmdDraw(commands, step.mesh->indices.count, 1, 0, parameter);
+    vkCmdDraw(commands, item.mesh->indices.count, 1, 0, parameter);
   });
 }
 

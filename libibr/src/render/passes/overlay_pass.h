@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells as CellPass draws them, with an overlay over or in place of their colours (shared/overlay.h).
+// Draws cells as CellPass does, with an overlay over or in place of their colours (shared/overlay.h).
 #pragma once
 
 #include <map>
@@ -11,13 +11,13 @@ namespace ibr {
 
 class OverlayPass {
  public:
-  /// `renderPass`: of the canvas. `requirements`: of the scene and `options`. `uncertainties`: where an overlay shows
-  /// them. Throws Error{unsupported} where the device cannot read so many vertices in a shader.
+  /// `renderPass`: of the canvas. `requirements`: of the scene and `options`. `uncertainties`: null if no overlay shows
+  /// them. Throws Error{unsupported} if the device cannot read so many vertices in a shader.
   OverlayPass(const Device& device, const CellPass& cells, VkRenderPass renderPass, const RendererOptions& options,
               const Requirements& requirements, const Uncertainties* uncertainties);
 
-  /// In place of CellPass::draw.
-  void draw(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+  /// Replaces CellPass::draw.
+  void draw(VkCommandBuffer commands, const PlanDraws& draws, Order order, std::size_t view,
             VkExtent2D extent) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of every cell's vertex the uncertainty of ρ, for passes that tell it: a scene on a device has none.
+// Uncertainties of ρ of all cells' vertices on the device, for buffers and overlays. A GpuScene does not have them.
 #pragma once
 
 #include <vector>
@@ -11,11 +11,11 @@ namespace ibr {
 
 class Uncertainties {
  public:
-  /// `scene`: what `meshes` were made of; read here only.
+  /// `scene`: the scene that `meshes` were made from; read by the constructor alone.
   Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes);
 
   VkBuffer get() const noexcept { return buffer_.get(); }
-  /// Where a cell of the scene begins, in bytes.
+  /// Returns the offset of a cell's uncertainties in the buffer, bytes.
   VkDeviceSize offset(const GpuScene::State::Mesh& cell) const noexcept;
   VkDeviceSize bytes() const noexcept { return buffer_.size(); }
   VkDeviceSize allocatedBytes() const noexcept { return buffer_.allocatedBytes(); }

@@ -16,11 +16,11 @@ namespace ibr {
 namespace {
 
 constexpr int kRounds = 4;
-constexpr double kScale = 1.5;            // of the median residual: where a pair counts half
+constexpr double kScale = 1.5;            // of the median residual: at this residual a pair has half its weight
 constexpr double kLeastScale = 1e-5;      // radians
-constexpr double kRegularisation = 1e-4;  // of all pairs' weight, per unknown: holds what they do not determine
+constexpr double kRegularisation = 1e-4;  // share of the pairs' weight, per unknown: holds undetermined unknowns
 
-// Sums over pairs, at unit directions u.
+// Weighted sums over pairs of the normal equations above, at unit directions u.
 struct Sums {
   glm::dmat3 rotation{0.0}, translation{0.0};
   glm::dvec3 cross{0.0}, torque{0.0}, force{0.0};
@@ -49,7 +49,7 @@ struct Sums {
   }
 };
 
-// `squares`: of what is left of each pair's distance.
+// `squares`: squared residual of each pair.
 double explained(std::span<const SightPair> pairs, std::span<const double> squares, double scale) {
   double before = 0, after = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The small rigid motion that brings what one mesh says to what another one says of the same places: iteratively
-// reweighted least squares on angles, with Cauchy's weights. Pure.
+// Fits the small rigid motion that aligns directions seen in one mesh with the same points seen in another mesh.
+// Iteratively reweighted least squares on angles, with Cauchy weights. Pure.
 #pragma once
 
 #include <array>
@@ -9,33 +9,33 @@
 
 namespace ibr {
 
-/// Rotation vector (radians), then translation; about the eye. A place in direction u at distance s, nearness n = 1/s,
-/// is afterwards seen along exp(rotation)·u + n·translation.
+/// Rotation vector (radians), then translation; about the eye. A point in direction u at distance s has nearness
+/// n = 1/s. After the motion the point is seen along exp(rotation)·u + n·translation.
 using Motion = std::array<double, 6>;
 
-/// Where a place is seen.
+/// Direction and nearness of a point, seen from the eye.
 struct Sight {
   glm::dvec3 direction;  // unit
   double nearness;       // >= 0, in the inverse of the translation's unit
 };
 
-/// One place, as two meshes show it.
+/// One point, as two meshes show it.
 struct SightPair {
   Sight from, to;
   double weight;  // > 0
 };
 
-/// Of a motion: (x − motion)ᵀ · information · (x − motion) is by how much the weighted squares grow for another one.
+/// For another motion x the weighted sum of squares grows by (x − motion)ᵀ · information · (x − motion).
 struct MotionFit {
   Motion motion{};
   std::array<Motion, 6> information{};
-  double explained = 0;  // 0 … 1: share of the pairs' squared distances that the motion takes away
+  double explained = 0;  // 0 … 1: share of the pairs' squared distances that the motion removes
 };
 MotionFit fitMotion(std::span<const SightPair> pairs);
 
 glm::dquat rotationOf(const Motion& motion);
 
-/// x with A·x = b for a positive definite A (Cholesky); what is not determined is 0.
+/// Returns x with A·x = b for a positive definite A (Cholesky). Unknowns that A does not determine are 0.
 Motion solved(std::array<Motion, 6> a, Motion b);
 
 }  // namespace ibr

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Inside a triangle (q_i, ρ) is Σ β_v (q_i, ρ)_v with β ≥ 0, and member i sees it along Σ β_v q_i,v: so β is, up to a
-// factor, the photograph's ray in the basis of the corners' q_i. The same for pinholes and panoramas.
+// A point inside a triangle is Σ β_v (q_i, ρ)_v with β ≥ 0, and member i sees the point along Σ β_v q_i,v. Up to a
+// factor, β is therefore the photograph's ray in the basis of the corners' q_i, for pinholes and panoramas alike.
 #include "render/plan/anchors.h"
 
 #include <algorithm>
@@ -20,8 +20,8 @@ glm::dvec2 pixelOf(const Intrinsics& k, glm::uvec2 place) {
   return (glm::dvec2(place) + 0.5) / double(kAnchorSide) * glm::dvec2(k.width, k.height);
 }
 
-// Places of the photograph within a triangle's box: from, and before. None for one that spans more than half of a
-// panorama, as those across its seam do.
+// Returns the grid points within a triangle's bounding box: first, and one past the last. Returns none for a triangle
+// that spans more than half of a panorama: such a triangle crosses the panorama's seam.
 std::array<glm::uvec2, 2> placesIn(const Intrinsics& k, const std::array<glm::vec2, 3>& corners) {
   const glm::dvec2 size(k.width, k.height), low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
                                             high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
@@ -32,7 +32,7 @@ std::array<glm::uvec2, 2> placesIn(const Intrinsics& k, const std::array<glm::ve
   return {at(low, 0), at(high, 1)};
 }
 
-// The nearest surface at each place of one photograph.
+// Nearest surface at each grid point of one photograph.
 class Lookup {
  public:
   Lookup(const Scene& scene, const Cell& mesh, std::size_t member)
@@ -122,12 +122,12 @@ std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell) {
   const glm::dmat3 toWorld = glm::mat3_cast(scene.nodes[cell.members[0]].camera.pose.rotation);
   std::vector<glm::vec4> points;
   for (const CellBounds::Anchor& anchor : anchors)
-    if ((anchor.place / kAnchorSide + anchor.place) % 2 == 0)  // as a chessboard
+    if ((anchor.gridCell / kAnchorSide + anchor.gridCell) % 2 == 0)  // every second one, as on a chessboard
       points.emplace_back(glm::vec3(toWorld * glm::dvec3(anchor.point.point[0])), anchor.point.inverseDistance);
   return points;
 }
 
-const AnchorsOnDemand::OfCells& AnchorsOnDemand::of(const Scene& scene) {
+const SceneBounds::Anchors::OfCells& SceneBounds::Anchors::of(const Scene& scene) {
   std::call_once(once_, [&] {
     const std::vector<std::uint32_t> cellsOfNode = cellsOfNodes(scene);
     for (const Cell& cell : scene.cells) all_.push_back(anchorsOf(scene, cell, cellsOfNode));

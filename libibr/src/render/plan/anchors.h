@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where cells that show the same photograph can be compared ([T] §2.6.4): places on one grid over each photograph,
-// looked up in every cell that shows it. At a place each cell has a point of its own. Pure.
+// Anchors: points of a grid over each photograph ([T] §2.6.4), looked up in every cell that shows the photograph.
+// Alignment compares the cells at their common anchors; each cell has its own 3D point there. Pure.
 #pragma once
 
 #include <cstdint>
@@ -8,30 +8,29 @@
 #include <span>
 #include <vector>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 
 namespace ibr {
 
-inline constexpr std::uint32_t kAnchorSide = 16;  // places along each side of a photograph
+inline constexpr std::uint32_t kAnchorSide = 16;  // grid points along each side of a photograph
 
-/// For every node, how many of the scene's cells show it.
+/// Returns for every node the number of the scene's cells that show its photograph.
 std::vector<std::uint32_t> cellsOfNodes(const Scene& scene);
 
-/// The cell's tier 0 at places of photographs that are in two cells or more: the nearest surface along the
-/// photograph's ray. Sorted by photograph, then place, each once. Time goes with the number of triangles.
+/// Returns the cell's anchors in photographs that two or more cells show: the nearest surface of tier 0 along the
+/// photograph's ray. Sorted by photograph, then grid point; no duplicates. Time is linear in the number of triangles.
 std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& cell,
                                           std::span<const std::uint32_t> cellsOfNode);
 
-/// Points of the cell's tier 0, spread over its first member's picture: at (x, y, z) / w from that photograph's place,
-/// world axes; w >= 0, 0 at infinity. At most kAnchorSide² / 2.
+/// Returns points of the cell's tier 0, spread over the first member's image: (x, y, z) / w from that photograph's
+/// position, world axes; w >= 0, 0 at infinity. At most kAnchorSide² / 2.
 std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell);
 
-/// Those of all cells, looked up when they are first asked for: scenes that are not aligned do not pay for them. By
-/// any thread.
-class AnchorsOnDemand {
- public:
-  using OfCells = std::vector<std::vector<CellBounds::Anchor>>;  // as those of the scene
-  /// Always of the same scene.
+/// Anchors of all cells. The first call computes them, so that scenes without alignment do not pay for them.
+/// Thread-safe.
+struct SceneBounds::Anchors {
+  using OfCells = std::vector<std::vector<CellBounds::Anchor>>;  // in the order of Scene::cells
+  /// Precondition: every call passes the same scene.
   const OfCells& of(const Scene& scene);
 
  private:

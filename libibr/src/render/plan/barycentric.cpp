@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Closest point: it lies inside exactly one face (corner, edge, triangle, tetrahedron) on which p's projection has no
-// negative weight; of all such faces the nearest one is it. A simplex has at most 15 faces, so all are tried.
+// The closest point lies inside exactly one face (corner, edge, triangle, tetrahedron) on which p's projection has no
+// negative weight; the nearest of all such faces contains the point. A simplex has at most 15 faces, so all are tried.
 #include "render/plan/barycentric.h"
 
 #include <bit>
@@ -15,7 +15,7 @@
 namespace ibr {
 namespace {
 
-// a·b − c·d with one rounding error of the result (Kahan; Jeannerod, Louvet, Muller 2013).
+// Returns a·b − c·d with one rounding error of the result (Kahan; Jeannerod, Louvet, Muller 2013).
 double differenceOfProducts(double a, double b, double c, double d) {
   const double cd = c * d;
   return std::fma(a, b, -cd) - std::fma(c, d, -cd);
@@ -37,10 +37,10 @@ double dot(glm::dvec3 a, glm::dvec3 b) {
   return sum + correction;
 }
 
-constexpr double kFlat = 1e-14;  // relative thickness below which a simplex has no direction of its own left
+constexpr double kFlat = 1e-14;  // relative thickness below which the corners are degenerate
 
-/// λ of the projection of p on the span of the corners chosen by `face` (a bit each); nullopt where they are
-/// degenerate.
+/// Returns λ of the projection of p on the span of the corners chosen by `face` (one bit per corner); nullopt if the
+/// corners are degenerate.
 std::optional<Weights> projected(std::span<const glm::dvec3> corners, unsigned face, glm::dvec3 p) {
   std::array<std::size_t, 4> index{};
   std::size_t n = 0;
@@ -85,7 +85,7 @@ double squaredDistance(std::span<const glm::dvec3> corners, const Weights& weigh
   return glm::dot(offset, offset);
 }
 
-// Sum of squared distances between the corners of a face: of several faces of one rank, which is the largest.
+// Sum of squared distances between the corners of a face; picks the largest of several faces of one dimension.
 double spread(std::span<const glm::dvec3> corners, unsigned face) {
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i)

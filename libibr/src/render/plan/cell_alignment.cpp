@@ -15,13 +15,13 @@ namespace ibr {
 namespace {
 
 constexpr double kRegularisation = 1e-3;  // κ
-constexpr double kLeastAngle = 1e-6;  // radians: less is nothing, so that exact scenes stay as they are to the last bit
+constexpr double kLeastAngle = 1e-6;      // radians: smaller motions are dropped; exact scenes stay bit-identical
 constexpr std::size_t kLeastPairs = 8;
 
 using Anchors = std::span<const CellBounds::Anchor>;
 using Sights = std::vector<Sight>;
 
-// Where a cell's anchors are seen from the eye.
+// Returns the directions and nearnesses of a cell's anchors, seen from the eye.
 Sights sightsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Weights& weights, glm::dvec3 eye,
                 const Correction& correction) {
   std::array<glm::dmat3, 4> toWorld;
@@ -43,10 +43,10 @@ Sights sightsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Wei
   return sights;
 }
 
-// Calls `visit` with both anchors' numbers for each place that two cells show.
+// Calls `visit` with both anchors' indices for each grid point that two cells share.
 template <class Visit>
 void forCommon(Anchors a, Anchors b, Visit&& visit) {
-  const auto key = [](const CellBounds::Anchor& anchor) { return std::pair(anchor.photograph, anchor.place); };
+  const auto key = [](const CellBounds::Anchor& anchor) { return std::pair(anchor.photograph, anchor.gridCell); };
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     const auto left = key(a[i]), right = key(b[j]);
     if (left == right) visit(i, j);
@@ -59,7 +59,7 @@ bool sharePhotograph(const Cell& a, const Cell& b) {
   return std::ranges::any_of(a.members, [&](std::uint32_t node) { return std::ranges::count(b.members, node) > 0; });
 }
 
-// Two cells, and what brings the second to the first.
+// Two cells, and the motion that aligns the second with the first.
 struct Tie {
   std::size_t a, b;
   MotionFit fit;
@@ -87,7 +87,7 @@ class Aligner {
   }
 
  private:
-  // Translations are counted in a typical distance, so that the world's scale means nothing.
+  // Translations are measured in units of a typical distance, so that the world's scale has no influence.
   void normaliseNearness() {
     double sum = 0;
     std::size_t count = 0;
@@ -109,7 +109,7 @@ class Aligner {
     }
   }
 
-  // What a photograph counts: the nearer its place, the more, and in it alone.
+  // Weight of a photograph's anchors: the inverse squared distance of the photograph from the views.
   double countOf(std::uint32_t photograph) const {
     const glm::dvec3 away = scene_.nodes[photograph].camera.pose.position - middle_;
     return 1 / (glm::dot(away, away) + std::max(least_, 1e-300));
@@ -128,17 +128,17 @@ class Aligner {
       }
       const Sight &to = sights_[a][i], &from = sights_[b][j];
       const double apart = glm::distance(to.direction, from.direction);
-      if (apart < 3 * kLargestCorrection) pairs_.push_back({from, to, count});  // not NaN
+      if (apart < 3 * kLargestCorrection) pairs_.push_back({from, to, count});  // skips NaN
     });
     if (pairs_.size() < kLeastPairs) return;
     for (SightPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
     MotionFit fit = fitMotion(pairs_);
-    // What no rigid motion explains are wrong matches or shapes, not poses: the less it explains, the less is done.
+    // Residuals that a rigid motion does not explain come from wrong matches or shapes, not from poses: scale down.
     for (double& value : fit.motion) value *= fit.explained;
     ties_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
   }
 
-  // A·x of the normal equations.
+  // Returns A·x of the normal equations.
   std::vector<Motion> applied(const std::vector<Motion>& x) const {
     std::vector<Motion> result(x.size());
     for (std::size_t m = 0; m < x.size(); ++m)
@@ -159,7 +159,7 @@ class Aligner {
     }
   }
 
-  // Conjugate gradients, each unknown in the scale of its diagonal.
+  // Conjugate gradients with a diagonal preconditioner.
   std::vector<Motion> solve() const {
     const std::size_t n = cells_.size();
     std::vector<Motion> x(n), residual(n), diagonal(n), direction;
@@ -221,8 +221,8 @@ class Aligner {
   std::vector<double> masses_;
   std::vector<Tie> ties_;
   std::vector<SightPair> pairs_;
-  double unit_ = 1;   // of translations, world units
-  double least_ = 0;  // squared distance, world units
+  double unit_ = 1;   // length unit of translations, world units
+  double least_ = 0;  // lower bound of squared distances, world units²
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "render/plan/anchors.h"
 #include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
@@ -35,7 +35,7 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
                                                         scene.nodes[cell.members[j]].camera.pose.position));
   }
   for (float inverseDistance : cell.mesh.inverseDistance)
-    bounds.largestInverseDistance = std::max(bounds.largestInverseDistance, inverseDistance);
+    bounds.maxInverseDistance = std::max(bounds.maxInverseDistance, inverseDistance);
   if (std::vector<float> all = cell.mesh.inverseDistance; !all.empty()) {
     const auto quantile = [&](std::size_t tenths) {
       const auto at = all.begin() + std::ptrdiff_t((all.size() - 1) * tenths / 10);
@@ -50,7 +50,7 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
   return bounds;
 }
 
-// Edges between neighbours that go the same way around cancel. A mesh most of which is border covers little.
+// Edges between equally oriented neighbours cancel. A mesh with a long border covers little: its outline is dropped.
 void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
   const MorphMesh& mesh = cell.mesh;
   const std::vector<bool> usable = usablePoints(scene, cell);
@@ -96,7 +96,7 @@ SceneBounds sceneBounds(const Scene& scene) {
   SceneBounds bounds;
   for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
   if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherBounds(scene);
-  bounds.anchors = std::make_shared<AnchorsOnDemand>();
+  bounds.anchors = std::make_shared<SceneBounds::Anchors>();
   return bounds;
 }
 

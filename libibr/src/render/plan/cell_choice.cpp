@@ -8,14 +8,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kKeepDistance = 0.02;  // of a cell's size
-constexpr double kKeepAngle = 0.02;     // radians, about a degree
-constexpr double kKeepWorth = 1.1;      // factor on the worth of a cell that was drawn before
+constexpr double kKeepDistance = 0.02;  // margin to overtake in extrapolation, of a cell's size
+constexpr double kKeepAngle = 0.02;     // margin to overtake in rotation, radians, about 1°
+constexpr double kKeepWorth = 1.1;      // factor on the worth of a cell that was drawn in the previous frame
 constexpr double kNear = 0.05;          // of the best cell's size: at this distance a cell is worth half
-constexpr double kGathered = 0.085;     // worth of what is gathered: a cell is better up to about half its size away
-                                        // (docs/quality.md, "Cells chosen by what they add")
+constexpr double kGathered = 0.085;     // worth of the gather: a cell is better up to about half its size away
+                                        // (libibr/docs/quality.md, "Cells chosen by what they add")
 
-// Of each part of a view that the cell shows, > 0. `size`: of the best cell.
+// Worth of the cell in each tile that it shows, > 0. `size`: of the best cell.
 double worthOf(const CellCandidate& cell, double size) {
   const double worth = kNear / (kNear + (size > 0 ? cell.distance / size : 0.0));
   return cell.rank == kNotShown ? worth : kKeepWorth * worth;
@@ -31,14 +31,14 @@ class Order {
     return memberPoses(scene_, scene_.cells[a.cell]) < memberPoses(scene_, scene_.cells[b.cell]);
   }
 
-  // With a bonus for those that were drawn before, which keeps this a strict order.
+  // Sorts with a bonus for cells of the previous frame. A bonus per cell, unlike a margin per pair, is a strict order.
   bool deservesMore(const CellCandidate& a, const CellCandidate& b) const {
     if (a.nearlyInView != b.nearlyInView) return b.nearlyInView;
     if (a.first != b.first) return a.first;
     return better(favoured(a), favoured(b));
   }
 
-  // Margins between pairs make no strict order.
+  // Compares with margins between pairs, which is not a strict order: only for the insertion sort below.
   bool precedes(const CellCandidate& a, const CellCandidate& b) const {
     if (a.first != b.first) return a.first;
     if (a.rank < b.rank && b.rank != kNotShown) return !clearlyBetter(b, a);
@@ -55,7 +55,7 @@ class Order {
     return c;
   }
 
-  // By so much that their order changes.
+  // True if `a` is better by more than the margin, so that the order of the two changes.
   static bool clearlyBetter(const CellCandidate& a, const CellCandidate& b) {
     if (a.extrapolation != b.extrapolation) return a.extrapolation + kKeepDistance * a.size < b.extrapolation;
     return a.rotation + kKeepAngle < b.rotation;
@@ -87,7 +87,7 @@ CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<
   }
   CellChoice choice;
   for (std::size_t c = 0; c < candidates.size(); ++c) (chosen[c] ? choice.drawn : choice.left).push_back(candidates[c]);
-  // By insertion into the order of the frame before.
+  // Insertion sort, starting from the order of the previous frame.
   std::vector<CellCandidate>& drawn = choice.drawn;
   std::ranges::stable_sort(drawn, {}, &CellCandidate::rank);
   for (std::size_t i = 1; i < drawn.size(); ++i)

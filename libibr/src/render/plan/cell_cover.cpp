@@ -26,7 +26,7 @@ CellCover coverOf(const CellBounds& cell, glm::dvec3 place, std::span<const Came
     const Intrinsics& k = view.intrinsics;
     const glm::mat3 turn(glm::mat3_cast(glm::conjugate(view.pose.rotation)));
     const glm::vec3 shift(glm::conjugate(view.pose.rotation) * (place - view.pose.position));
-    // Tile = middle + focal · tangent.
+    // Position in tiles = middle + focal · tangent.
     const glm::vec2 tiles(kCoverColumns, kCoverRows), size(k.width, k.height);
     const glm::vec2 focal = glm::vec2(k.fx, k.fy) * tiles / size, middle = glm::vec2(k.cx, k.cy) * tiles / size;
     for (const glm::vec4& point : cell.surface) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which parts of a frame a cell shows. Pure.
+// Computes which parts of a frame each cell shows, and chooses the cells that cover most. Pure.
 #pragma once
 
 #include <bitset>
@@ -7,26 +7,26 @@
 #include <span>
 #include <vector>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 
 namespace ibr {
 
 inline constexpr std::size_t kCoverColumns = 8, kCoverRows = 6;  // tiles of a view
 inline constexpr std::size_t kCoverTiles = 2 * kCoverColumns * kCoverRows;
 
-using CellCover = std::bitset<kCoverTiles>;  // tiles of both views that the cell's tier 0 is seen in
+using CellCover = std::bitset<kCoverTiles>;  // tiles of both views that show the cell's tier 0
 
-/// By CellBounds::surface, as static points: a part between two points may be missed. `place`: of the cell's first
-/// photograph, world units.
+/// Uses CellBounds::surface as static points; a tile between two points may be missed. `place`: position of the cell's
+/// first photograph, world units.
 CellCover coverOf(const CellBounds& cell, glm::dvec3 place, std::span<const Camera> views);
 
-/// Chooses at most `most` cells, which together cover the views best:
+/// Chooses at most `most` cells, which together cover the views best. Maximises greedily
 ///
-///   F(S) = Σ over tiles of the largest worth of a chosen cell that is seen in the tile,
+///   F(S) = Σ over tiles of the largest worth of a chosen cell that shows the tile.
 ///
-/// greedily. A tile without a cell is worth `behind`, >= 0: with 0, where nothing more is gained cells are chosen in
-/// the given order; else fewer are chosen. `worth`: > 0, of each cell; `forced`: is chosen whatever it covers, or the
-/// number of cells. Returns their numbers, ascending. Time goes with cells × most.
+/// A tile without a cell is worth `behind`, >= 0. With 0, cells that add nothing are chosen in the given order; with
+/// more, the choice stops when nothing is gained. `worth`: of each cell, > 0. `forced`: index of a cell that is chosen
+/// in any case; the number of cells: none. Returns indices, ascending. Time is proportional to cells × most.
 std::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth, double behind,
                                        std::size_t most, std::size_t forced);
 

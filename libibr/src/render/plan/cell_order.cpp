@@ -36,7 +36,7 @@ CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, con
   CellDistance result;
   result.weights = sorted;
   const glm::dvec3 forward = viewAxis(view);
-  glm::dvec3 axis(0.0);  // a panorama looks wherever the view does
+  glm::dvec3 axis(0.0);  // a panorama counts as looking along the view's axis
   bool anyPinhole = false;
   double magnitude = largestCoordinate(view.position);
   for (std::size_t i = 0; i < d; ++i) {
@@ -51,7 +51,7 @@ CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, con
   // Positions are rounded at the scale of the world, differences at the scale of the cell.
   const double tolerance = std::max(1e-9 * size, 8.0 * std::numeric_limits<double>::epsilon() * magnitude);
   result.extrapolation = sorted.distance <= tolerance ? 0.0 : sorted.distance;
-  // atan2 keeps its digits at small angles, where acos has none.
+  // atan2 is precise at small angles, acos is not.
   if (anyPinhole) result.rotation = std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward));
   return result;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the virtual camera is from a cell, in position and in direction ([T] §2.5.2).
+// Distance of the virtual camera from a cell, in position and in direction ([T] §2.5.2).
 #pragma once
 
 #include "ibr/scene.h"
@@ -14,8 +14,8 @@ struct CellDistance {
                              // 0 for a cell of panoramas
 };
 
-/// `size` is the cell's longest edge. Cells over the same positions get bit-equal extrapolation distances whatever the
-/// order of their members, so that stacked cells are told apart by direction alone (NUMERICS T13).
+/// `size` is the cell's longest edge. Cells over the same positions get bit-equal extrapolation distances in any order
+/// of their members, so that only the direction distinguishes stacked cells.
 CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view);
 
 }  // namespace ibr

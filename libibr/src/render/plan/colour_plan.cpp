@@ -9,15 +9,15 @@ namespace {
 
 constexpr std::int64_t kNobody = -1;
 
-// A cell that was drawn in the frame before keeps its slot; the others' slots are free. Tables are made for the plan's
-// cells alone: what leaves, or was in the order before a switch, has the one it had, or none.
+// A cell that was drawn in the previous frame keeps its slot; other slots are free. Only the plan's current cells get
+// new tables. A cell that fades out, or of the previous draw order, uses the table that it had, or the identity.
 void assignSlots(const PlanState& state, FramePlan& plan) {
   std::vector<std::int64_t>& slots = plan.next.colourSlots;
   slots.assign(kColourSlotCount, kNobody);
   std::vector<PlannedCell*> drawn;
   for (PlannedCell& cell : plan.cells) drawn.push_back(&cell);
-  for (LeavingCell& cell : plan.leaving) drawn.push_back(&cell.planned);
-  for (PlannedCell& cell : plan.former) drawn.push_back(&cell);
+  for (FadingOutCell& cell : plan.fadingOut) drawn.push_back(&cell.planned);
+  for (PlannedCell& cell : plan.previous) drawn.push_back(&cell);
   const auto slotOf = [](const std::vector<std::int64_t>& all, const PlannedCell& cell) {
     return std::size_t(std::find(all.begin(), all.end(), std::int64_t(cell.cell)) - all.begin());
   };
@@ -38,10 +38,10 @@ void assignSlots(const PlanState& state, FramePlan& plan) {
   }
 }
 
-// A table that nothing shows is not measured: what was remembered stays, and what never was is new when it shows.
+// A hidden cell's table is not measured: the remembered table stays; without one the cell is fresh when it appears.
 void markNeeded(FramePlan& plan) {
   for (PlannedCell& cell : plan.cells) {
-    cell.colourNeeded = !cell.hidden || plan.formerWeight > 0 || !plan.leaving.empty();
+    cell.colourNeeded = !cell.hidden || plan.previousWeight > 0 || !plan.fadingOut.empty();
     if (!cell.colourNeeded && cell.colourFresh) plan.next.colourSlots[cell.colourSlot] = kNobody;
   }
 }
@@ -53,16 +53,16 @@ void planColours(double seconds, const PlanState& state, FramePlan& plan) {
   ColourPlan& colour = plan.colour;
   if (settings.colourMapping == ColourMapping::off) return;
   const bool ours = settings.colourMapping == ColourMapping::ours;
-  if (!ours) {  // the paper's sequence has one order in one picture
-    plan.former.clear();
-    plan.leaving.clear();
-    plan.formerWeight = 0;
+  if (!ours) {  // the paper's sequence has one draw order in one image
+    plan.previous.clear();
+    plan.fadingOut.clear();
+    plan.previousWeight = 0;
   }
   assignSlots(state, plan);
   markNeeded(plan);
   const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
   const double left = switched ? settings.colourFadeSeconds : state.colourFade;
-  constexpr double kDone = 1e-9;  // rounding of the sum of many steps is not worth a frame
+  constexpr double kDone = 1e-9;  // tolerance for the rounding of a sum of many steps, seconds
   colour.mainShare = left > seconds + kDone ? seconds / left : 1.0;
   colour.mainMapped = colour.mainShare < 1.0;
   plan.next.colourFade = colour.mainMapped ? left - seconds : 0.0;
@@ -72,8 +72,8 @@ void planColours(double seconds, const PlanState& state, FramePlan& plan) {
     colour.counted = anyNew || !eyesShare(plan) || state.colourAge + 1 >= settings.colourPeriod;
     plan.next.colourAge = colour.counted ? 0 : state.colourAge + 1;
     colour.share = settings.colourSmoothSeconds > 0 ? -std::expm1(-seconds / settings.colourSmoothSeconds) : 1.0;
-    const double step = settings.colourLargestSpeed * seconds;
-    colour.largestStep = step > 0 ? std::min(step, 255.0) : 0.0;  // not a number: 0
+    const double step = settings.colourMaxSpeed * seconds;
+    colour.maxStep = step > 0 ? std::min(step, 255.0) : 0.0;  // NaN: 0
   }
 }
 

@@ -13,7 +13,7 @@
 namespace ibr {
 namespace {
 
-// Greatest n·x over a box, n and x in the same axes.
+// Returns the maximum of n·x over a box, n and x in the same axes.
 double support(glm::dvec3 n, glm::vec3 low, glm::vec3 high) {
   double sum = 0;
   for (int a = 0; a < 3; ++a) sum += std::max(n[a] * low[a], n[a] * high[a]);
@@ -31,7 +31,7 @@ std::array<glm::dvec3, 4> frustum(const Camera& view) {
           toWorld * glm::dvec3(0, -1, -top)};
 }
 
-// n·D = Σ λ_i n·C R_i q_i + ρ n·t, each term bounded by itself; likewise |D|.
+// Bounds each term of n·D = Σ λ_i n·C R_i q_i + ρ n·t by itself, and |D| likewise.
 bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds,
                   const std::array<glm::dvec3, 4>& planes, const Placement& placement, double margin) {
   const bool ours = placement.morph == Morph::ours;
@@ -45,9 +45,9 @@ bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds
     reach += std::abs(placement.weights[i]) *
              (ours ? double(glm::length(glm::max(glm::abs(box.low), glm::abs(box.high)))) : 1.0);
   }
-  if (ours) reach += bounds.largestInverseDistance * glm::length(shift);
+  if (ours) reach += bounds.maxInverseDistance * glm::length(shift);
   for (const glm::dvec3& plane : planes) {
-    double most = ours ? std::max(0.0, bounds.largestInverseDistance * glm::dot(plane, shift)) : 0.0;
+    double most = ours ? std::max(0.0, bounds.maxInverseDistance * glm::dot(plane, shift)) : 0.0;
     if (margin > 0) most += margin * reach * glm::length(plane);
     const glm::dvec3 turned = glm::conjugate(placement.correction.rotation) * plane;
     for (std::size_t i = 0; i < cell.members.size(); ++i) {

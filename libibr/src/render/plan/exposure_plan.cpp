@@ -7,11 +7,11 @@
 namespace ibr {
 namespace {
 
-// Log; nothing is adapted to where nothing is shown.
+// Returns the log of the target exposure; nullopt if nothing is drawn.
 std::optional<glm::dvec3> wantedExposure(const Scene& scene, const FramePlan& plan) {
   glm::dvec3 sum(0.0);
   if (plan.cells.empty() || plan.settings.composition == Composition::gathered) {
-    constexpr double kNearest = 0.01;  // b², so that a photograph's own place divides by no zero
+    constexpr double kNearest = 0.01;  // in capture spacings²; avoids a division by zero
     double weights = 0;
     for (const PlannedPhotograph& photograph : plan.photographs) {
       const double distance = photograph.distance / plan.gather.spacing, near = 1 / (kNearest + distance * distance),

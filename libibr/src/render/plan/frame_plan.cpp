@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells are drawn, in which order, with which weights ([T] §2.5.1 "clamping", §2.5.2). Pure.
+// Plans a frame: cells, their order and their weights ([T] §2.5.1 "clamping", §2.5.2). Pure.
 //
-// Departures: a cell overtakes another only by a margin, and cells with equal keys are told apart by their members'
-// positions, so that the order of cells in a file means nothing (cell_choice.h); for two views one order is made from
-// the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other changes fade (transition.h); holes
-// of a scene with a mask are not filled, since the mask may have made them.
+// Departures from [T]: a cell overtakes another only by a margin. Cells with equal keys are ordered by their members'
+// poses, so that the order of cells in the file does not matter (cell_choice.h). Two views share one order, from the
+// pose midway between them ([T] §2.5.4). A switch of the main cell cross-fades two draw orders; other changes fade
+// (transition.h). Holes are not filled in a scene with masks, since a mask may have made them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@
 #include <optional>
 
 #include "base/check.h"
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 #include "render/plan/anchors.h"
 #include "render/plan/cell_alignment.h"
 #include "render/plan/cell_choice.h"
@@ -31,7 +31,7 @@
 namespace ibr {
 namespace {
 
-// Of the hybrid. The gather shows the rest better than further cells do: with 12 of them path_lund_street loses .6 dB.
+// Cells of the hybrid; the gather shows the rest better: 12 cells lose .2 to .7 dB (libibr/docs/tradeoff.md).
 constexpr std::uint32_t kHybridCells = 2;
 
 void checkView(const Camera& view) {
@@ -74,14 +74,14 @@ bool hasMask(const Scene& scene) {
   return std::ranges::any_of(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); });
 }
 
-// The pose in the middle: of two views the mean position and the rotation half-way.
+// Pose midway between two views: the mean position and the rotation half-way.
 Pose middleOf(const std::vector<Camera>& views) {
   const Pose &first = views.front().pose, &last = views.back().pose;
   if (views.size() == 1) return first;
   return {0.5 * (first.position + last.position), glm::slerp(first.rotation, last.rotation, 0.5)};
 }
 
-// What planning carries from step to step.
+// State of planning one frame, for the steps in run().
 class Planner {
  public:
   Planner(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state)
@@ -98,24 +98,24 @@ class Planner {
       planes_.push_back(frustum(view));
     }
     plan_.settings = settings_;
-    if (settings_.lowestTier >= kTierFilled && hasMask(scene)) plan_.settings.lowestTier = kTierCompleted;
+    if (settings_.maxTier >= kTierFilled && hasMask(scene)) plan_.settings.maxTier = kTierCompleted;
     middle_ = middleOf(plan_.views);
     dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
     seconds_ = state.secondsSinceSwitch + dt_;
   }
 
   FramePlan run() {
-    mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
+    mixing_ = !state_.previous.empty() && seconds_ < settings_.switchSeconds;
     choosePhotographs();
     std::vector<PlannedCell> cells = chooseCells();
     align(cells);
     takeCells(std::move(cells));
     fadeCells();
-    // The paper draws all of its cells, and counts their colours.
+    // The paper's methods draw all cells and count their colours, so no cell is marked as hidden.
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
     mixSwitch();
-    if (plan_.settings.composition == Composition::gathered) plan_.formerWeight = 0;
+    if (plan_.settings.composition == Composition::gathered) plan_.previousWeight = 0;
     if (gathers() && plan_.cells.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
     plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
     planColours(dt_, state_, plan_);
@@ -123,7 +123,7 @@ class Planner {
   }
 
  private:
-  // `margin`: radians by which a correction may still move it.
+  // `margin`: radians by which a correction may still move the cell.
   bool visible(const PlannedCell& planned, double margin = 0) const {
     for (std::size_t v = 0; v < plan_.views.size(); ++v)
       if (mayBeVisible(scene_, scene_.cells[planned.cell], bounds_.cells[planned.cell], planes_[v],
@@ -134,7 +134,7 @@ class Planner {
   }
   bool aligned() const { return settings_.alignCells && settings_.morph == Morph::ours; }
 
-  // Weights of a cell for every view, wherever it stands in the order.
+  // Returns a cell with its weights for every view; the draw order has no influence.
   PlannedCell planned(std::uint32_t index, const CellDistance& fromMiddle) const {
     const Cell& cell = scene_.cells[index];
     PlannedCell planned;
@@ -170,11 +170,11 @@ class Planner {
     return !has(settings_.mutedCells) && (settings_.soloCells.empty() || has(settings_.soloCells));
   }
 
-  // `cells`: where what is planned of the candidates goes.
+  // `cells` receives the planned cells; CellCandidate::index refers to them.
   std::vector<CellCandidate> candidates(std::vector<PlannedCell>& cells) {
     std::map<std::uint32_t, std::int64_t> rank;
     for (const ShownCell& shown : state_.cells)
-      if (!shown.leaving) rank.emplace(shown.cell, std::int64_t(rank.size()));
+      if (!shown.fadingOut) rank.emplace(shown.cell, std::int64_t(rank.size()));
     std::vector<CellCandidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
       const double size = bounds_.cells[c].size;
@@ -192,7 +192,7 @@ class Planner {
       }
       if (!isChosen(c)) {
         ++plan_.culledByChoice;
-        plan_.next.hiddenCells.push_back(c);  // so that it fades in again
+        plan_.next.hiddenCells.push_back(c);  // fades in when it is unmuted
         continue;
       }
       const auto before = rank.find(c);
@@ -205,7 +205,7 @@ class Planner {
     return result;
   }
 
-  // Best first; some of them may turn out to be out of view.
+  // Returns the chosen cells, best first. Corrections may still move some of them out of view.
   std::vector<PlannedCell> chooseCells() {
     std::vector<PlannedCell> cells, ordered;
     const CellChoice choice = ibr::chooseCells(scene_, bounds_, plan_.views, candidates(cells), mostCells(), gathers());
@@ -218,21 +218,21 @@ class Planner {
     return ordered;
   }
 
-  // What is in view where its correction has it.
+  // Keeps the cells that are in view with their corrections.
   void takeCells(std::vector<PlannedCell> cells) {
     plan_.culledByFrustum +=
         std::uint32_t(aligned() ? std::erase_if(cells, [&](const PlannedCell& cell) { return !visible(cell); }) : 0);
     plan_.cells = std::move(cells);
     if (!plan_.cells.empty()) plan_.next.mainCell = plan_.cells[0].cell;
-    // Nothing nearer than this keeps its true depth (it is drawn all the same); scale-free, since COLMAP worlds are.
+    // Nearer surfaces are drawn at this depth. Relative to the cell's size, since the scale of the world is arbitrary.
     if (!plan_.cells.empty()) plan_.nearDistance = 0.05 * bounds_.cells[plan_.cells[0].cell].size;
   }
 
   bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
 
-  // A cell that is drawn where the order before had it.
+  // Plans a cell of a previous draw order with this frame's weights; nullopt: not in view.
   std::optional<PlannedCell> plannedAgain(const ShownCell& shown) const {
-    if (shown.cell >= scene_.cells.size()) return std::nullopt;  // another scene's state
+    if (shown.cell >= scene_.cells.size()) return std::nullopt;  // the state is of another scene
     PlannedCell again =
         planned(shown.cell, cellDistance(scene_, scene_.cells[shown.cell], bounds_.cells[shown.cell].size, middle_));
     again.opacity *= shown.opacity;
@@ -241,14 +241,14 @@ class Planner {
     return again;
   }
 
-  // Of a fade after the order changed, that this frame goes. The paper's sequence of colours has no copies of a cell.
+  // Share of a fade that passes in this frame. The paper's colour sequence cannot draw a cell twice, so it cuts.
   double fadeStep() const {
     const bool sequence =
         settings_.colourMapping == ColourMapping::paper || settings_.colourMapping == ColourMapping::paperRedraw;
     return sequence || !(settings_.switchSeconds > 0) ? 1.0 : dt_ / settings_.switchSeconds;
   }
 
-  // What changes behind the main cell fades; a switch of it is mixed, which hides all other changes.
+  // Changes behind the main cell fade. A switch of the main cell cross-fades whole orders, which covers other changes.
   void fadeCells() {
     std::vector<std::uint32_t> order;
     for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
@@ -261,10 +261,10 @@ class Planner {
     plan_.next.cells = showCells(state_.cells, wanted, switched() ? 1.0 : fadeStep());
     std::uint32_t place = 0;
     for (const ShownCell& shown : plan_.next.cells) {
-      if (!shown.leaving)
+      if (!shown.fadingOut)
         plan_.cells[place++].opacity *= shown.opacity;
       else if (const auto leaving = plannedAgain(shown))
-        plan_.leaving.push_back({*leaving, place});
+        plan_.fadingOut.push_back({*leaving, place});
     }
   }
 
@@ -273,16 +273,16 @@ class Planner {
     return found == corrections_.end() ? Correction{} : found->second;
   }
 
-  // All that this frame may draw, together, from the middle of the views.
+  // Aligns all cells that this frame may draw in one solve, from the midpoint of the views.
   void align(std::vector<PlannedCell>& cells) {
     if (!aligned()) return;
     std::vector<std::uint32_t> toMove;
     for (const PlannedCell& cell : cells) toMove.push_back(cell.cell);
-    for (const std::vector<ShownCell>* shown : {&state_.cells, &state_.former})
+    for (const std::vector<ShownCell>* shown : {&state_.cells, &state_.previous})
       for (const ShownCell& cell : *shown)
         if (cell.cell < scene_.cells.size() && std::ranges::find(toMove, cell.cell) == toMove.end())
           toMove.push_back(cell.cell);
-    const AnchorsOnDemand::OfCells& anchors = bounds_.anchors->of(scene_);
+    const SceneBounds::Anchors::OfCells& anchors = bounds_.anchors->of(scene_);
     std::vector<CellToAlign> wanted;
     for (const std::uint32_t c : toMove) wanted.push_back(toAlign(c, anchors[c]));
     const std::vector<Correction> found = alignCells(scene_, wanted, middle_.position);
@@ -297,7 +297,7 @@ class Planner {
     return {&cell, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
   }
 
-  // A scene that cannot be gathered from is drawn by its cells; chosen cells and their overlaps are of cells too.
+  // A scene that cannot be gathered from is drawn by its cells. Solo cells and Overlay::overlap show cells alone.
   void choosePhotographs() {
     if (!gathers()) return;
     if (settings_.overlay != Overlay::overlap && settings_.soloCells.empty())
@@ -308,23 +308,23 @@ class Planner {
     else
       plan_.gather = bounds_.gather;
   }
-  std::size_t mostCells() const { return std::min(settings_.maxCells, gathers() ? kHybridCells : kLargestCellCount); }
+  std::size_t mostCells() const { return std::min(settings_.maxCells, gathers() ? kHybridCells : kMaxCellCount); }
   bool gathers() const { return plan_.settings.composition != Composition::cells; }
 
   void mixSwitch() {
     PlanState& next = plan_.next;
     if (switched() && settings_.switchSeconds > 0) {
-      next.former = state_.cells;  // the frame in which the switch happens still shows the former picture
+      next.previous = state_.cells;  // the frame of the switch still shows the previous order
       next.secondsSinceSwitch = 0;
     } else if (mixing_) {
-      next.former = state_.former;
+      next.previous = state_.previous;
       next.secondsSinceSwitch = seconds_;
     }
-    if (next.former.empty()) return;
-    for (const ShownCell& shown : next.former)
-      if (const auto cell = plannedAgain(shown)) plan_.former.push_back(*cell);
+    if (next.previous.empty()) return;
+    for (const ShownCell& shown : next.previous)
+      if (const auto cell = plannedAgain(shown)) plan_.previous.push_back(*cell);
     const double share = next.secondsSinceSwitch / settings_.switchSeconds;
-    plan_.formerWeight = 1.0 - share * share * (3.0 - 2.0 * share);
+    plan_.previousWeight = 1.0 - share * share * (3.0 - 2.0 * share);
   }
 
   const Scene& scene_;
@@ -335,8 +335,8 @@ class Planner {
   std::vector<std::array<glm::dvec3, 4>> planes_;  // by view
   Pose middle_;
   std::map<std::uint32_t, Correction> corrections_;  // by cell
-  double dt_ = 0;                                    // seconds since the frame before
-  double seconds_ = 0;                               // since the last switch, this frame
+  double dt_ = 0;                                    // seconds since the previous frame
+  double seconds_ = 0;                               // since the last switch, at this frame
   bool mixing_ = false;
 };
 

@@ -20,7 +20,7 @@ CoverMask::CoverMask(int width, int height, double marginPx)
       margin_(marginPx),
       covered_(std::size_t(columns_) * std::size_t(rows_)) {}
 
-// Tiles that come within the margin of the edge: row by row, where it runs.
+// Marks tiles that come within the margin of the edge, row by row.
 void CoverMask::touch(const Edge& edge) {
   const glm::dvec2 a = edge.from.y < edge.to.y ? edge.from : edge.to, b = edge.from.y < edge.to.y ? edge.to : edge.from;
   const auto tile = [](double at, int count) {
@@ -41,10 +41,10 @@ void CoverMask::touch(const Edge& edge) {
   }
 }
 
-// Every row's line of centres that the edge crosses: all centres to the right of it see it pass.
+// Counts a crossing in every row of tile centres that the edge passes: winding changes for all centres to its right.
 void CoverMask::cross(const Edge& edge) {
   const double low = std::min(edge.from.y, edge.to.y), high = std::max(edge.from.y, edge.to.y);
-  const auto firstCentre = [](double at, int count) {  // at or after
+  const auto firstCentre = [](double at, int count) {  // at or after the coordinate
     return int(std::clamp(std::ceil(at / kTile - 0.5), 0.0, double(count)));
   };
   for (int row = firstCentre(low, rows_); row < rows_ && (row + 0.5) * kTile < high; ++row) {
@@ -69,7 +69,7 @@ void CoverMask::add(std::span<const Edge> outline) {
 }
 
 std::vector<CoverMask::Rectangle> CoverMask::open() const {
-  constexpr int kBlock = 8;  // tiles; a rectangle of each
+  constexpr int kBlock = 8;  // tiles; one rectangle per block
   std::vector<Rectangle> rectangles;
   for (int y0 = 0; y0 < rows_; y0 += kBlock)
     for (int x0 = 0; x0 < columns_; x0 += kBlock) {
@@ -90,7 +90,7 @@ std::vector<CoverMask::Rectangle> CoverMask::open() const {
 
 namespace {
 
-// What has been drawn in one view, and what of it is open.
+// Cover of the cells drawn so far in one view, and the open rest of the image.
 class ViewCover {
  public:
   ViewCover(const Scene& scene, const FramePlan& plan, std::size_t view)
@@ -140,7 +140,7 @@ class ViewCover {
   }
 
  private:
-  // Behind the camera a projection is no map of the mesh. No vertex is there: a visible box could have none in front.
+  // True if all vertices are in front of the camera, by their bounding boxes: behind it, a projection is not a map.
   bool isInFront(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
     const glm::dvec3 backward = camera_.pose.rotation * glm::dvec3(0, 0, 1);
     const std::array<glm::dvec3, 4> planes{backward, backward, backward, backward};
@@ -176,14 +176,14 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
       if (views[v].mayShow(cell, cellBounds, placementIn(v))) return false;
     return true;
   };
-  for (PlannedCell& planned : plan.cells) {  // what leaves is drawn besides, and hides nothing
+  for (PlannedCell& planned : plan.cells) {  // cells that fade out are drawn too, but hide nothing
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     const auto placementIn = [&](std::size_t v) {
       return Placement{planned.view[v].position, plan.settings.morph, views[v].eye(), planned.correction};
     };
     planned.hidden = hidden(cell, cellBounds, placementIn);
-    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) continue;  // one sees through masks
+    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) continue;  // masks leave holes
     for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
   }
 }

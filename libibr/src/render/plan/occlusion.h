@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which planned meshes better ones hide for certain, so that they need not be drawn. Pure; conservative: what is called
-// hidden would not have changed a pixel.
+// Finds planned meshes that better meshes certainly hide, so that they need not be drawn. Pure; conservative: drawing a
+// hidden mesh would not change a pixel.
 //
-// For any triangles in the plane, the winding number of the sum of their directed borders around a point is the sum of
-// the orientations of those that hold the point. Not 0 means covered, whether a mesh folds or not, and edges between
-// equally oriented neighbours cancel: what is left of a mesh, its outline, is short. So an outline tells which tiles of
-// the picture that it does not touch are covered.
+// For any triangles in the plane, sum their directed borders. The winding number of the sum around a point is the sum
+// of the orientations of the triangles that contain the point. A point with a winding number other than 0 is covered,
+// whether the mesh folds or not. Edges between equally oriented neighbours cancel, so the rest, the outline, is short.
+// A tile of the image that the outline does not touch is covered entirely or not at all.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 
 namespace ibr {
 
@@ -21,10 +21,10 @@ class CoverMask {
  public:
   static constexpr int kTile = 16;  // px
 
-  /// `marginPx`: what a device's drawing may differ by.
+  /// `marginPx`: largest difference between the device's rasterisation and the computed outline, px.
   CoverMask(int width, int height, double marginPx);
 
-  /// A directed edge of an outline, px from the picture's corner; may lie anywhere.
+  /// A directed edge of an outline, px from the image's corner; may lie anywhere.
   struct Edge {
     glm::dvec2 from, to;
   };
@@ -34,7 +34,7 @@ class CoverMask {
   struct Rectangle {
     double left, top, right, bottom;  // px
   };
-  /// Hold everything that is not covered, and the margin around it.
+  /// Rectangles that contain everything that is not covered, and the margin around it.
   std::vector<Rectangle> open() const;
 
  private:
@@ -47,11 +47,11 @@ class CoverMask {
   int width_, height_, columns_, rows_;
   double margin_;
   std::vector<bool> covered_;
-  std::vector<bool> touched_;  // by the outline being added
-  std::vector<int> winding_;   // of it: change from the tile's left neighbour to it, at their centres
+  std::vector<bool> touched_;  // by the outline that is being added
+  std::vector<int> winding_;   // of the outline: change from the tile's left neighbour to the tile, at their centres
 };
 
-/// Marks what is hidden in all views of a plan with our order (PlannedCell::hidden).
+/// Marks cells that are hidden in all views of a plan with DrawOrder::ours (PlannedCell::hidden).
 void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan);
 
 }  // namespace ibr

@@ -19,10 +19,10 @@ namespace {
 constexpr int kColumns = 16, kRows = 9;
 constexpr std::array kDepths{1.6, 0.4};  // of the median ρ
 constexpr std::size_t kPlaces = std::size_t(kColumns) * kRows * kDepths.size();
-constexpr std::size_t kPool = 64;  // photographs, best alone, that take part in exchanges
+constexpr std::size_t kPool = 64;  // photographs, best by themselves, that take part in exchanges
 constexpr double kFadeShare =
     0.25;  // a member whose loss exceeds the best outsider's gain by this share counts in full
-constexpr double kLeastProgress = 1e-9;  // relative, of an exchange
+constexpr double kLeastProgress = 1e-9;  // relative gain of F below which no exchange is made
 
 using Values = std::array<float, kPlaces>;  // of a photograph, by ray and depth
 
@@ -33,7 +33,7 @@ struct Candidate {
   Values value;
 };
 
-// Rays of all views in the axes of the middle pose.
+// Returns rays over all views, in the axes of the middle pose.
 std::vector<glm::dvec3> raysOf(const std::vector<Camera>& views, const Pose& middle) {
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const Camera& view : views) {
@@ -42,7 +42,7 @@ std::vector<glm::dvec3> raysOf(const std::vector<Camera>& views, const Pose& mid
     for (const double x : {0.0, double(k.width)})
       for (const double y : {0.0, double(k.height)}) {
         const glm::dvec3 ray = turn * glm::dvec3((x - k.cx) / k.fx, (k.cy - y) / k.fy, -1.0);
-        const double depth = std::max(-ray.z, 0.1);  // of views that look apart
+        const double depth = std::max(-ray.z, 0.1);  // lower bound for views that look in different directions
         low = glm::min(low, glm::dvec2(ray) / depth);
         high = glm::max(high, glm::dvec2(ray) / depth);
       }
@@ -95,7 +95,7 @@ void add(Values& sum, const Values& more) {
   for (std::size_t p = 0; p < kPlaces; ++p) sum[p] += more[p];
 }
 
-// Sums are made anew, not subtracted from: differences would leave rests where nothing is.
+// Adds the others instead of subtracting one: a difference would leave rounding errors where the sum is 0.
 Values sumWithout(const std::vector<Candidate>& pool, const std::vector<std::size_t>& members, std::size_t left) {
   Values sum{};
   for (std::size_t m = 0; m < members.size(); ++m)
@@ -103,7 +103,7 @@ Values sumWithout(const std::vector<Candidate>& pool, const std::vector<std::siz
   return sum;
 }
 
-// As shaders/render/gather.glsl: a photograph from the view's own place counts alone.
+// Reference implementation of gather.glsl: a photograph at the view's own position counts alone.
 float gatherWeight(float value, double distance) {
   if (!(value > 0)) return 0;
   const double beyond =
@@ -112,8 +112,8 @@ float gatherWeight(float value, double distance) {
   return value / std::max(float(apart), shader::kGatherLeastApart);
 }
 
-// As the gather mixes colours: at each ray and depth the best photographs, by how much more they are worth than the one
-// after them.
+// Shares as the gather blends: at each ray and depth the four best photographs, each by its worth above that of the
+// fifth.
 std::vector<double> sharesOf(const std::vector<Candidate>& pool, const std::vector<std::size_t>& members,
                              const std::vector<float>& fade, double spacing) {
   constexpr std::size_t kColours = 4;
@@ -141,7 +141,7 @@ struct Outsider {
   float coverage = 0;
 };
 
-// The best photograph in the place of a member, among those that are not members.
+// Returns the best photograph outside the set to replace a member.
 Outsider bestInstead(const std::vector<Candidate>& pool, const std::vector<bool>& taken, const Values& others) {
   Outsider best{pool.size(), coverage(others)};
   for (std::size_t i = 0; i < pool.size(); ++i)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes in the order of cells that nobody sees as a jump.
+// Fades between draw orders, so that changes of rank do not show as jumps.
 //
-// A cell that changes its place is there twice for a while: the copy further back stays as it is, the one in front
-// fades, out where the cell fell back, in where it came forward. A cell that had been left out fades in; one that is no
-// longer drawn waits where it was for what arrives, then fades out. What comes into view is there at once: it enters at
-// the border of the picture.
+// A cell that changes its rank is drawn twice for a while. The copy farther back stays opaque. The copy in front fades
+// out if the cell fell back, and fades in if the cell came forward. A cell that was left out fades in. A cell that is
+// not drawn any more keeps its rank until all arriving cells are opaque, then fades out. A cell that comes into view is
+// opaque at once, because it enters at the border of the image.
 //
-//   the longest common subsequence of the orders shown and wanted stays; all others leave, and enter anew
+//   the longest common subsequence of shown and wanted order stays; other cells fade out, and are inserted again
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,20 @@
 #include <span>
 #include <vector>
 
-#include "ibr/renderer.h"
+#include "ibr/frame_plan.h"
 
 namespace ibr {
 
 struct WantedOrder {
   std::span<const std::uint32_t> cells;                  // best first, each once
-  std::function<bool(std::uint32_t cell)> wasHidden;     // visible in the frame before, and not drawn
-  std::function<bool(std::uint32_t cell)> stillVisible;  // of a cell that is no longer wanted
-  bool backed = false;                                   // something else shows where no cell does
+  std::function<bool(std::uint32_t cell)> wasHidden;     // in view in the previous frame, but not drawn
+  std::function<bool(std::uint32_t cell)> stillVisible;  // for a cell that is not wanted any more
+  bool backed = false;                                   // something else is drawn where there is no cell
 };
 
-/// What this frame shows: the wanted cells in their order, and between them those that leave, at most
-/// kLargestLeavingCount. `step` is the share of a fade that this frame goes; 1 or more cuts, and so does a `before`
-/// that is empty or leaves nothing in view, unless the order is backed.
+/// Returns the cells of this frame: the wanted cells in their order, and between them at most kMaxFadingOutCount that
+/// fade out. `step`: this frame's share of a fade; 1 or more cuts. Also cuts, unless the order is backed, if `before`
+/// is empty or leaves nothing in view.
 std::vector<ShownCell> showCells(std::span<const ShownCell> before, const WantedOrder& wanted, double step);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a vertex of a morphing mesh is to the renderer (ARCHITECTURE §5, "Texture coordinates, one rule").
+// A vertex of a morphing mesh in the axes of its members' cameras, and the test that its rays agree.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace ibr {
 
-/// q_i = a_i·r_i: the vertex in member i's camera axes, at the scale that it shares with ρ.
+/// Returns q_i = a_i·r_i: the vertex in member i's camera axes, at the scale that it shares with ρ.
 inline glm::dvec3 memberPoint(const Scene& scene, const Cell& cell, std::size_t member, std::size_t point) {
   return unproject(scene.nodes[cell.members[member]].camera.intrinsics, cell.mesh.match[member][point]) *
          double(cell.mesh.ratio[member][point]);
 }
 
-/// T10: where the rays of a point's members part by more than 120°, their sum loses its direction; such a triangle is
-/// left out.
+/// Returns false if two members' rays to a point differ by more than 120°: their sum has no reliable direction, and
+/// triangles with such a point are left out.
 inline bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
   std::array<glm::dvec3, 4> rays;
   for (std::size_t i = 0; i < cell.members.size(); ++i) {
@@ -29,7 +29,7 @@ inline bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
   return true;
 }
 
-/// raysAgree of each point; triangles that have another one are left out.
+/// Returns raysAgree for each point; triangles with a point that is not usable are left out.
 inline std::vector<bool> usablePoints(const Scene& scene, const Cell& cell) {
   std::vector<bool> usable(cell.mesh.pointCount());
   for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);

@@ -29,7 +29,7 @@ Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& s
 DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
                              const TextureSource& source, std::uint64_t stagingBytes)
     : places_(scene.nodes.size()) {
-  // Quarters of photographs: all of them may be held at once while they are sorted by size.
+  // A depth texture has a quarter of its photograph's sides, so all may be in memory while they are sorted by size.
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, Texture>>> bySize;
   for (const std::uint32_t node : nodes) {
     Texture texture = readDepth(scene, node, source);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth textures of photographs on the device (Node::depthFile): layers of array images, one for each size.
+// Depth textures of photographs on the device (Node::depthFile): layers of array images, one image per size.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace ibr {
 class DepthTextures {
  public:
   DepthTextures() = default;
-  /// `nodes`: whose depths are read, all at once. Submits uploads and waits. Throws Error (io, invalidInput) for a
+  /// Reads the depth textures of `nodes`, all at once. Submits uploads and waits. Throws Error (io, invalidInput) for a
   /// texture of another format than rg16f or with several levels.
   DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
                 const TextureSource& source, std::uint64_t stagingBytes);
@@ -23,7 +23,7 @@ class DepthTextures {
     std::uint32_t layer = 0;
     double scale = 0;  // Node::depthScale
   };
-  /// Of one of the nodes.
+  /// Precondition: `node` is one of the constructor's nodes.
   const Sampled& at(std::uint32_t node) const noexcept { return places_[node]; }
 
   std::uint64_t allocatedBytes() const noexcept;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kSlots = shader::kMaxGathered;
 constexpr std::uint32_t kSetsPerPool = 64;
-constexpr std::size_t kMostSets = 1024;  // beyond this, those of finished frames are used again
+constexpr std::size_t kMostSets = 1024;  // above this number, sets of finished frames are reused
 
 DescriptorSetLayoutHandle makeLayout(const Device& device) {
   constexpr VkShaderStageFlags kStage = VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -24,7 +24,7 @@ DescriptorSetLayoutHandle makeLayout(const Device& device) {
   return makeSetLayout(device, bindings);
 }
 
-// The place of a view in the list, which it joins.
+// Returns the index of a view in the list; appends the view if it is missing.
 std::uint32_t slotOf(std::vector<VkImageView>& views, VkImageView view) {
   const auto found = std::ranges::find(views, view);
   const auto slot = std::uint32_t(found - views.begin());
@@ -32,7 +32,7 @@ std::uint32_t slotOf(std::vector<VkImageView>& views, VkImageView view) {
   return slot;
 }
 
-// Slots that are never read repeat the first.
+// Slots that shaders never read repeat the first view, since a binding must be valid.
 void fillSlots(std::span<const VkImageView> views, std::array<VkImageView, kSlots>& slots) {
   for (std::size_t s = 0; s < slots.size(); ++s) slots[s] = s < views.size() ? views[s] : views[0];
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures of the candidate photographs, bound for the gather: 16 slots for arrays of photographs, 16 for arrays of
-// depths, and no sampler is ever indexed.
+// Binds textures of the candidate photographs for the gather: 16 slots for arrays of photographs, 16 for arrays of
+// depths. Shaders never index them dynamically.
 //
-// Where all arrays of the scene fit into the slots, one descriptor set serves all frames. Otherwise, or where
-// photographs are streamed, each frame has a set with the candidates' arrays in their order; it is never written while
-// a frame may use it.
+// If all arrays of the scene fit into the slots, one descriptor set serves all frames. Otherwise, or if photographs are
+// streamed, each frame has a set with its candidates' arrays in order. A set is never written while a frame may use the
+// set.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ namespace ibr {
 
 class GatherTextures {
  public:
-  /// `nodes`: photographs that can be gathered from. The two resident sets must outlive it.
+  /// `nodes`: photographs that can be gathered from. Both resident sets of textures must outlive this object.
   GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
                  const DepthTextures& depths, const std::vector<std::uint32_t>& nodes);
 
@@ -33,18 +33,18 @@ class GatherTextures {
     std::uint32_t slot = 0, layer = 0, depthSlot = 0, depthLayer = 0;
     double depthScale = 0;
   };
-  /// Of the photograph that is `candidate` in the plan that was bound last.
+  /// Slots and layers of a photograph that has the index `candidate` in the last bound plan.
   Place place(std::size_t candidate, std::uint32_t node) const noexcept;
 
-  /// Whether frames are to be bound one by one.
+  /// True if bind() must be called for every frame.
   bool bindsFrames() const noexcept { return bindsFrames_; }
   void bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame, std::uint64_t completedFrame);
-  /// The view goes; frames that used it have finished.
+  /// Drops descriptor sets that use the view, which is about to be destroyed. Frames that used it must have finished.
   void forget(VkImageView view);
 
   VkDescriptorSet set() const noexcept { return bound_; }
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
-  std::uint32_t photographSlots() const noexcept { return photographSlots_; }  // that shaders tell apart
+  std::uint32_t photographSlots() const noexcept { return photographSlots_; }  // that shaders distinguish
   std::uint32_t depthSlots() const noexcept { return depthSlots_; }
   bool isCubic() const noexcept { return isCubic_; }  // TextureFilter::bicubic
 
@@ -70,7 +70,7 @@ class GatherTextures {
   std::vector<VkDescriptorSet> unused_;
   bool bindsFrames_ = false, isCubic_;
   std::uint32_t photographSlots_ = 1, depthSlots_ = 1;
-  std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, where one set serves all frames
+  std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, if one set serves all frames
   VkDescriptorSet bound_ = VK_NULL_HANDLE;
 };
 

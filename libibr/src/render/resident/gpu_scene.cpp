@@ -41,7 +41,7 @@ bool isPanorama(const Node& node) {
   return node.camera.intrinsics.model == CameraModel::equirectangular;
 }
 
-// In the nodes' order.
+// Returns the nodes that a cell or a backdrop shows, ascending.
 std::vector<std::uint32_t> shownNodes(const Scene& scene) {
   std::vector<bool> shown(scene.nodes.size(), false);
   for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
@@ -53,10 +53,10 @@ std::vector<std::uint32_t> shownNodes(const Scene& scene) {
   return nodes;
 }
 
-// An empty buffer is not allowed; a scene without triangles is.
+// Allocates at least 4 bytes: Vulkan has no empty buffers, and a scene may have no triangles.
 Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* name,
                  Uploader& uploader) {
-  // Storage: overlays fetch their vertices themselves.
+  // storage: the vertex stage of overlays reads vertices from it
   usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   Buffer buffer(device, std::max<VkDeviceSize>(bytes.size(), 4), usage, MemoryKind::device, name);
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
@@ -69,7 +69,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
     : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
   if (!options.depth) requirements.gatherable = 0;
   addMeshes(device, scene, options.stagingBytes);
-  std::vector<std::uint32_t> gathered;  // nodes
+  std::vector<std::uint32_t> gathered;  // nodes that can be gathered from
   if (requirements.gatherable > 0) {
     for (const std::uint32_t b : gatherableBackdrops(scene)) gathered.push_back(scene.backdrops[b].members[0]);
     addEvidence(device, scene, options.stagingBytes);
@@ -100,7 +100,7 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_
   const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
     Mesh& out = meshes.emplace_back();
     out.members = cell.members;
-    out.exposed = requirements.gains;  // what has a gain of 1 is shown by the exposure of others
+    out.exposed = requirements.gains;  // a photograph with a gain of 1 is shown with the exposure of others
     for (const std::uint32_t member : cell.members) {
       Camera& camera = out.cameras.emplace_back(scene.nodes[member].camera);
       camera.pose.rotation = glm::normalize(camera.pose.rotation);
@@ -135,7 +135,7 @@ void GpuScene::State::addEvidence(Device& device, const Scene& scene, std::uint6
   uploader.flush();
 }
 
-// Slots beyond the mesh's members repeat its first photograph; they are never sampled.
+// Slots beyond the mesh's members repeat its first photograph, which shaders do not sample through them.
 void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame) {
   PhotographSets::Slots slots;
   mesh.layers.resize(mesh.members.size());
@@ -148,12 +148,12 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
   mesh.photographs = sets.get(slots, frame, completedFrame);
 }
 
-// Calls `visit` with the mesh of every cell of a plan, of the order now and of the one before; with some more than
-// once.
+// Calls `visit` with the mesh of every cell of a plan, in the current and the previous draw order. Some meshes are
+// visited more than once.
 template <class Meshes, class Visit>
 void visitDrawn(const FramePlan& plan, Meshes& cells, Visit&& visit) {
   if (plan.settings.composition == Composition::gathered) return;
-  for (const Order order : {Order::current, Order::former})
+  for (const Order order : {Order::current, Order::previous})
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t, std::uint32_t) { visit(cells[cell.cell]); });
 }
 
@@ -218,6 +218,10 @@ GpuScene::Memory GpuScene::memory() const noexcept {
           .indices = state_->indices.allocatedBytes(),
           .textures = state_->photographs->allocatedBytes(),
           .depth = state_->depths.allocatedBytes()};
+}
+
+const GpuScene::State& stateOf(const GpuScene& scene) noexcept {
+  return *scene.state_;
 }
 
 }  // namespace ibr

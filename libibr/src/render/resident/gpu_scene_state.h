@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What GpuScene holds, for the passes of this layer.
+// Contents of a GpuScene, for the passes of the renderer.
 //
-// A photograph is resident once, as a layer of a page: an array image of one picture size and format
-// (resident_photographs.h). A cell's four texture slots are bound by a descriptor set (photograph_sets.h), so members
-// may differ in size and no sampler is ever indexed.
+// Each photograph is resident once, as a layer of a texture array of one size and format (resident_photographs.h). A
+// descriptor set binds a cell's four texture slots (photograph_sets.h), so members may differ in size, and no shader
+// indexes samplers.
 #pragma once
 
 #include <memory>
@@ -21,6 +21,8 @@
 
 namespace ibr {
 
+const GpuScene::State& stateOf(const GpuScene& scene) noexcept;
+
 struct GpuScene::State {
   struct IndexRange {
     std::uint32_t first = 0, count = 0;
@@ -28,16 +30,16 @@ struct GpuScene::State {
   struct Mesh {                          // of a cell or a backdrop
     std::vector<std::uint32_t> members;  // nodes
     std::vector<Camera> cameras;         // of the members
-    std::vector<std::uint32_t> layers;   // of their photographs, now
-    std::uint32_t panoramas = 0;         // bit i: member i is one
+    std::vector<std::uint32_t> layers;   // current layers of their photographs in the texture arrays
+    std::uint32_t panoramas = 0;         // bit i: member i is a panorama
     bool masked = false;                 // a member's photograph has a mask
-    bool cubic = false;                  // sampled so where they are magnified
+    bool cubic = false;                  // bicubic filter where the photographs are magnified
     std::vector<glm::dvec3> gains;       // of the members' photographs, Node::gain
-    bool exposed = false;                // a photograph of the scene has one that is not 1
-    bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
+    bool exposed = false;                // a photograph of the scene has a gain other than 1
+    bool onePage = false;                // all photographs are layers of one array, permanently, with one sampler
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     IndexRange indices;                  // of its triangles of tier 0; no others are drawn
-    VkDeviceSize evidenceOffset = 0;     // bytes into `evidence`; of a backdrop that can be gathered from
+    VkDeviceSize evidenceOffset = 0;     // of its triangles of tier 0; other tiers are not drawn
     VkDescriptorSet photographs = VK_NULL_HANDLE;  // of a cell
   };
 
@@ -46,18 +48,18 @@ struct GpuScene::State {
   void addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes);
   void addEvidence(Device& device, const Scene& scene, std::uint64_t stagingBytes);
 
-  /// Points the mesh to where its photographs are now.
+  /// Updates the mesh's layers and descriptor set to its photographs' current texture arrays.
   void bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame);
 
   PhotographSets sets;
   std::unique_ptr<Photographs> photographs;
   Buffer vertices, indices;
-  Buffer evidence;       // trust and consensus of the backdrops' vertices, two times 16 bits; empty: no gather
+  Buffer evidence;       // trust and consensus of the backdrops' vertices, 2 × 16 bits; empty: no gather
   DepthTextures depths;  // of the photographs that can be gathered from
   std::optional<GatherTextures> gather;
-  std::vector<Mesh> cells, backdrops;                   // as those of the scene
-  std::vector<std::vector<std::uint32_t>> cellsOfNode;  // only where photographs are streamed
-  Requirements requirements;                            // the scene's own part
+  std::vector<Mesh> cells, backdrops;                   // in the order of the scene
+  std::vector<std::vector<std::uint32_t>> cellsOfNode;  // empty unless photographs are streamed
+  Requirements requirements;                            // of the scene alone, without options
 };
 
 /// Bytes of a vertex with d members.
@@ -65,11 +67,11 @@ constexpr std::uint32_t vertexStride(std::size_t members) {
   return std::uint32_t((3 * members + 1) * sizeof(float));
 }
 
-/// Nodes by how urgent they are for a plan: its photographs, its main cell's members, then those of further cells and
-/// of the former order; after these, up to `most` in all, those around the main cell by their distance in the graph.
+/// Nodes by urgency for a plan: photographs of the gather, members of the main cell, then of further cells and of the
+/// previous order. Then, up to `most` in all, nodes around the main cell by their distance in the graph.
 struct WantedNodes {
   std::vector<std::uint32_t> nodes;
-  std::size_t needed = 0;  // of them
+  std::size_t needed = 0;  // the first of `nodes`: shown by the plan
 };
 WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most);
 

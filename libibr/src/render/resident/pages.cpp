@@ -13,7 +13,7 @@ VkExtent2D levelExtent(VkExtent2D extent, std::uint32_t level) noexcept {
   return {std::max(1u, extent.width >> level), std::max(1u, extent.height >> level)};
 }
 
-// Calls visit(first, count) for the photographs of each page, by their place in the class.
+// Calls visit(first, count) for the photographs of each texture array, by their index in the class.
 template <class Visit>
 void forPages(const Device& device, const PageClass& pageClass, Visit visit) {
   const std::uint32_t most = layersWithin(device, pageClass, kLargestPageBytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages: array images whose layers are photographs of one size and format.
+// Texture arrays (pages): array images with photographs of one size and format as layers.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +14,23 @@ namespace ibr {
 
 VkFormat vulkanFormat(TextureFormat format) noexcept;
 
-/// Photographs that can share a page.
+/// Photographs that can share a texture array.
 struct PageClass {
   TextureFormat format = TextureFormat::rgba8;
-  VkExtent2D extent{0, 0};                // of the photographs as nodes have them
-  std::uint32_t firstLevel = 0;           // the level that is level 0 of the page
-  std::vector<std::uint32_t> nodes = {};  // in their order
+  VkExtent2D extent{0, 0};                // of the photographs' nodes
+  std::uint32_t firstLevel = 0;           // the photographs' level that becomes level 0 of the array
+  std::vector<std::uint32_t> nodes = {};  // ascending
 
-  std::uint32_t levels() const noexcept;  // of the page
+  std::uint32_t levels() const noexcept;  // of the array
   VkExtent2D pageExtent() const noexcept;
   std::uint64_t layerBytes() const noexcept;  // of all levels; a device may add alignment
   std::string text() const;                   // "photographs 4000x3000 as bc1"
 };
 
-/// With `layers` layers.
+/// Returns the image parameters of a texture array with `layers` layers.
 GpuImageInfo pageInfo(const PageClass& pageClass, std::uint32_t layers) noexcept;
 
-/// Layers of a page of at most `bytes`: at least 1, at most what the device can have and there are photographs.
+/// Returns the number of layers that fit into `bytes`: at least 1, at most the device's limit and the number of nodes.
 std::uint32_t layersWithin(const Device& device, const PageClass& pageClass, std::uint64_t bytes);
 
 inline constexpr std::uint64_t kLargestPageBytes = std::uint64_t(256) << 20;
@@ -39,14 +39,14 @@ struct PageSlot {
   std::uint32_t page = 0, layer = 0;
 };
 
-/// Pages for all photographs of the classes, filled in the nodes' order.
+/// Texture arrays for all photographs of the classes, filled in the nodes' order.
 class FixedPages {
  public:
   FixedPages() = default;
   /// `nodeCount`: of the scene. Throws Error (unsupported, outOfMemory).
   FixedPages(const Device& device, std::span<const PageClass> classes, std::size_t nodeCount);
 
-  /// What it would allocate.
+  /// Returns the memory that the constructor would allocate, bytes.
   static std::uint64_t bytes(const Device& device, std::span<const PageClass> classes);
 
   std::span<const GpuImage> pages() const noexcept { return pages_; }

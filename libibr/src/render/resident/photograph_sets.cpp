@@ -10,7 +10,7 @@ namespace ibr {
 namespace {
 
 constexpr std::uint32_t kSetsPerPool = 256;
-constexpr std::size_t kMostSets = 4096;  // beyond this, those of finished frames are used again
+constexpr std::size_t kMostSets = 4096;  // above this number, sets of finished frames are reused
 
 VkSamplerMipmapMode mipmapMode(const Device& device, TextureFilter filter) {
   const bool software = device.kind() == DeviceKind::software;

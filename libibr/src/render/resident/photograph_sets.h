@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Descriptor sets of cells: four texture slots, so that members may be in different pages and no sampler is ever
-// indexed.
+// Descriptor sets of cells: four texture slots, so that members may be in different texture arrays and no shader
+// indexes samplers.
 //
-// Cells whose members are in the same pages share a set. A set is never written while a frame may use it, so a change
-// of pages means another set.
+// Cells whose members are in the same texture arrays share a set. A set is never written while a frame may use the set;
+// members in other arrays need another set.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace ibr {
 
-/// Samples photographs as `filter` says; the row's ends follow `addressModeU`.
+/// Returns a sampler for photographs with this filter. `addressModeU`: horizontal addressing.
 SamplerHandle makePhotographSampler(const Device& device, TextureFilter filter, VkSamplerAddressMode addressModeU);
 
 class PhotographSets {
@@ -28,15 +28,15 @@ class PhotographSets {
 
   struct Slot {
     VkImageView view = VK_NULL_HANDLE;
-    bool wraps = false;  // from the right edge to the left, as a panorama does
+    bool wraps = false;  // from the right edge to the left, for panoramas
     auto operator<=>(const Slot&) const = default;
   };
   using Slots = std::array<Slot, shader::kMaxMembers>;
 
-  /// For use in this frame; 0: for as long as the pages last.
+  /// Returns the set of these slots for use in `frame`; 0: for as long as the texture arrays exist.
   VkDescriptorSet get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame);
 
-  /// The view goes; frames that used it have finished.
+  /// Drops sets that use the view, which is about to be destroyed. Frames that used it must have finished.
   void forget(VkImageView view);
 
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }

@@ -12,9 +12,9 @@
 namespace ibr {
 namespace {
 
-// Whatever a shader stage reads; nothing else ever uses a page.
+// Reads of texture arrays in all shader stages; nothing else uses the arrays.
 constexpr ImageUse kReadable{use::kSampled.layout, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT};
-constexpr VkDeviceSize kLeastRing = VkDeviceSize(1) << 20;  // several rows of any image
+constexpr VkDeviceSize kLeastRing = VkDeviceSize(1) << 20;  // room for several rows of any image
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void PhotographStream::record(VkCommandBuffer commandBuffer) const noexcept {
       const auto last = std::find_if(first, copies_.end(), [&](const Copy& copy) {
         return copy.image != first->image || copy.region.imageSubresource.baseArrayLayer != of.baseArrayLayer;
       });
-      const std::uint32_t low = std::prev(last)->region.imageSubresource.mipLevel;  // they go from small to large
+      const std::uint32_t low = std::prev(last)->region.imageSubresource.mipLevel;  // smallest levels come first
       transition(commandBuffer, first->image, from, to,
                  {of.aspectMask, low, of.mipLevel - low + 1, of.baseArrayLayer, 1});
       first = last;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies of textures into layers of pages, piece by piece through a staging ring, in the caller's command buffers.
+// Copies textures into layers of texture arrays, piece by piece through a staging ring, in a caller's command buffers.
 #pragma once
 
 #include <cstdint>
@@ -12,32 +12,32 @@
 
 namespace ibr {
 
-/// A page's layers are in use::kSampled before and after each frame's commands.
+/// Layers of a texture array are in use::kSampled before and after each frame's commands.
 class PhotographStream {
  public:
   PhotographStream() = default;
   PhotographStream(const Device& device, std::uint64_t stagingBytes);
 
-  /// With the number of the frame before: its commands were never submitted, and all of them are recorded again.
+  /// A repeated frame number means that the frame's commands were never submitted: all of them are recorded again.
   void begin(std::uint64_t frame, std::uint64_t completedFrame);
 
-  /// A new page, undefined so far.
+  /// Adds a new texture array in an undefined layout.
   void addPage(const GpuImage& page);
 
-  /// The levels of `texture`, the smallest first. One at a time: not before the last one is finished.
+  /// Starts a copy of all levels of `texture`, smallest first. Precondition: !busy().
   void start(const GpuImage& page, std::uint32_t layer, Texture texture);
   bool busy() const noexcept { return job_.has_value(); }
 
-  /// Copies what fits into the ring. True: the texture is finished, and there for the frame's draws.
+  /// Copies as much as fits into the ring. True: the texture is complete, and this frame's draws may use it.
   bool advance();
 
-  /// Records the frame's commands. Waits for earlier frames' reads on the same queue.
+  /// Records the frame's commands. Waits for reads of earlier frames on the same queue.
   void record(VkCommandBuffer commandBuffer) const noexcept;
 
-  /// The same without barriers, for pages that nobody reads yet: their layers are in use::kTransferDestination.
+  /// As record(), without barriers, for arrays that are not read yet: their layers are in use::kTransferDestination.
   void recordCopies(VkCommandBuffer commandBuffer) const noexcept;
 
-  std::uint64_t frameBytes() const noexcept { return frameBytes_; }  // copied since `begin`
+  std::uint64_t frameBytes() const noexcept { return frameBytes_; }  // copied since begin()
 
  private:
   struct Job {
@@ -45,8 +45,8 @@ class PhotographStream {
     VkFormat format;
     std::uint32_t layer;
     Texture texture;
-    std::size_t level;  // the next one
-    std::uint32_t row;  // of blocks
+    std::size_t level;  // the next level to copy
+    std::uint32_t row;  // the next row of blocks
   };
   struct Copy {
     VkImage image;
@@ -57,7 +57,7 @@ class PhotographStream {
   std::optional<Job> job_;
   std::uint64_t frame_ = 0, frameBytes_ = 0;
   std::vector<VkImage> newPages_;  // of the frame
-  std::vector<Copy> copies_;       // likewise; those of a layer one after another
+  std::vector<Copy> copies_;       // of the frame; copies into one layer are consecutive
 };
 
 }  // namespace ibr

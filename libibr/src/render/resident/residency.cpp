@@ -34,7 +34,7 @@ std::optional<Residency::Step> Residency::next() {
   for (; cursor_ < wanted_.size(); ++cursor_) {
     const std::uint32_t p = wanted_[cursor_];
     Photograph& urgent = photographs_[p];
-    if (urgent.state == State::leaving && urgent.claimedFrame < frame_) urgent.state = State::here;  // nobody insists
+    if (urgent.state == State::leaving && urgent.claimedFrame < frame_) urgent.state = State::here;  // claim has lapsed
     if (urgent.classIndex == kNone || urgent.state != State::away) continue;
     for (std::uint32_t page = 0; page < pages_.size(); ++page) {
       if (pages_[page].classIndex != urgent.classIndex) continue;
@@ -58,7 +58,7 @@ std::optional<Residency::Step> Residency::next() {
       return Step{.kind = Step::Kind::freePage, .page = found};
     }
     urgent.refused = victim == Room::none && freed == Room::none;
-    if (cursor_ >= needed_) break;  // what is less urgent finds no room either, or waits
+    if (cursor_ >= needed_) break;  // less urgent photographs find no room either, or wait
   }
   cursor_ = wanted_.size();
   return std::nullopt;
@@ -82,8 +82,8 @@ Residency::Step Residency::makePage(std::uint32_t classIndex) {
   return {.kind = Step::Kind::makePage, .page = page, .photographClass = classIndex};
 }
 
-// The least urgent one of the same class; among equals the one that was not shown for longest. One whose frames have
-// finished is preferred.
+// The least urgent photograph of the same class; among equals, the one not shown for the longest time. Photographs
+// that no frame in flight uses are preferred.
 Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& victim) {
   std::uint32_t idle = kNone, busy = kNone;
   const auto worth = [&](std::uint32_t p) { return std::tuple(~photographs_[p].rank, photographs_[p].lastFrame, p); };
@@ -103,9 +103,9 @@ Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& v
   return Room::claimed;
 }
 
-// The one that was not used for longest. None is freed in vain, without room for the page that is to come.
+// The page not used for the longest time. Frees a page only if enough pages can be freed for the new page.
 Residency::Room Residency::findPageToFree(const Photograph& urgent, std::uint32_t& best) {
-  std::uint64_t now = 0, later = 0;  // bytes that could be freed
+  std::uint64_t now = 0, later = 0;  // bytes that can be freed at once, and when frames have finished
   std::vector<std::uint32_t> busy;
   best = kNone;
   for (std::uint32_t page = 0; page < pages_.size(); ++page) {
@@ -163,7 +163,7 @@ void Residency::arrived(std::uint32_t photograph) {
 }
 
 void Residency::failed(std::uint32_t photograph) {
-  pages_[photographs_[photograph].page].lastFrame = frame_;  // some of its commands may be recorded
+  pages_[photographs_[photograph].page].lastFrame = frame_;  // the frame may contain some of its commands
   remove(photograph);
   photographs_[photograph].state = State::failed;
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which photographs are on the device at full size, under a hard budget of bytes (ARCHITECTURE §4, "Residency").
-// Decides only; who owns it allocates, loads and frees as it is told.
+// Decides which photographs are on the device at full size, under a hard budget of bytes. The owner allocates, loads
+// and frees texture arrays as decided here.
 //
-// Memory comes in pages, each for some photographs of one class (size and format). A frame hands in a list of wanted
-// photographs, the most urgent first. For each one that is away, in order, a layer is found:
+// Memory is allocated in pages: texture arrays for photographs of one class (size and format). Each frame passes a list
+// of wanted photographs, most urgent first. Each one that is not resident gets a layer, in this order:
 //
-//   a free one in a page of its class; else in a new page, if the budget has room;
-//   else that of the least urgent photograph of its class, if it is less urgent and no frame uses it any more;
-//   else in a new page, after pages of other classes, with nothing but less urgent photographs, are freed
+//   a free layer in a page of its class; else a new page, if the budget has room;
+//   else the layer of the least urgent photograph of its class, if it is less urgent and no frame in flight uses it;
+//   else a new page, after freeing pages of other classes that hold only less urgent photographs
 //
-// Where only frames in flight stand in the way, the less urgent photograph leaves: further frames do without it, so
-// that the place is free some frames later.
+// If only frames in flight prevent this, the less urgent photograph starts to leave: further frames do not use it, and
+// its layer becomes free a few frames later.
 #pragma once
 
 #include <cstdint>
@@ -30,40 +30,40 @@ class Residency {
   };
 
   Residency() = default;
-  /// `classOf` has an entry a photograph; kNone: it is never asked for here.
+  /// `classOf`: the class of each photograph; kNone: never streamed.
   Residency(std::vector<Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budgetBytes);
 
-  /// Frames are numbered from 1 and come in order, or again where the last one was never submitted. No photograph is
-  /// twice in `wanted`; the first `needed` of them are what the frame shows.
+  /// Frames are numbered from 1, ascending; a number repeats if the last frame was never submitted. `wanted` has no
+  /// duplicates; the frame shows the first `needed` of them. All frames up to `completed` have finished.
   void begin(std::span<const std::uint32_t> wanted, std::size_t needed, std::uint64_t frame, std::uint64_t completed);
 
   struct Step {
     enum class Kind { freePage, makePage, load } kind;
-    std::uint32_t page = kNone;                       // number of the page; those of freed ones are given out again
-    std::uint32_t photographClass = kNone;            // makePage
-    std::uint32_t photograph = kNone, layer = kNone;  // load; until `arrived` it is not there
+    std::uint32_t page = kNone;                       // number of the page; numbers of freed pages are reused
+    std::uint32_t photographClass = kNone;            // for makePage
+    std::uint32_t photograph = kNone, layer = kNone;  // for load; not resident until arrived() is called
   };
-  /// What is to be done next, in this order; nothing: no more in this frame. A load may last for several frames, and
-  /// further ones may be begun meanwhile.
+  /// Returns the next step; nullopt: none in this frame. Steps must be done in order. A load may last several frames;
+  /// further loads may start meanwhile.
   std::optional<Step> next();
-  /// A page could not be made: the budget is from now on what is used.
+  /// The page could not be allocated: lowers the budget to the current use.
   void pageRefused(std::uint32_t page);
   void arrived(std::uint32_t photograph);  // its commands are recorded
-  void failed(std::uint32_t photograph);   // while loading; it is not tried again
+  void failed(std::uint32_t photograph);   // while loading; not tried again
 
   struct Seat {
     std::uint32_t page = kNone, layer = kNone;
   };
-  /// nullopt while it is not there, or is leaving.
+  /// Returns nullopt while the photograph is not resident, or is leaving.
   std::optional<Seat> seat(std::uint32_t photograph) const;
 
   struct Counts {
-    std::uint32_t needed = 0;       // photographs of the frame, whether streamed or not
-    std::uint32_t waiting = 0;      // of them: on their way, or will be when frames have finished
-    std::uint32_t withoutRoom = 0;  // of them: the budget holds too little
+    std::uint32_t needed = 0;       // photographs that the frame shows, streamed or not
+    std::uint32_t waiting = 0;      // of these: loading, or waiting for frames in flight
+    std::uint32_t withoutRoom = 0;  // of these: the budget is too small
     std::uint32_t failed = 0;
   };
-  /// Ends the frame: what it needs and is there is in use until the frame has finished.
+  /// Ends the frame: its resident photographs are in use until the frame has finished.
   Counts end();
 
   std::uint64_t pageBytes() const noexcept { return usedBytes_; }
@@ -74,17 +74,17 @@ class Residency {
     std::uint32_t classIndex = kNone;
     State state = State::away;
     std::uint32_t page = kNone, layer = kNone;
-    std::uint32_t rank = kNone;      // in this frame's list
-    std::uint64_t lastFrame = 0;     // that shows it
-    std::uint64_t claimedFrame = 0;  // in which its place was last claimed, to be taken when it is free
-    bool refused = false;            // in this frame
+    std::uint32_t rank = kNone;      // index in this frame's list
+    std::uint64_t lastFrame = 0;     // last frame that shows the photograph
+    std::uint64_t claimedFrame = 0;  // last frame in which a more urgent photograph claimed its layer
+    bool refused = false;            // in this frame: no room
   };
   struct Page {
-    std::uint32_t classIndex = kNone;  // kNone: does not exist
+    std::uint32_t classIndex = kNone;  // kNone: the page does not exist
     std::uint64_t lastFrame = 0;
     std::vector<std::uint32_t> layers;  // photographs; kNone: free
   };
-  enum class Room { none, claimed, found };  // claimed: there will be, when frames have finished
+  enum class Room { none, claimed, found };  // claimed: room when frames in flight have finished
 
   Step load(std::uint32_t photograph, std::uint32_t page, std::uint32_t layer);
   Step makePage(std::uint32_t classIndex);

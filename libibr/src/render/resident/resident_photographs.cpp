@@ -15,10 +15,10 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kStandInSide = 64;       // px, at most
-constexpr std::uint64_t kStandInShare = 4;       // of the budget they take at most one part in so many
+constexpr std::uint32_t kStandInSide = 64;       // largest size, px
+constexpr std::uint64_t kStandInShare = 4;       // inverse of their largest share of the budget
 constexpr std::uint64_t kLeastPhotographs = 16;  // a budget should hold so many at the size they are streamed at
-constexpr std::uint64_t kPagesInBudget = 16;     // at least, so that memory can go from one class to another
+constexpr std::uint64_t kPagesInBudget = 16;     // minimum number, so that memory can move between classes
 
 template <class... Arguments>
 void say(const LogCallback& log, LogLevel level, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -39,7 +39,7 @@ std::uint64_t totalBytes(std::span<const PageClass> classes) {
   return bytes;
 }
 
-// By format and size. The smallest level tells a photograph's format.
+// Groups the nodes by format and size. The smallest level is enough to find a photograph's format.
 std::vector<PageClass> classify(const Device& device, const Scene& scene, const TextureSource& source,
                                 const std::vector<std::uint32_t>& nodes) {
   std::map<std::tuple<int, int, TextureFormat>, PageClass> classes;
@@ -74,24 +74,24 @@ void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uin
   const bool software = device.kind() == DeviceKind::software;
   const bool budgeted = options.budgetBytes > 0;
   const bool fits = after <= largestHeap(device) / 2 && (!budgeted || after + meshBytes <= options.budgetBytes);
-  // A software device takes so long for BC7 that fewer photographs at a time are the lesser evil.
+  // A software device is so slow with BC7 that RGBA8 is better, even if fewer photographs are resident.
   const auto faster = [&](TextureFormat format) {
     return software && (fits || (budgeted && format == TextureFormat::bc7));
   };
   for (std::size_t c = 0; c < classes.size(); ++c)
-    if (!device.samplesBlocks() || options.blocks == BlockTextures::decode ||
+    if (!device.supportsBlockCompression() || options.blocks == BlockTextures::decode ||
         (options.blocks == BlockTextures::automatic && faster(classes[c].format)))
       classes[c].format = TextureFormat::rgba8;
   if (totalBytes(classes) == before) return;
-  say(options.log, device.samplesBlocks() ? LogLevel::info : LogLevel::warning,
+  say(options.log, device.supportsBlockCompression() ? LogLevel::info : LogLevel::warning,
       "textures are decoded to RGBA8, {:.1f} MB instead of {:.1f} MB: {} {}", megabytes(totalBytes(classes)),
       megabytes(before), device.name(),
-      !device.samplesBlocks()                   ? "cannot sample blocks"
+      !device.supportsBlockCompression()        ? "cannot sample blocks"
       : options.blocks == BlockTextures::decode ? "is asked to"
                                                 : "samples it faster");
 }
 
-// The same photographs, but no larger than `side`.
+// Returns the classes with photographs of at most `side` px.
 std::vector<PageClass> reduced(std::vector<PageClass> classes, std::uint32_t side) {
   for (PageClass& pageClass : classes)
     while (std::max(pageClass.pageExtent().width, pageClass.pageExtent().height) > side) ++pageClass.firstLevel;
@@ -110,7 +110,7 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
       budget_(options.budgetBytes),
       meshBytes_(meshBytes) {
   decodeBlocks(device, options, meshBytes, classes_);
-  // The sum alone rules most cases out, and asks for nothing that the device could not have.
+  // The sum alone decides most cases, and requests no image that the device cannot have.
   streams_ = budget_ > 0 &&
              (meshBytes + totalBytes(classes_) > budget_ || meshBytes + FixedPages::bytes(device, classes_) > budget_);
   if (streams_) {
@@ -191,7 +191,7 @@ Texture Photographs::load(std::uint32_t node, const PageClass& pageClass) const 
   return texture;
 }
 
-// One barrier a page before and one after, however many layers: a scene may have 10,000 photographs.
+// One barrier per texture array before and after, for any number of layers: a scene may have 10,000 photographs.
 void Photographs::fill(std::span<const PageClass> classes, std::uint64_t stagingBytes) {
   if (fixed_.pages().empty()) return;
   Submission submission(*device_);

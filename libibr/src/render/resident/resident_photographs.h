@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photographs of a scene on the device: all of them, or under a budget those that frames need (ibr/gpu_scene.h).
+// The photographs of a scene on the device: all, or under a budget those that frames need (ibr/gpu_scene.h).
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace ibr {
 
 class Photographs {
  public:
-  /// `nodes`: those that are shown, in order; `meshBytes`: how much of the budget is taken. Device and scene must
-  /// outlive it. Submits uploads and waits.
+  /// `nodes`: shown nodes, ascending. `meshBytes`: part of the budget that meshes use. Device and scene must outlive
+  /// this object. Submits uploads and waits.
   Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
               const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes);
 
-  /// Where a photograph is to be sampled now.
+  /// Texture array and layer that currently hold a photograph or its stand-in.
   struct Sampled {
     VkImageView view;
     std::uint32_t layer;
@@ -31,13 +31,13 @@ class Photographs {
   bool streams() const noexcept { return streams_; }
   std::uint64_t allocatedBytes() const noexcept;
 
-  /// As GpuScene::stream, for nodes by urgency, the first `needed` of which are shown. `leaving` is called before a
-  /// page goes. Precondition: streams().
+  /// As GpuScene::stream. `wanted`: nodes by urgency; the frame shows the first `needed`. Calls `leaving` before a
+  /// texture array is destroyed. Precondition: streams().
   GpuScene::Streamed stream(VkCommandBuffer commandBuffer, std::span<const std::uint32_t> wanted, std::size_t needed,
                             std::uint64_t frame, std::uint64_t completedFrame,
                             const std::function<void(VkImageView)>& leaving);
 
-  /// How many photographs the budget could hold at most: more need not be wanted.
+  /// Returns an upper bound of the photographs that the budget can hold: longer lists of wanted nodes are useless.
   std::size_t mostResident() const noexcept { return mostResident_; }
 
  private:
@@ -54,13 +54,13 @@ class Photographs {
   TextureSource source_;
   LogCallback log_;
   std::vector<PageClass> classes_;
-  FixedPages fixed_;  // of all photographs, or of their stand-ins
+  FixedPages fixed_;  // arrays of all photographs, or of their stand-ins
 
   bool streams_ = false;
   std::uint64_t budget_ = 0, meshBytes_ = 0;
-  std::vector<std::uint32_t> classOf_;     // of a node; Residency::kNone: not streamed, its stand-in is all of it
+  std::vector<std::uint32_t> classOf_;     // of a node; Residency::kNone: not streamed, the stand-in has full size
   std::vector<std::uint32_t> pageLayers_;  // of a class
-  std::vector<GpuImage> pages_;            // as Residency numbers them
+  std::vector<GpuImage> pages_;            // with the numbers of Residency
   Residency residency_;
   PhotographStream stream_;
   std::uint32_t loading_ = Residency::kNone;  // node

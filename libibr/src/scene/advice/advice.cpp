@@ -22,17 +22,17 @@ namespace ibr {
 namespace {
 
 constexpr double kWide = 0.75;        // estimated share shown between neighbours below which they are too far apart
-constexpr double kDirection = 0.85;   // likewise at a place, of what a neighbour's look shows
-constexpr double kGoodShift = 0.2;    // of a step, in distances of what is seen: about 0.77 is shown halfway
-constexpr double kTwice = 0.05;       // radians between two looks from one place
-constexpr double kFewMatched = 0.25;  // share of a photograph that agrees with others, and …
-constexpr double kFewerThan = 0.4;    // … that share of its neighbours' median
-constexpr double kResidual = 0.003;   // of the longest side: poses are wrong, if …
-constexpr double kWorseThan = 2.5;    // … that many times the median of all cells
+constexpr double kDirection = 0.85;   // likewise at a capture site, for a neighbour's viewing direction
+constexpr double kGoodShift = 0.2;    // of a step, in distances of the subject: about 0.77 is shown halfway
+constexpr double kTwice = 0.05;       // radians between two viewing directions at one site
+constexpr double kFewMatched = 0.25;  // share of a photograph that matches others, and …
+constexpr double kFewerThan = 0.4;    // … times the median share of its neighbours
+constexpr double kResidual = 0.003;   // of the longest side: poses are inaccurate, if …
+constexpr double kWorseThan = 2.5;    // … above this many times the median of all cells
 constexpr double kStops = 1.0;        // of exposure, from the median of its neighbours
 constexpr double kTurnLess = 30;      // degrees from one photograph to the next
 constexpr double kLeastGain = 0.02;   // of a further photograph, at one stand
-const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // of linear sRGB
+const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // weights for linear sRGB
 constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 int percent(double share) {
@@ -86,10 +86,10 @@ class Adviser {
 
  private:
   struct WayRemedy {
-    std::size_t advice;  // in result_, before it is sorted
+    std::size_t advice;  // index in result_, before sorting
     const Way* way;
     std::uint32_t i, j;  // photographs at its ends
-    std::size_t more;    // to take between them
+    std::size_t more;    // number to take between them
   };
 
   const std::string& name(std::uint32_t node) const { return scene_.nodes[node].name; }
@@ -100,7 +100,7 @@ class Adviser {
     result_.advice.push_back({kind, severity, std::move(sentence), std::move(remedy), std::move(nodes), figure});
   }
 
-  // Within a kind the worst first: the least share, or the most stops and pixels.
+  // Sorts each kind from the worst: the smallest share, or the most stops or pixels.
   void sort() {
     const auto worst = [](const Advice& a) {
       if (std::isnan(a.figure)) return 0.0;
@@ -189,7 +189,7 @@ class Adviser {
     return best;
   }
 
-  // The photographs of two places that look most alike.
+  // The photographs of two capture sites with the most similar viewing directions.
   std::pair<std::uint32_t, std::uint32_t> mostAlike(const CaptureSite& a, const CaptureSite& b, double& angle) const {
     std::pair<std::uint32_t, std::uint32_t> best{a.nodes[0], b.nodes[0]};
     double most = -2;
@@ -234,7 +234,7 @@ class Adviser {
     }
   }
 
-  // Where one or two more are enough, the remedy is what is chosen between them: the estimate may like thirds better.
+  // Up to two: the remedy repeats the chosen next-best views, since the estimate may prefer thirds of the way.
   void agree(const WayRemedy& remedy) {
     const glm::dvec3 from = places_.places[remedy.way->a].position,
                      along = places_.places[remedy.way->b].position - from;
@@ -257,7 +257,7 @@ class Adviser {
                          name(*sixths.begin() < 3 ? remedy.i : remedy.j));
   }
 
-  // At each place: what its neighbours show and it does not.
+  // At each capture site: viewing directions of neighbours that the site lacks.
   void directions() {
     for (std::size_t s = 0; s < walk_.standCount(); ++s) {
       const auto here = walk_.stand(s).place;
@@ -294,7 +294,7 @@ class Adviser {
         }
   }
 
-  // By the gains that make photographs alike: what was stored, not what is shown.
+  // Judges the gains that make photographs alike: stored data, not displayed colours.
   void exposures() {
     const auto stops = [&](std::uint32_t n) { return -std::log2(glm::dot(scene_.nodes[n].gain, kLuminance)); };
     for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
@@ -378,7 +378,7 @@ class Adviser {
         if (scene_.nodes[n].name == photo.name) nodes.push_back(n);
       put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoFigure,
           fmt::format("{} is not used: {}.", photo.name, photo.reason),
-          // Files that are not read say themselves what to do.
+          // Reasons of unreadable files include the remedy.
           nodes.empty() && photo.reason != kNotRegistered
               ? ""
               : "Take it again nearer to the others, with two thirds of its picture in the next.");
@@ -390,8 +390,8 @@ class Adviser {
   const Places places_;
   WalkEstimate walk_;
   std::vector<bool> used_;
-  const std::vector<std::vector<std::uint32_t>> mates_;  // of each node those that share a cell with it
-  std::vector<std::uint32_t> part_;                      // of each place
+  const std::vector<std::vector<std::uint32_t>> mates_;  // nodes that share a cell with each node
+  std::vector<std::uint32_t> part_;                      // of each capture site
   std::vector<WayRemedy> remedies_;
   CaptureAdvice result_;
 };

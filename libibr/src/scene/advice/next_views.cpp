@@ -13,10 +13,10 @@
 namespace ibr {
 namespace {
 
-constexpr double kAlike = 1.05;     // radians between two looks up to which there is one between them
-constexpr double kSameWay = 0.35;   // radians between two looks that count as one
-constexpr double kSamePlace = 0.2;  // of a step: there a further photograph with the same look adds nothing
-constexpr double kTaken = 0.5;      // of a step: a grid has a corner here
+constexpr double kAlike = 1.05;     // radians; directions closer than this get a candidate in the middle
+constexpr double kSameWay = 0.35;   // radians; two viewing directions within this count as one
+constexpr double kSamePlace = 0.2;  // of a step; within it a photograph of the same direction adds nothing
+constexpr double kTaken = 0.5;      // of a step; the grid already has a corner within it
 
 struct Candidate {
   Camera camera;
@@ -24,7 +24,7 @@ struct Candidate {
   std::string where;
 };
 
-// Of two orientations: how far they turn, whichever sign their quaternions have.
+// Angle between two orientations, radians, whatever the signs of their quaternions.
 double turn(glm::dquat a, glm::dquat b) {
   return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b))));
 }
@@ -119,7 +119,7 @@ class Candidates {
     }
   }
 
-  // As the one who took it would say.
+  // Names a side from the photographer's point of view.
   std::string sideOf(glm::dvec3 step, std::uint32_t node, bool first) const {
     const glm::dvec3 own = glm::conjugate(pose(node).rotation) * step;
     if (std::abs(own.x) >= std::max(std::abs(own.y), std::abs(own.z)))
@@ -144,7 +144,7 @@ std::vector<NextView> nextViews(const Scene& scene, const Places& places, WalkEs
                                 double leastGain) {
   if (places.places.size() < 2) return {};
   const std::vector<Candidate> candidates = Candidates(scene, places).take();
-  // Gains only fall while photographs are added: the first whose gain is of now is the best (Minoux 1978).
+  // Gains only fall while photographs are added: the first candidate with a current gain is the best (Minoux 1978).
   struct Promise {
     double gain;
     std::size_t candidate, round;

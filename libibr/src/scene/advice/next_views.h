@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which photographs to take next: greedily, those that add most to a walk's estimate.
+// Chooses the next-best views: greedily, the photographs that add most to a walk's estimate.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace ibr {
 
-/// At most `count`, best first; each is counted as taken in `walk`. Candidates are turned and zoomed as photographs
-/// that there are:
-///   between neighbours, halfway and by thirds; at a place, as a neighbour looks; at the corners that a grid lacks;
-///   beside a row.
-/// None whose gain is below `leastGain` (of one stand), and none where another one or a photograph looks the same way.
+/// Returns at most `count` views, best first; each is added to `walk`. Candidates have orientation and zoom of existing
+/// photographs:
+///   between neighbours, halfway and by thirds; at a capture site, in a neighbour's direction; at missing corners of
+///   a grid; beside a row.
+/// Skips views with a gain below `leastGain` (of one stand), and views close to a photograph or view in direction.
 std::vector<NextView> nextViews(const Scene& scene, const Places& places, WalkEstimate& walk, std::size_t count,
                                 double leastGain);
 

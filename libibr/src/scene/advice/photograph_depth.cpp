@@ -17,8 +17,8 @@ double percentile(std::vector<float> values, double share) {
   return *at;
 }
 
-// Calls `hit(cell, inverse distance)` for each of the grid's middles that a triangle covers in a member's picture. One
-// that is wider than half of a panorama goes around behind the camera and is left out.
+// Calls `hit(cell, inverse distance)` for each of the grid's cell centres that a triangle covers in a member's image.
+// Triangles wider than half a panorama wrap around behind the camera and are skipped.
 template <class Hit>
 void rasterise(const MorphMesh& mesh, std::size_t member, std::size_t triangleCount, const Intrinsics& k,
                const PhotographDepth& grid, const Hit& hit) {

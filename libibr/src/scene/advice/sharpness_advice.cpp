@@ -14,7 +14,7 @@
 namespace ibr {
 namespace {
 
-constexpr int kSide = 1600;     // px, the longer side at most
+constexpr int kSide = 1600;     // px, maximum of the longer side
 constexpr double kBlur = 0.35;  // of the median of its neighbours, and of all
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which photographs are soft beside their neighbours.
+// Finds photographs that are soft compared with their neighbours.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace ibr {
 
-/// Looks at the textures of the scene's folder, at 1600 px or less (image/sharpness.h); nodes whose texture cannot be
-/// read are passed over, as are all of a scene without a folder. `mates`: for each node those that share a cell with
-/// it.
+/// Reads the textures in the scene's folder, at 1600 px or less (image/sharpness.h). Skips nodes whose
+/// texture cannot be read, and scenes without a folder. `mates`: for each node the nodes that share a cell
+/// with it.
 std::vector<Advice> sharpnessAdvice(const Scene& scene, const std::vector<std::vector<std::uint32_t>>& mates);
 
 }  // namespace ibr

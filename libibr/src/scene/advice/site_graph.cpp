@@ -49,7 +49,7 @@ std::vector<std::uint32_t> rootsOf(const Scene& scene, const std::vector<Photogr
   return root;
 }
 
-// The nearest few of each place: most pairs that have one between them have it there.
+// The nearest few sites of each site, for a fast test: a site between two others is usually among these.
 std::vector<std::vector<std::uint32_t>> nearestOf(const std::vector<CaptureSite>& places) {
   constexpr std::size_t kFew = 12;
   std::vector<std::vector<std::uint32_t>> nearest(places.size());

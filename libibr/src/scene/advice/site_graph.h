@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The places that photographs were taken from, and which of them are neighbours.
+// Capture sites of the photographs, and their neighbours.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 namespace ibr {
 
 struct CaptureSite {
-  glm::dvec3 position{0.0};           // the mean of its photographs'
+  glm::dvec3 position{0.0};           // mean of its photographs' positions
   std::vector<std::uint32_t> nodes;   // ascending by name
-  std::vector<std::uint32_t> beside;  // places, ascending: relative neighbours
+  std::vector<std::uint32_t> beside;  // sites, ascending: relative neighbours
 };
 
-/// From one place to a neighbour: no third place is nearer to both than they are to each other (Toussaint 1980). All
-/// places are connected by such ways.
+/// Connection of a site to a neighbour: no third site is nearer to both than they are to each other (Toussaint 1980).
+/// These connections link all sites.
 struct Way {
-  std::uint32_t a, b;  // places, a < b
+  std::uint32_t a, b;  // sites, a < b
   double length;       // world units
   bool joined;         // a cell has photographs of both
 };
@@ -29,12 +29,12 @@ struct Places {
   std::vector<CaptureSite> places;
   std::vector<Way> ways;
   std::vector<std::uint32_t> placeOf;  // of each node
-  double step = 0;                     // median length of a way; 0 where there is none
-  bool row = false;                    // no cell spans more than a line: one walks along, never aside
+  double step = 0;                     // median length of a way; 0 if there is none
+  bool row = false;                    // no cell spans more than a line: a path along it, never aside
 };
 
-/// Photographs stand at one place where near things (the median of PhotographDepth::near) would shift by less than
-/// 0.003 radians from one to the next. Neither the order of nodes nor the world's position, rotation or scale matter.
+/// Photographs share a site if near objects (at median PhotographDepth::near) shift by less than 0.003 radians between
+/// them. Independent of the nodes' order and of the world's position, rotation and scale.
 Places findPlaces(const Scene& scene, const std::vector<PhotographDepth>& depths);
 
 }  // namespace ibr

@@ -11,17 +11,17 @@
 namespace ibr {
 namespace {
 
-constexpr double kAngle = 0.375;     // radians at which a share of 1/e is shown well: fitted to the coverage of cells
-constexpr double kMostAngle = 0.8;   // beyond it a thing is another thing, seen from there: not looked for
-constexpr double kNearer = 1.4;      // a photograph does not see what lies so much further than what it does see
-constexpr double kCorner = 0.5;      // weight of a stand outside of what was photographed
-constexpr double kAside = 0.1;       // likewise, beside a row
-constexpr double kSquare = 0.35;     // |cos| below which two ways from a place go to corners of a grid
-constexpr double kAhead = 0.5;       // sine of the angle between row and view below which one looks along the row
+constexpr double kAngle = 0.375;     // radians; the shown share falls by 1/e: fitted to the coverage of cells
+constexpr double kMostAngle = 0.8;   // radians; nothing counts as shown beyond it
+constexpr double kNearer = 1.4;      // ratio of distances; farther points are hidden in a photograph
+constexpr double kCorner = 0.5;      // weight of a stand outside the photographed area
+constexpr double kAside = 0.1;       // weight of a stand beside a row
+constexpr double kSquare = 0.35;     // |cos| below which two ways from a site lead to corners of a grid
+constexpr double kAhead = 0.5;       // sine of the angle between row and view below which the view is along the row
 constexpr int kMostStands = 4;       // along one way
-constexpr double kLeastPoints = 20;  // of a photograph, that say how well it is shown
+constexpr double kLeastPoints = 20;  // of a photograph, for an estimate of its share
 constexpr int kStride = 2;           // of the depth grid's cells, along both sides
-constexpr std::size_t kMostPlaces = 600;  // with stands of their own: of more, evenly chosen ones
+constexpr std::size_t kMostPlaces = 600;  // with own stands; beyond this number, evenly chosen sites
 
 double angleBetween(glm::dvec3 a, glm::dvec3 b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
@@ -93,7 +93,7 @@ void WalkEstimate::placeStands() {
     for (const std::uint32_t p : list) middle += all[p].position / double(list.size());
     put(middle, list, 1);
   }
-  // Where a place and two of its neighbours make three corners of a square, the fourth.
+  // The fourth corner where a site and two of its neighbours form three corners of a square.
   std::vector<glm::dvec3> corners;
   for (std::uint32_t c = 0; c < all.size(); c += std::uint32_t(stride))
     for (std::size_t i = 0; i < all[c].beside.size(); ++i)
@@ -128,7 +128,7 @@ bool WalkEstimate::sees(std::uint32_t node, glm::dvec3 target, bool far) const {
   return !far && glm::length(ray) * inverse < kNearer;
 }
 
-// What its places' photographs see, if one looked the same way from here.
+// Points that the photographs of the stand's sites show, as seen from the stand.
 WalkEstimate::Known WalkEstimate::look(Stand stand) const {
   Known known{std::move(stand), {}};
   const glm::dvec3 at = known.stand.position;
@@ -215,7 +215,7 @@ double WalkEstimate::shownFrom(glm::dvec3 position, const std::vector<std::uint3
   return meanShown(look({position, places, 1, std::nullopt}).points);
 }
 
-// `visit(stand, point, shown)` for what the camera would show better than it is shown now.
+// Calls `visit(stand, point, shown)` for points that the camera shows better than the photographs so far.
 template <class Visit>
 void WalkEstimate::visitNear(const Camera& camera, const std::vector<std::uint32_t>& places, const Visit& visit) const {
   std::set<std::uint32_t> near;

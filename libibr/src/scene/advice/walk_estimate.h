@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well the photographs would show a walk between them, estimated from poses and distances, without drawing.
+// Estimates from poses and distances, without drawing, how well the photographs show a walk between them.
 //
-// A walk is a set of stands: the photographs' places, points between neighbours, the middles of cells, and corners that
-// a grid lacks, and beside a row that nothing leads aside from. From a stand one looks as the photographs around it
-// look; what they see (points of their depth grids) is shown as well as the photograph allows that sees it from the
-// nearest direction: f(α) = exp(−α / kAngle), α the angle at the point between stand and photograph. Fitted to the
-// coverage of 104 cells of five photograph sets, α that from the cell's middle at the middle distance: 0.65·f(α), with
-// a mean error of 0.09. The sum over stands is submodular in the set of photographs: taking the best further one again
-// and again comes within 1 − 1/e of the best set (Nemhauser et al. 1978).
+// A walk is a set of stands: the capture sites, points between neighbours, the middles of cells, missing corners of a
+// grid, and points beside a row that has no way aside. The viewing directions at a stand are those of the photographs
+// around it. A point of their depth grids counts as shown by the photograph with the nearest direction to the point:
+// f(α) = exp(−α / kAngle), with α the angle at the point between stand and photograph. Fitted to the coverage of 104
+// cells of five photograph sets, with α from the cell's middle at the middle distance: 0.65·f(α), mean error 0.09. The
+// sum over stands is submodular in the photographs, so a greedy choice is within 1 − 1/e of the best set (Nemhauser et
+// al. 1978).
 #pragma once
 
 #include <cstdint>
@@ -19,50 +19,50 @@
 
 namespace ibr {
 
-/// Share that is shown well of what lies at angle α, radians.
+/// Share that is shown well of a surface at angle α, radians.
 double shownAt(double angle);
 
-/// From a place of a row, a step to either side of it (or above and below, where one looks aside from the row).
+/// Positions one step to either side of a row's site (above and below, if the photographs look aside from the row).
 std::vector<glm::dvec3> besideRow(const Scene& scene, const Places& places, std::uint32_t place);
 
 struct Stand {
   glm::dvec3 position{0.0};
-  std::vector<std::uint32_t> places;  // that it lies among, ascending
+  std::vector<std::uint32_t> places;  // sites around the stand, ascending
   double weight = 1;
-  std::optional<std::uint32_t> place = std::nullopt;  // that it is
+  std::optional<std::uint32_t> place = std::nullopt;  // the site at the stand
 };
 
 class WalkEstimate {
  public:
-  /// All outlive the object.
+  /// The arguments must outlive the object.
   WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const Places& places);
 
   std::size_t standCount() const { return stands_.size(); }
   const Stand& stand(std::size_t s) const { return stands_[s].stand; }
-  /// 0 to 1; 1 where the stand sees nothing whose distance is known.
+  /// Shown share at a stand, 0 to 1; 1 if the stand sees nothing of known distance.
   double shown(std::size_t stand) const;
-  /// The mean over stands, weighted.
+  /// Weighted mean over the stands.
   double shown() const;
   struct Worst {
     std::uint32_t node;
     double shown;
   };
-  /// The photograph whose look is shown least from there, and how much of it; nullopt where the stand sees next to
-  /// nothing.
+  /// The photograph whose viewing direction is shown least at the stand, and its shown share; nullopt if the stand sees
+  /// next to nothing.
   std::optional<Worst> leastShown(std::size_t stand) const;
-  /// Of a point among some places, as if it were a stand.
+  /// Shown share at any position among some sites, as if a stand were there.
   double shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& places) const;
 
-  /// What a further photograph near some places would add to the sum of shown(stand) × weight.
+  /// Increase of the sum of shown(stand) × weight by a further photograph near some sites.
   double gain(const Camera& camera, const std::vector<std::uint32_t>& places) const;
-  /// Counts it as taken.
+  /// Adds the photograph.
   void add(const Camera& camera, const std::vector<std::uint32_t>& places);
 
  private:
   struct Point {
-    glm::dvec3 ray;      // from the stand to the point; a direction where it is at infinity
+    glm::dvec3 ray;      // from the stand to the point; a direction for points at infinity
     bool far;            // at infinity
-    std::uint32_t node;  // that sees it
+    std::uint32_t node;  // photograph that sees the point
     float shown;
   };
   struct Known {
@@ -81,7 +81,7 @@ class WalkEstimate {
   const std::vector<PhotographDepth>& depths_;
   const Places& places_;
   std::vector<Known> stands_;
-  std::vector<std::vector<std::uint32_t>> standsOf_;  // of each place
+  std::vector<std::vector<std::uint32_t>> standsOf_;  // of each site
 };
 
 }  // namespace ibr

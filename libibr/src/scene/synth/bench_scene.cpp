@@ -15,7 +15,7 @@
 namespace ibr {
 namespace {
 
-// [T] table 2: farmland, drone, path; living room, bistro.
+// Shapes of [T] table 2: farmland, drone, path; living room, bistro.
 constexpr std::array<BenchShape, 8> kShapes{{{"stitched-5", 5, 60, 47, false, false, 0.82},
                                              {"stitched-12", 12, 95, 71, false, false, 0.74},
                                              {"stitched-30", 30, 58, 45, false, false, 0.72},
@@ -27,11 +27,11 @@ constexpr std::array<BenchShape, 8> kShapes{{{"stitched-5", 5, 60, 47, false, fa
 
 constexpr double kRadius = 8;  // of the sphere, m
 constexpr std::array<glm::dvec3, 3> kSpots{{{-0.25, -0.12, 0.1}, {0.25, -0.12, 0.1}, {0, 0.3, -0.2}}};
-constexpr double kMargin = 0.07;  // of a photograph, outside of its mesh: another member may not see it
+constexpr double kMargin = 0.07;  // border share of a photograph without mesh, which another member may not see
 
-// Evenly spread over the unit square from the first point on, about its middle.
+// Low-discrepancy points in the unit square about its middle.
 glm::dvec2 spread(int i) {
-  constexpr double kA = 0.7548776662466927, kB = 0.5698402909980532;  // the plastic number's powers
+  constexpr double kA = 0.7548776662466927, kB = 0.5698402909980532;  // powers of the plastic number
   return {std::fmod(0.5 + kA * i, 1.0) - 0.5, std::fmod(0.5 + kB * i, 1.0) - 0.5};
 }
 
@@ -39,14 +39,14 @@ glm::dquat turned(glm::dvec2 yawPitch) {
   return glm::angleAxis(-yawPitch.x, glm::dvec3(0, 1, 0)) * glm::angleAxis(yawPitch.y, glm::dvec3(1, 0, 0));
 }
 
-// Direction from the sphere's middle to what is seen at a pixel.
+// Direction from the sphere's centre to the point on the sphere that a pixel shows.
 glm::dvec3 seenAt(const Camera& camera, glm::dvec2 pixel) {
   const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, pixel), c = camera.pose.position;
   const double along = glm::dot(c, ray);
   return (c + ray * (std::sqrt(along * along + kRadius * kRadius - glm::dot(c, c)) - along)) / kRadius;
 }
 
-// A tile of the pattern and its levels: noise of all lengths, with edges.
+// A tile of the pattern and its mip levels: noise of all wavelengths, with edges.
 class Pattern {
  public:
   static constexpr int kSize = 1024, kLevels = 11;
@@ -79,7 +79,7 @@ class Pattern {
   }
 
  private:
-  // Cells of kSize / 2^octave, smoothly joined.
+  // Adds smoothly interpolated noise with cells of kSize / 2^octave.
   static void addNoise(std::vector<float>& height, int octave) {
     const int count = 1 << octave, step = kSize >> octave;
     const auto corner = [&](int x, int y) {
@@ -111,14 +111,14 @@ const Pattern& pattern() {
   return kPattern;
 }
 
-// The pattern lies on the faces of a cube, seen from its middle; `texels` to half an edge.
+// The pattern lies on the faces of a cube around the origin; `texels`: number per half an edge.
 glm::u8vec4 patternIn(glm::vec3 d, int level, float texels) {
   const glm::vec3 size = glm::abs(d);
   const float largest = std::max({size.x, size.y, size.z});
   const glm::vec2 at =
       size.x == largest ? glm::vec2(d.y, d.z) : (size.y == largest ? glm::vec2(d.x, d.z) : glm::vec2(d.x, d.y));
   const float scale = texels / largest;
-  // + a multiple of the tile: truncation is then rounding down
+  // Adds a multiple of the tile, so that truncation rounds down.
   constexpr float kPositive = 8 * Pattern::kSize;
   return pattern().texel(level, int(at.x * scale + kPositive), int(at.y * scale + kPositive));
 }
@@ -127,12 +127,12 @@ Image8 photographed(const Camera& camera, int level, const std::array<std::uint8
   const Intrinsics& k = camera.intrinsics;
   const int width = std::max(1, k.width >> level), height = std::max(1, k.height >> level);
   Image8 image(width, height, 4);
-  // As many texels of the pattern's level as pixels.
+  // Uses as many texels of the pattern's level as pixels.
   const double focal = k.model == CameraModel::pinhole ? k.fx : k.width / (2 * std::numbers::pi);
   const int patternLevel = std::min(level, Pattern::kLevels - 1);
   const auto texels = float(std::ldexp(focal, -patternLevel));
   const glm::dvec2 scale(double(k.width) / width, double(k.height) / height);
-  constexpr int kBlock = 16;  // within it the sphere is flat
+  constexpr int kBlock = 16;  // px; the sphere counts as flat within a block
   for (int y0 = 0; y0 < height; y0 += kBlock)
     for (int x0 = 0; x0 < width; x0 += kBlock) {
       const int across = std::min(kBlock, width - x0), down = std::min(kBlock, height - y0);
@@ -176,7 +176,7 @@ void makeMesh(const BenchShape& shape, const Scene& scene, Cell& cell) {
   mesh.ratio.resize(kSpots.size());
   const Camera& first = scene.nodes[cell.members[0]].camera;
   const double pi = std::numbers::pi;
-  const int columns = shape.panoramas ? shape.columns : shape.columns + 1;  // of vertices: around a panorama they close
+  const int columns = shape.panoramas ? shape.columns : shape.columns + 1;  // vertices; a panorama's close around it
   for (int y = 0; y <= shape.rows; ++y)
     for (int x = 0; x < columns; ++x) {
       const glm::dvec2 at(double(x) / shape.columns, double(y) / shape.rows);
@@ -214,7 +214,7 @@ Scene makeBenchScene(const BenchShape& shape, double detail) {
   const auto scaled = [&](int size) { return std::max(16, int(std::lround(size * detail))); };
   const Intrinsics intrinsics = shape.panoramas ? Intrinsics{CameraModel::equirectangular, scaled(2048), scaled(1024)}
                                                 : pinholeFromFov(scaled(1280), scaled(960), shape.fovY);
-  // Widths of the view over which cells' axes spread.
+  // Range of the cells' viewing directions, in widths of the view.
   glm::dvec2 range = shape.stacked ? glm::dvec2(0.1, 0.1) : glm::dvec2(1.15, 0.62);
   if (shape.panoramas) range = {2 * std::numbers::pi, 0.3};
   Scene scene;

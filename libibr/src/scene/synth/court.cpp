@@ -15,17 +15,17 @@
 namespace ibr {
 namespace {
 
-// All in metres.
+// Lengths in metres.
 constexpr double kSpacing = 0.45;  // along the walk
-constexpr double kBack = 0.6;      // every other photograph is taken from this much further behind, and higher
+constexpr double kBack = 0.6;      // the back row is this much further behind, and higher
 constexpr double kDistance = 4;    // of the walk's front row from the wall
-constexpr double kPanel = 2;  // of a wall, about: side of a square with a texture of its own, and a board before it
+constexpr double kPanel = 2;       // about; side of a square of wall with its own texture and board
 constexpr double kWallHeight = 6, kEyes = 1.6;
 constexpr double kFovY = 0.9;                        // rad
-constexpr int kTracksAcross = 14, kTracksDown = 10;  // that each photograph begins
-constexpr std::uint32_t kReach = 12;                 // photographs before and after one that may see the same
+constexpr int kTracksAcross = 14, kTracksDown = 10;  // begun by each photograph
+constexpr std::uint32_t kReach = 12;                 // neighbours before and after that may see a track, too
 
-// A wall of the court seen from inside: where it begins, along it, and into the court.
+// A wall of the court seen from inside: its corner, its direction, and the direction into the court.
 struct Wall {
   glm::dvec3 corner, along, inward;
 };
@@ -47,7 +47,7 @@ double sideOf(int photographs) {
   return photographs * kSpacing / 4 + 2 * kDistance;
 }
 
-// In the front row. In a corner the walk turns from one wall to the next.
+// A pose in the front row. In a corner the walk turns from one wall to the next.
 Pose poseAt(double side, double at) {
   const double way = 4 * (at - std::floor(at));
   const auto walls = wallsOf(side);
@@ -58,7 +58,7 @@ Pose poseAt(double side, double at) {
   return {corner + along * (kDistance + inner * walked) + inward * kDistance + glm::dvec3(0, kEyes, 0), facing(look)};
 }
 
-// Whether it can be seen: of its circumscribed ball, by the half-space before a camera and the cone of its picture.
+// True if the plane's circumscribed sphere may be visible: tests the half-space and the cone of the camera.
 bool mayShow(const Camera& camera, const TexturedPlane& plane) {
   const Intrinsics& k = camera.intrinsics;
   const double radius = 0.5 * std::hypot(plane.extentU, plane.extentV);
@@ -78,7 +78,7 @@ SyntheticScene shownTo(const Court& court, const Camera& camera) {
   return scene;
 }
 
-// px of a camera where nothing stands before the point.
+// Pixel of the point, if nothing hides the point from the camera.
 std::optional<glm::dvec2> seenAt(const SyntheticScene& shown, const Camera& camera, glm::dvec3 point) {
   const glm::dvec3 to = point - camera.pose.position;
   const auto pixel = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * to);
@@ -143,7 +143,7 @@ std::vector<CourtTrack> tracksOf(const Court& court, std::uint64_t seed) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const Camera& camera = court.cameras[i];
     const double width = camera.intrinsics.width, height = camera.intrinsics.height;
-    std::vector<std::uint32_t> near;  // those that may see it, too
+    std::vector<std::uint32_t> near;  // cameras that may see the point, too
     for (std::uint32_t j = 0; j < count; ++j)
       if (const std::uint32_t apart = i < j ? j - i : i - j; std::min(apart, count - apart) <= kReach)
         near.push_back(j);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A triangle's number for each sample by a depth buffer, then its texture where the sample's ray meets its plane.
+// Finds each sample's triangle by a depth buffer, then samples its texture at the ray's intersection with its plane.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -24,7 +24,7 @@ double cross(glm::dvec2 a, glm::dvec2 b) {
   return a.x * b.y - a.y * b.x;
 }
 
-// `corner`: pixels of samples, and the inverse of the distance along the axis, which is linear in the picture.
+// `corner`: sample pixels, and the inverse distance along the axis, which is linear in screen space.
 void draw(const std::array<glm::dvec3, 3>& corner, std::uint32_t face, Samples& samples) {
   const glm::dvec2 a(corner[0]), b(corner[1]), c(corner[2]);
   const double area = cross(b - a, c - a);
@@ -66,7 +66,7 @@ Samples drawAll(const TexturedMesh& mesh, const Camera& camera, int samplesPerAx
   return samples;
 }
 
-// Where a ray meets a triangle's plane, in the texture.
+// Texture coordinates of a ray's intersection with a triangle's plane.
 glm::dvec2 textureAt(const TexturedMesh& mesh, std::uint32_t face, glm::dvec3 from, glm::dvec3 ray) {
   const glm::uvec3& t = mesh.mesh.triangles[face];
   const glm::dvec3 a = mesh.mesh.positions[t.x];

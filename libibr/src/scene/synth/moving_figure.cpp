@@ -16,7 +16,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 struct Part {
   glm::dvec3 low, high;  // at rest
-  glm::dvec3 joint;      // about which it swings
+  glm::dvec3 joint;      // pivot of the swing
   double swing;          // rad, about x
 };
 
@@ -38,7 +38,7 @@ glm::dvec3 moved(glm::dvec3 p, const Part& part, double phase) {
   return rotatedAbout(p, {0, 0, 0}, {0, 1, 0}, 0.4 * std::sin(kTurn * phase + 1.5));  // turned
 }
 
-// Six grids on one lattice, so that their borders are the same vertices.
+// Makes six grids on one lattice, so that they share the vertices of their borders.
 void addPart(TexturedMesh& figure, const Part& part, double phase, int divisions, std::uint64_t seed) {
   const glm::dvec3 size = part.high - part.low;
   const double step = std::max({size.x, size.y, size.z}) / divisions;
@@ -58,7 +58,7 @@ void addPart(TexturedMesh& figure, const Part& part, double phase, int divisions
     for (int side = 0; side < 2; ++side) {
       const int a = (axis + 1) % 3, b = (axis + 2) % 3;
       const auto texture = std::uint32_t(figure.textures.size());
-      // Several sizes, so that no part of it looks like another.
+      // Several wavelengths, so that no two regions look alike.
       for (std::uint32_t layer = 0; layer < figure.layers; ++layer)
         figure.textures.push_back({.seed = seed + texture + layer, .wavelength = 0.03 * std::pow(2.3, layer)});
       for (int j = 0; j < count[b]; ++j)
@@ -99,7 +99,7 @@ TriangleMesh inexactMesh(const TriangleMesh& mesh, double deviation, double phas
     const glm::dvec3 product = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
     for (int k = 0; k < 3; ++k) normals[t[k]] += product;
   }
-  // A sum of waves in space; each has the variance 1/2.
+  // A sum of waves in space, each with variance 1/2.
   struct Wave {
     glm::dvec3 k;
     double phase;

@@ -38,7 +38,7 @@ std::optional<Hit> firstHit(const std::vector<TexturedPlane>& planes, glm::dvec3
   return first;
 }
 
-// Where a camera's rays start: everywhere the same for a scene at infinity.
+// Origin of a camera's rays: the same for all cameras of a scene at infinity.
 glm::dvec3 rayOrigin(const SyntheticScene& scene, const Camera& camera) {
   return scene.centreOfInfinity.value_or(camera.pose.position);
 }
@@ -47,7 +47,7 @@ glm::dvec3 worldRay(const Camera& camera, glm::dvec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, pixel);
 }
 
-// Where a camera sees a point that lies in `direction` from its ray origin; nullopt outside the picture.
+// Pixel of a point that lies in `direction` from the camera's ray origin; nullopt outside the image.
 std::optional<glm::dvec2> pixelInside(const Camera& camera, glm::dvec3 direction) {
   const Intrinsics& k = camera.intrinsics;
   const auto pixel = project(k, glm::conjugate(camera.pose.rotation) * direction);
@@ -84,7 +84,7 @@ std::optional<Common> commonPoint(const SyntheticScene& scene, const std::vector
   return common;
 }
 
-// The point that the first member sees at `pixel` and all others see too.
+// Returns the point that the first member sees at `pixel`, if all others see the point, too.
 std::optional<Common> commonPoint(const SyntheticScene& scene, const std::vector<std::uint32_t>& members,
                                   glm::dvec2 pixel) {
   const Camera& first = scene.scene.nodes[members[0]].camera;
@@ -149,7 +149,7 @@ MorphMesh makeSurfaceMesh(const SyntheticScene& scene, const std::vector<std::ui
   MorphMesh mesh;
   mesh.match.resize(members.size());
   mesh.ratio.resize(members.size());
-  // Where planes meet they share vertices, whatever the rounding.
+  // Meeting planes share vertices, whatever the rounding.
   std::map<std::array<std::int64_t, 3>, std::uint32_t> vertexAt;
   for (std::size_t index = 0; index < scene.planes.size(); ++index) {
     const TexturedPlane& plane = scene.planes[index];
@@ -164,7 +164,7 @@ MorphMesh makeSurfaceMesh(const SyntheticScene& scene, const std::vector<std::ui
       const glm::dvec2 at = placeOf(i, j);
       const glm::dvec3 position = (plane.origin - scene.planes[0].origin) + plane.u * at.x + plane.v * at.y;
       std::array<std::int64_t, 3> key;
-      constexpr double kOffGrid = 0.1234;  // round numbers fall inside of a bin
+      constexpr double kOffGrid = 0.1234;  // places round numbers inside a bin
       for (std::size_t a = 0; a < 3; ++a) key[a] = std::llround(position[int(a)] / (1e-4 * step) + kOffGrid);
       const auto [found, fresh] = vertexAt.emplace(key, std::uint32_t(mesh.pointCount()));
       if (fresh) addVertex(mesh, *commonPoint(scene, members, index, at), scene.centreOfInfinity.has_value());
@@ -195,7 +195,7 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
   return mesh;
 }
 
-constexpr double kFarthest = 1e12;  // as validate() has it for scenes
+constexpr double kFarthest = 1e12;  // limit of validate() for scenes
 
 bool within(glm::dvec3 v) {
   return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generated scenes with exact truth: textured planes, seen by given cameras, with a morphing mesh whose every number is
-// computed from the geometry. For tests and for `ibr synth`.
+// Generates scenes with exact truth: textured planes, seen by given cameras, with a morphing mesh whose every number is
+// computed from the geometry. For tests and for `ibr-lab synth`.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace ibr {
 
-/// A rectangle with a band-limited texture: waves of lengths `wavelength` to 4·`wavelength`, values within 10 to 245.
-/// Seen from both sides.
+/// A rectangle with a band-limited texture: wavelengths `wavelength` to 4·`wavelength`, values within 10 to 245.
+/// Visible from both sides.
 struct TexturedPlane {
   glm::dvec3 origin{0.0};           // the rectangle's centre, world
   glm::dvec3 u{1.0, 0.0, 0.0};      // unit, along its width
@@ -27,38 +27,38 @@ struct SyntheticOptions {
   std::vector<Camera> cameras;
   std::vector<TexturedPlane> planes;
   std::vector<std::vector<std::uint32_t>> cells;  // member lists; empty: one cell of all cameras
-  int gridStep = 32;                              // px between vertices in the picture of a cell's first member
-  double surfaceStep = 0;  // > 0: vertices stand on a grid over the planes instead, at most this far apart, world units
+  int gridStep = 32;                              // px between vertices in the image of a cell's first member
+  double surfaceStep = 0;   // > 0: vertices lie on a grid over the planes instead, at most this far apart, world units
   bool atInfinity = false;  // planes are a backdrop around the cameras' mean centre, seen the same way from anywhere
   int samplesPerAxis = 4;   // of the photographs
 };
 
 struct SyntheticScene {
   Scene scene;                      // nodes "view0", "view1", …; cells of tier 0, uncertainty 0, ecc 1
-  std::vector<Image8> photographs;  // RGB, one a node
+  std::vector<Image8> photographs;  // RGB, one per node
   std::vector<TexturedPlane> planes;
   std::optional<glm::dvec3> centreOfInfinity;  // set by SyntheticOptions::atInfinity
 };
 
-/// Vertices stand on a pixel grid of the first member, where the plane is the first thing that every member sees; no
-/// triangle crosses planes or covers something nearer (looked at pixel by pixel). With surfaceStep they stand on the
-/// planes, and quads stay that all members see (looked at 5 × 5 points): around panoramas in a room the mesh closes. ρ
-/// is the inverse of the mean distance. Throws Error{invalidInput} for a cell without 2 to 4 members, a grid step below
-/// 1, more than 10 million quads on a plane, and a plane whose numbers are none (the message names it).
+/// Vertices lie on a pixel grid of the first member, at points where the plane is the first surface for every member.
+/// No triangle crosses planes or covers a nearer surface (checked pixel by pixel). With surfaceStep the vertices lie on
+/// the planes, and quads that all members see are kept (checked at 5 × 5 points): around panoramas in a room the mesh
+/// closes. ρ is the inverse of the mean distance. Throws Error{invalidInput} for a cell without 2 to 4 members, a grid
+/// step below 1, over 10 million quads on a plane, and a plane with invalid numbers (named in the message).
 SyntheticScene makeScene(const SyntheticOptions& options);
 
 /// The six walls of a box, seen from inside; seeds count from `seed`.
 std::vector<TexturedPlane> roomPlanes(glm::dvec3 low, glm::dvec3 high, double wavelength, std::uint64_t seed = 1);
 
-/// What a camera would photograph: RGB, the mean of samplesPerAxis² samples a pixel (of display-encoded values, as
-/// renderers here blend them), black where there is no plane.
+/// Renders a camera's photograph: RGB, the mean of samplesPerAxis² samples per pixel (of display-encoded values, which
+/// renderers here blend), black without a plane.
 Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int samplesPerAxis = 4);
 
-/// One channel: distance along the viewing axis (equirectangular: along the ray) of what is seen at pixel centres,
-/// world units; infinity where there is no plane or the scene is at infinity.
+/// One channel: distance along the viewing axis (equirectangular: along the ray) of the surface at pixel centres, world
+/// units; infinity without a plane, or for a scene at infinity.
 ImageF renderDepth(const SyntheticScene& scene, const Camera& camera);
 
-/// How far along `direction`, in its lengths, the first plane is that a ray meets; nullopt where there is none.
+/// Distance to the first plane along a ray, in lengths of `direction`; nullopt if there is none.
 std::optional<double> distanceAlong(const SyntheticScene& scene, glm::dvec3 from, glm::dvec3 direction);
 
 /// RGB in [10, 245] of the texture at (along u, along v) from the rectangle's centre, world units.

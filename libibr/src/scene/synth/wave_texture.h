@@ -13,12 +13,12 @@
 
 namespace ibr {
 
-// colour(x) = 127.5 + Σ sine_k sin(k·x) + cosine_k cos(k·x); amplitudes of a channel add up to at most 117.
+// colour(x) = 127.5 + Σ sine_k sin(k·x) + cosine_k cos(k·x); the amplitudes of a channel sum to at most 117.
 class WaveTexture {
  public:
   explicit WaveTexture(const TexturedPlane& plane) {
     std::mt19937_64 random(plane.seed);
-    auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };  // the same with every standard library
+    auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };  // independent of the standard library
     for (Wave& wave : waves_) {
       const double length = plane.wavelength * std::pow(4.0, uniform());
       const double angle = 2.0 * std::numbers::pi * uniform();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// optimiseScene() around optimisers that do as the test wants.
-#include "ibr/optimise_scene.h"
+// optimiseScene() with stub aligners that make chosen changes.
+#include "ibr/author/optimise_scene.h"
 
 #include <algorithm>
 #include <atomic>
@@ -35,7 +35,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Three cameras before a wall, two lines and a triangle, as a scene's folder.
+// Scene folder: three cameras before a wall, and three cells, two of two members and one of three.
 class Wall {
  public:
   Wall() {
@@ -91,7 +91,7 @@ AlignmentSummary doNothing(Alignment& a, const AlignmentOptions&, const Progress
   return summaryOf(a);
 }
 
-// Moves every `every`-th point in picture 0, if the guard allows it or is not asked.
+// Moves every `every`-th point in picture 0. With `asks`, only moves that the guard allows are made.
 Aligner moving(glm::ivec2 by, std::size_t every = 3, bool asks = true) {
   return [by, every, asks](Alignment& a, const AlignmentOptions& o, const ProgressCallback&) {
     for (std::size_t p = 0; p < a.position[0].size(); p += every) {
@@ -105,7 +105,7 @@ Aligner moving(glm::ivec2 by, std::size_t every = 3, bool asks = true) {
   };
 }
 
-// The first two triangles beside each other, by number: (from, to, c) and (to, from, d).
+// First two triangles that share an edge, by index: (from, to, c) and (to, from, d).
 struct Neighbours {
   std::size_t s, t;
   unsigned from, to, c, d;
@@ -123,7 +123,7 @@ Neighbours firstNeighbours(const Alignment& a) {
   throw std::logic_error("no two triangles share an edge");
 }
 
-// Joins their other two corners, whatever the photographs say.
+// Flips the edge of the first two neighbours, without comparing photographs.
 AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
   const auto [s, t, from, to, c, d] = firstNeighbours(a);
   a.triangles[s] = {from, d, c};
@@ -131,7 +131,7 @@ AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCa
   return summaryOf(a);
 }
 
-// Splits them in the middle of their edge, moved by `off` in picture 0.
+// Splits the shared edge of the first two neighbours in its middle; the new point is moved by `off` in picture 0.
 Aligner insertingOne(glm::ivec2 off) {
   return [off](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
     const auto [s, t, from, to, c, d] = firstNeighbours(a);
@@ -219,7 +219,7 @@ TEST_CASE("points that moved get their place, ρ and label anew, all others keep
   const Wall wall;
   OptimiseSceneOptions options = wall.options();
   options.cells.cells = {0};
-  // Along the baseline: nearer by a known amount.
+  // Moves along the baseline bring a point nearer by a known amount.
   const auto report = optimiseScene(options, moving({kAlignmentUnitsPerPixel, 0}));
   const Scene after = loadScene(wall.folder / "out");
   CHECK(sameMesh(wall.scene.cells[1].mesh, after.cells[1].mesh));
@@ -236,7 +236,7 @@ TEST_CASE("points that moved get their place, ρ and label anew, all others keep
     }
     ++moved;
     CHECK(double(is.match[0][p].x) == Approx(double(was.match[0][p].x) + 1).margin(0.5 / kAlignmentUnitsPerPixel));
-    // The two rays nearly meet; where they do is how far the point is now.
+    // The distance along the ray of picture 0 where the two rays are closest must be the point's distance.
     const glm::dvec3 a = first.pose.rotation * unproject(first.intrinsics, is.match[0][p]);
     const glm::dvec3 b = second.pose.rotation * unproject(second.intrinsics, is.match[1][p]);
     const glm::dvec3 base = second.pose.position - first.pose.position, n = glm::cross(a, b);
@@ -246,7 +246,7 @@ TEST_CASE("points that moved get their place, ρ and label anew, all others keep
   }
   CHECK(moved == report.cells[0].moved);
   CHECK(moved > 10);
-  // A pixel off is worse than exact.
+  // A corner that is off by a pixel lowers the ECC of nearly all triangles around the corner.
   std::size_t worse = 0, touched = 0;
   for (std::size_t t = 0; t < was.triangles.size(); ++t) {
     const bool corner = is.match[0][was.triangles[t].x] != was.match[0][was.triangles[t].x] ||
@@ -271,9 +271,9 @@ TEST_CASE("moves after which rays part, or miss their point by more than 3 px, a
     return optimiseScene(options, moving(px * kAlignmentUnitsPerPixel, 9)).cells[0].moved;
   };
   CHECK(moves({1, 0}) > 5);
-  CHECK(moves({0, 5}) > 5);     // 2.5 px from the point that fits best
+  CHECK(moves({0, 5}) > 5);     // 2.5 px from the best-fitting point
   CHECK(moves({0, 7}) == 0);    // 3.5 px
-  CHECK(moves({-40, 0}) == 0);  // the wall is at 16 px of parallax
+  CHECK(moves({-40, 0}) == 0);  // the wall has 16 px of parallax, so the rays diverge
 }
 
 TEST_CASE("nothing turns over that was not, though points that did not move are not on the grid") {
@@ -290,7 +290,7 @@ TEST_CASE("what would fold over goes back") {
   Wall wall;
   const auto collapse = [](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
     const glm::uvec3 t = a.triangles[a.triangles.size() / 2];
-    for (auto& list : a.position) list[t.x] = list[t.y] + list[t.y] - list[t.x];  // far over the other side
+    for (auto& list : a.position) list[t.x] = list[t.y] + list[t.y] - list[t.x];  // far beyond the opposite edge
     return summaryOf(a);
   };
   OptimiseSceneOptions options = wall.options();
@@ -328,7 +328,7 @@ TEST_CASE("edges that the optimiser flipped are the scene's, with labels of thei
     for (int k = 0; k < 3; ++k) corners.insert(is.triangles[t][k]);
     CHECK(is.tier[t] == kTierAgrees);
     CHECK(is.ecc[t] != was.ecc[t]);
-    // It turns the way that the mesh's triangles do.
+    // The new triangle has the orientation of the mesh's triangles.
     CHECK((meshSigns(is.match, is.triangles[t]) & 1u) == (meshSigns(was.match, was.triangles[t]) & 1u));
   }
   CHECK(changed == 2);
@@ -389,7 +389,7 @@ TEST_CASE("a point that the optimiser inserted gets all that a point has, and th
     CHECK(first(is.ratio[i]) == was.ratio[i]);
   }
   CHECK(is.planes.at(n) == glm::u16vec4(2, 5, 0, 0));
-  // Where its two rays nearly meet.
+  // The inserted point's distance is that of the closest approach of its two rays.
   const Camera &one = wall.scene.nodes[0].camera, &other = wall.scene.nodes[1].camera;
   const glm::dvec3 a = one.pose.rotation * unproject(one.intrinsics, is.match[0][n]);
   const glm::dvec3 b = other.pose.rotation * unproject(other.intrinsics, is.match[1][n]);
@@ -398,7 +398,7 @@ TEST_CASE("a point that the optimiser inserted gets all that a point has, and th
   CHECK(double(is.ratio[0][n]) / double(is.inverseDistance[n]) == Approx(distance).epsilon(0.05));
   CHECK(is.uncertainty[n] > 0);
   CHECK(double(is.uncertainty[n]) < 0.2 * double(is.inverseDistance[n]));
-  // Two triangles are four, of tier 0 and before those of tier 1, which are the old ones.
+  // Two tier-0 triangles become four; they precede the tier-1 triangles, which are unchanged.
   REQUIRE(is.triangles.size() == was.triangles.size() + 2);
   CHECK(is.tier0Count() == was.tier0Count() + 2);
   std::size_t around = 0, old = 0;
@@ -486,7 +486,7 @@ TEST_CASE("a run that was stopped goes on, and comes to the same bytes") {
   optimiseScene(wall.options("whole"), move);
   CHECK(contentsBelow(wall.folder / "out") == contentsBelow(wall.folder / "whole"));
 
-  // Other options are other cells.
+  // Cells of other options are other cache entries.
   OptimiseSceneOptions kept = wall.options("again");
   kept.cells.finished = wall.folder / "kept";
   optimiseScene(kept, stopsAtThird);
@@ -537,7 +537,7 @@ TEST_CASE("cells share the processor, and have a device one after another") {
   optimiseScene(options, counts);
   CHECK(threads == 1);
   CHECK(most <= 2);
-  options.cells.threads = 7;  // more than cells
+  options.cells.threads = 7;  // more threads than cells
   optimiseScene(options, counts);
   CHECK(threads == 2);
   CHECK(most <= 3);
@@ -552,7 +552,7 @@ TEST_CASE("panoramas are aligned on the faces of a cube, and what moves there mo
   SyntheticOptions options;
   for (const double x : {0.0, 0.4}) {
     Camera camera{{CameraModel::equirectangular, 512, 256}, {{x, 0.1 * x, 0}, {1, 0, 0, 0}}};
-    camera.pose.rotation = glm::angleAxis(x, glm::normalize(glm::dvec3(0.1, 1, 0)));  // each turned its own way
+    camera.pose.rotation = glm::angleAxis(x, glm::normalize(glm::dvec3(0.1, 1, 0)));  // each has its own rotation
     options.cameras.push_back(camera);
   }
   options.planes = roomPlanes({-3, -1.5, -4}, {3, 2, 3}, 0.3);
@@ -576,7 +576,7 @@ TEST_CASE("panoramas are aligned on the faces of a cube, and what moves there mo
   const Aligner half = [&](Alignment& a, const AlignmentOptions& o, const ProgressCallback& p) {
     ++faces;
     CHECK(a.pictures[0]->width == a.pictures[0]->height);
-    // The faces look the same way and show what the mesh says: matches see the same colours.
+    // The faces keep the panoramas' orientation: matches in the faces show the same colours.
     for (std::size_t v = 0; v < a.position[0].size(); ++v) {
       if (a.fixed[v]) continue;
       glm::dvec3 colour[2];
@@ -597,13 +597,13 @@ TEST_CASE("panoramas are aligned on the faces of a cube, and what moves there mo
   CHECK(movable > facts.points / 2);
   CHECK(truth > 0.8 * double(movable));
   CHECK(facts.moved > movable / 3);
-  CHECK(facts.summary.finalEcc == Approx(0.5));  // of points that may move
+  CHECK(facts.summary.finalEcc == Approx(0.5));  // mean over movable points
   for (std::size_t p = 0; p < was.pointCount(); ++p) {
     CHECK(is.match[1][p] == was.match[1][p]);
     const Camera& camera = before.nodes[0].camera;
     const double angle = std::acos(std::min(
         1.0, glm::dot(unproject(camera.intrinsics, is.match[0][p]), unproject(camera.intrinsics, was.match[0][p]))));
-    CHECK(angle < 0.26 / 81.6);  // a quarter of a pixel in the middle of a face, whose focal length is 81.6 px
+    CHECK(angle < 0.26 / 81.6);  // 0.26 px at the middle of a face; the focal length of a face is 81.6 px
     const bool moved = is.match[0][p] != was.match[0][p];
     CHECK((is.inverseDistance[p] != was.inverseDistance[p]) == moved);
     if (moved) CHECK(double(is.inverseDistance[p]) == Approx(was.inverseDistance[p]).epsilon(0.35));
@@ -636,7 +636,7 @@ TEST_CASE("onto the grid nothing turns over; what it cannot hold stays") {
   std::uniform_int_distribution<int> jitter(-4, 4);
   double judged = 0, could = 0;
   for (int round = 0; round < 50; ++round) {
-    // Rows so near to each other that rounding alone would turn triangles over.
+    // The rows are so close together that rounding alone would flip triangles.
     MorphMesh mesh;
     mesh.match.resize(2 + std::size_t(round) % 3);
     constexpr int kSide = 12;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backdrops: depths gathered, completed, meshed.
+// Backdrops: gathering depth, completing depth, and meshing.
 #include "author/backdrop/backdrop.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Noise: colours tell nothing.
+// Noise, so that colours carry no information about depth.
 Image8 speckled(int width, int height) {
   Image8 colours(width, height, 3);
   std::mt19937 random(5);
@@ -26,7 +26,7 @@ Image8 speckled(int width, int height) {
   return colours;
 }
 
-// Two surfaces with values of their own, of which every pixel is known with a probability.
+// Two surfaces of different inverse depth; each pixel is known with probability `share`.
 ImageF patchy(int width, int height, double share) {
   ImageF depth(width, height, 1, kUnknownDepth);
   std::mt19937 random(6);
@@ -38,7 +38,7 @@ ImageF patchy(int width, int height, double share) {
   return depth;
 }
 
-// Returns the share of the picture that its triangles cover.
+// Checks the mesh and returns the share of the picture that its triangles cover.
 double checkedShare(const Camera& camera, const CellMesh& backdrop) {
   const MorphMesh& mesh = backdrop.mesh;
   Scene scene;
@@ -63,8 +63,8 @@ double checkedShare(const Camera& camera, const CellMesh& backdrop) {
   return area / (width * height);
 }
 
-// All triangles turn the same way and none is beyond the picture, so that only without gap or overlap their areas add
-// up to its area.
+// Checks that the mesh covers the picture without gap or overlap. All triangles have the same orientation and lie
+// inside the picture; their areas then sum to the picture's area.
 void checkClosed(const Camera& camera, const CellMesh& backdrop) {
   CHECK(checkedShare(camera, backdrop) == Approx(1).epsilon(1e-6));
 }
@@ -128,7 +128,7 @@ TEST_CASE("completed depth leans neither to the near nor to the far rim of a hol
     for (int x = 0; x < 64; ++x)
       if (x < 6 || x >= 58 || y < 6 || y >= 42) {
         rims.pixel(x, y)[0] = uniform(random);
-        swapped.pixel(x, y)[0] = 1.0f - rims.pixel(x, y)[0];  // near for far
+        swapped.pixel(x, y)[0] = 1.0f - rims.pixel(x, y)[0];  // exchanges near and far
       }
   const ImageF completed = completeDepth(rims, flat), completedSwapped = completeDepth(swapped, flat);
   for (std::size_t at = 0; at < completed.values.size(); ++at)
@@ -237,7 +237,7 @@ TEST_CASE("a panorama's vertices stand at the distance along their rays") {
   }
 }
 
-// A near surface on the left of column 100, a far one on its right.
+// Depth map of a near surface left of column 100 and a far surface right of the column.
 ImageF depthEdge() {
   ImageF depth(256, 192, 1, 0.1f);
   for (int y = 0; y < 192; ++y)
@@ -265,7 +265,7 @@ TEST_CASE("both surfaces at a known edge of depth go on to where the depth jumps
       if (!isNear(v)) firstFar = std::min(firstFar, x);
     }
   }
-  // Vertices are 8 px apart.
+  // The mesh follows the depth edge to 1 px, although vertices are 8 px apart.
   CHECK(lastNear == Approx(100).margin(1));
   CHECK(firstFar == Approx(100).margin(1));
 }
@@ -280,7 +280,7 @@ TEST_CASE("triangles that are stretched over completed depth are left out") {
     const CellMesh guessed = buildBackdrop(camera, holed, speckled(256, 192), {.step = 1.0, .spacing = 8});
     const double share = checkedShare(camera, guessed);
     CHECK((share < 1 - 1e-6) == cut);
-    CHECK(share > 0.6);  // blocks have 32 px at most, so that no column left of 168 is missing
+    CHECK(share > 0.6);  // blocks are at most 32 px wide, so columns left of 168 are all covered
     const MorphMesh& mesh = guessed.mesh;
     const auto inverseDepthAt = [&](std::uint32_t v) {
       return double(mesh.inverseDistance[v]) / -unproject(camera.intrinsics, mesh.match[0][v]).z;

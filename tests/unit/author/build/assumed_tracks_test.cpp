@@ -10,7 +10,7 @@ using namespace ibr;
 
 namespace {
 
-// A photograph and two panoramas, 2 and 3 apart.
+// One photograph and two panoramas at distances of 2 and 3.
 const std::vector<Camera> kCameras{{pinholeFromFov(96, 72, 0.9), {{0, 0, 0}, {1, 0, 0, 0}}},
                                    {{CameraModel::equirectangular, 128, 64}, {{2, 0, 0}, {0.6, 0, 0.8, 0}}},
                                    {{CameraModel::equirectangular, 128, 64}, {{5, 0, 0}, {1, 0, 0, 0}}}};

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "author/build/build_cost.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "support/court_photographs.h"
 #include "support/error_of.h"
 
@@ -76,12 +76,12 @@ TEST_CASE("refining poses is part of what a build takes where it is asked for, o
     BuildOptions options = set.options;
     options.refinePoses = refines;
     bool told = true;
-    options.predicted = [&](const BuildPrediction& p) {
+    options.onPrediction = [&](const BuildPrediction& p) {
       told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
       return false;
     };
     build(options);
-    CHECK_FALSE(told);  // the court's poses are exact
+    CHECK_FALSE(told);  // the court's poses are exact, so no refinement is predicted
   }
 }
 
@@ -98,7 +98,7 @@ TEST_CASE("comparing exposures is part of what a build takes, unless it is not a
   REQUIRE(compared(with) != with.end());
   CHECK(secondsOf(with) == Approx(secondsOf(without) + compared(with)->seconds));
   const std::vector<StageCost> side = costOf(work, {64, 64, 64, 64}, TextureFormat::rgba8, {});
-  CHECK(compared(side)->seconds > 0.05 * compared(with)->seconds);  // one thread solves
+  CHECK(compared(side)->seconds > 0.05 * compared(with)->seconds);  // the solver runs on one thread
   CHECK(compared(side)->seconds < compared(with)->seconds);
 
   CHECK(bytesToCompareExposures(work) > 0);
@@ -109,14 +109,14 @@ TEST_CASE("comparing exposures is part of what a build takes, unless it is not a
     return bytesToCompareExposures(many);
   };
   CHECK(bytesOf(20) > 1.9 * bytesOf(10));
-  CHECK(bytesOf(1000) == Approx(bytesOf(300)).epsilon(0.01));  // fewer points of each
+  CHECK(bytesOf(1000) == Approx(bytesOf(300)).epsilon(0.01));  // fewer points per photograph
 
   const test::CourtPhotographs set = court(4);
   BuildOptions options = set.options;
   for (const bool match : {true, false}) {
     bool told = false;
     options.matchExposures = match;
-    options.predicted = [&](const BuildPrediction& p) {
+    options.onPrediction = [&](const BuildPrediction& p) {
       told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "comparing exposures"; });
       return false;
     };
@@ -130,7 +130,7 @@ TEST_CASE("what a build will take is told before it begins, and a dry run makes 
   BuildOptions options = set.options;
   int told = 0;
   BuildPrediction prediction;
-  options.predicted = [&](const BuildPrediction& p) {
+  options.onPrediction = [&](const BuildPrediction& p) {
     ++told;
     prediction = p;
     CHECK(!fs::exists(options.output));
@@ -149,7 +149,7 @@ TEST_CASE("what a build will take is told before it begins, and a dry run makes 
   for (const auto& stage : prediction.stages) sum += stage.seconds;
   CHECK(sum == Approx(prediction.seconds));
 
-  options.predicted = [](const BuildPrediction&) { return true; };
+  options.onPrediction = [](const BuildPrediction&) { return true; };
   const BuildReport report = build(options);
   CHECK(report.cells.size() + report.dropped.size() >= prediction.cells);
   CHECK(report.prediction.cells == prediction.cells);
@@ -179,7 +179,7 @@ TEST_CASE("to look for what moved costs more the more photographs judge, and is 
   const auto stages = [&](bool remove) {
     std::vector<std::string> names;
     options.removeMovers = remove;
-    options.predicted = [&](const BuildPrediction& p) {
+    options.onPrediction = [&](const BuildPrediction& p) {
       for (const auto& stage : p.stages) names.push_back(stage.name);
       return false;
     };
@@ -210,14 +210,14 @@ TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
 }
 
 TEST_CASE("less memory means fewer threads, never more memory") {
-  // So large that a job takes much more than what the test itself gets to hold between two predictions.
+  // The job must be much larger than the memory that the test's own objects occupy between two predictions.
   const test::CourtPhotographs set(makeCourt(6, 480, 360, 1));
   BuildOptions options = set.options;
   options.threads = 8;
   const auto predicted = [&](double memory) {
     BuildPrediction prediction;
     options.memory = memory;
-    options.predicted = [&](const BuildPrediction& p) {
+    options.onPrediction = [&](const BuildPrediction& p) {
       prediction = p;
       return false;
     };
@@ -239,7 +239,7 @@ TEST_CASE("without poses the files alone say what is known") {
   options.model.clear();
   options.colmap = "no such program";
   bool told = false;
-  options.predicted = [&](const BuildPrediction& p) {
+  options.onPrediction = [&](const BuildPrediction& p) {
     told = true;
     CHECK(!p.posesKnown);
     CHECK(!p.cellsKnown);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// build() from files to files, on a small synthetic set.
+// build() from input files to the scene's files, on a small synthetic set.
 #include <fmt/format.h>
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/usage.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "ibr/error.h"
 #include "image/depth_texture.h"
 #include "image/ktx2.h"
@@ -34,7 +34,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Four cameras before a wall, of which triangles are made: photographs, COLMAP model, and a photograph nobody knows.
+// Photographs of four cameras before a wall, their COLMAP model, and a photograph that the model does not contain.
 class Set {
  public:
   explicit Set(int scale = 1) {
@@ -83,7 +83,7 @@ std::map<std::string, std::vector<std::byte>> filesBelow(const fs::path& folder)
   return files;
 }
 
-// The set as a lens would have taken it (f, c and k = 0.15), from pictures of three times its size; but for the last.
+// Resamples all but the last photograph through a lens (f, c, k = 0.15), from source images of three times the size.
 Lens throughLens(Set& set) {
   const Intrinsics k = set.model.images[0].camera.intrinsics, large = set.scene.scene.nodes[0].camera.intrinsics;
   const Lens lens(LensModel::simpleRadial, k.width, k.height, std::vector<double>{k.fx, k.cx, k.cy, 0.15});
@@ -107,7 +107,7 @@ Lens throughLens(Set& set) {
       if (o.image < 3)
         if (const auto moved = lens.project(unproject(k, o.pixel))) o.pixel = *moved;
   writeColmapModel(set.model, set.folder / "model");
-  // Its own camera for the first three.
+  // The first three photographs share a camera with a distorting lens.
   writeFile(set.folder / "model/cameras.txt",
             readTextFile(set.folder / "model/cameras.txt") +
                 fmt::format("99 SIMPLE_RADIAL {} {} {} {} {} 0.15\n", k.width, k.height, k.fx, k.cx, k.cy));
@@ -161,7 +161,7 @@ TEST_CASE("of a folder .build only what builds keep, and the last one did not us
   build(set.options());
   const std::ptrdiff_t depths = kept(".depth"), cells = kept(".cell");
   CHECK(depths == 4);
-  CHECK(cells >= 4);  // and photographs' meshes
+  CHECK(cells >= 4);  // cells, and the meshes of photographs
   const fs::path unfinished = folder / "0123456789abcdef.cell.77.tmp", unused = folder / "0123456789abcdef.depth";
   for (const fs::path& file : {unfinished, unused}) {
     writeFile(file, "of a build before");
@@ -251,7 +251,7 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   CHECK(std::count_if(report.cells.begin(), report.cells.end(), [](const auto& c) { return c.resumed; }) >= 1);
   CHECK(filesBelow(stopped.output) == expected);
 
-  // Cancelled before anything was done: nothing is left half-written, and nothing is wrong later.
+  // Cancelling before the first stage leaves no partial output.
   BuildOptions early = set.options("early");
   CHECK(test::errorOf([&] { build(early, [](const Progress&) { return false; }); }).code() == ErrorCode::cancelled);
   CHECK_FALSE(fs::exists(early.output));
@@ -296,7 +296,7 @@ TEST_CASE("with the border kept all that was photographed is stored, and no mesh
   const auto look = [&](const Cell& cell) {
     for (const glm::uvec3 t : cell.mesh.triangles)
       for (std::size_t i = 0; i < cell.members.size(); ++i) {
-        if (cell.members[i] == 3) continue;  // of a pinhole
+        if (cell.members[i] == 3) continue;  // photograph 3 is a pinhole: it has no distortion
         const auto& match = cell.mesh.match[i];
         const glm::dvec2 a = match[t.x], b = match[t.y], c = match[t.z];
         for (const glm::dvec2 at : {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0})
@@ -340,7 +340,7 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
   CHECK(build(none).backdrops.empty());
   CHECK(loadScene(none.output).backdrops.empty());
   CHECK(loadScene(none.output).nodes[0].depthFile.empty());
-  // What was kept of a build without backdrops does not do for one with.
+  // A build without backdrops is cancelled late; the cached results must not be used for a build with backdrops.
   fs::remove_all(none.output);
   const auto late = [](const Progress& p) { return p.stage != "writing the scene"; };
   CHECK(test::errorOf([&] { build(none, late); }).code() == ErrorCode::cancelled);
@@ -372,14 +372,14 @@ TEST_CASE("a built scene has depth and evidence of every pinhole, the same on an
     CHECK(maps.inverseDepth.width == 32);
     CHECK(maps.inverseDepth.height == 24);
     CHECK(*std::ranges::max_element(maps.inverseDepth.values) == float(node.depthScale));
-    CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 away
+    CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 units away
     const MorphMesh& mesh = scene.backdrops[i].mesh;
     REQUIRE(mesh.confirmations.size() == mesh.pointCount());
     points += mesh.pointCount();
     confirmed += mesh.pointCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
     for (std::size_t p = 0; p < mesh.pointCount(); ++p) CHECK(mesh.consensus[p] <= 3.25f / 3.5f);
   }
-  CHECK(confirmed > points / 8);  // the rest was completed
+  CHECK(confirmed > points / 8);  // the other points are completed
   for (const Cell& cell : scene.cells) CHECK(cell.mesh.confirmations.empty());
 }
 
@@ -466,7 +466,7 @@ TEST_CASE("pictures of a scene below its photographs are not called unused") {
 }
 
 TEST_CASE("where a cell fails, its faces and then its edges stand in") {
-  // The last photograph shows something else than what its pose says.
+  // The last photograph does not show the content that its pose predicts.
   Set set;
   writeImage(set.folder / "photos/sub/003.png", Image8(128, 96, 3, 90));
   BuildOptions options = set.options();
@@ -501,7 +501,7 @@ TEST_CASE("a model whose photographs share no point is called so") {
 }
 
 TEST_CASE("photographs may be held out, made smaller, or larger than the model's camera") {
-  const Set set(2);  // twice the size that the model's cameras have
+  const Set set(2);  // twice the size of the model's cameras
   BuildOptions options = set.options();
   options.exclude = {"sub/003.png"};
   options.maxSize = 200;
@@ -557,7 +557,7 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
     for (int y = 0; y < 96; ++y)
       for (int x = 0; x < 128; ++x) wrong += (shown.pixel(x, y)[3] > 128) != (mask.pixel(x, y)[0] != 0);
     CHECK(wrong == 0);
-    // Nobody matches under it: no triangle that agrees lies in its middle.
+    // No match lies under the mask: no agreeing triangle has its centre in the mask's interior.
     for (const Cell& cell : scene.cells)
       for (std::size_t m = 0; m < cell.members.size(); ++m) {
         if (cell.members[m] != 1 || cell.members.size() > 2) continue;
@@ -568,7 +568,7 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
         }
       }
   }
-  // The wrong polarity leaves next to nothing, which is told by name.
+  // A mask of the wrong polarity excludes nearly the whole photograph; the message names the photograph.
   Image8 inverted = mask;
   for (std::uint8_t& value : inverted.values) value = value ? 0 : 255;
   writeImage(set.folder / "masks/001.png", inverted);
@@ -596,7 +596,7 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
   SECTION("two photographs would be stored under one name") {
     PosedModel model = set.model;
     fs::copy(set.folder / "photos/000.png", set.folder / "photos/000.tif.png");
-    // As a model names it; what is in a file its first bytes say.
+    // The model names the file .tif; its content is PNG, which the first bytes of the file tell.
     fs::rename(set.folder / "photos/001.png", set.folder / "photos/000.tif");
     model.images[0].name = "000.tif.png";
     model.images[1].name = "000.tif";
@@ -731,10 +731,10 @@ TEST_CASE("jobs run on no more threads than half of the memory holds, or that wh
 TEST_CASE("cells that are kept for further builds change none of them") {
   const Set set;
   BuildOptions whole = set.options("whole"), part = set.options("part"), alone = set.options("alone");
-  part.exclude = alone.exclude = {"001.png"};  // what remains is one of the square's two triangles
-  // Matched by planes: with its members' depth it would depend on all photographs that see the same places.
+  part.exclude = alone.exclude = {"001.png"};  // one of the square's two triangles remains
+  // Plane matching depends on the members only. Members' depth would depend on all photographs of the same area.
   for (BuildOptions* options : {&whole, &part, &alone}) options->matcher = MatchMethod::homographic;
-  whole.finishedCells = part.finishedCells = set.folder / "cells";
+  whole.cacheFolder = part.cacheFolder = set.folder / "cells";
   CHECK(std::ranges::none_of(build(whole).cells, [](const auto& cell) { return cell.resumed; }));
   const BuildReport shared = build(part);
   REQUIRE(shared.cells.size() == 1);
@@ -750,7 +750,7 @@ TEST_CASE("photographs that are added to a build with kept work are matched with
   const Set set;
   BuildOptions part = set.options("part"), whole = set.options("whole"), alone = set.options("alone");
   part.exclude = {"001.png"};
-  part.finishedCells = whole.finishedCells = set.folder / "cells";
+  part.cacheFolder = whole.cacheFolder = set.folder / "cells";
   build(part);
   const auto depths = [&] {
     std::size_t count = 0;
@@ -767,7 +767,7 @@ TEST_CASE("photographs that are added to a build with kept work are matched with
   auto scene = filesBelow(alone.output);
   std::erase_if(scene, [](const auto& file) { return file.first.starts_with(".build/"); });
   CHECK(filesBelow(whole.output) == scene);
-  // All four see the same places here, so that each has the new one as a source.
+  // All four photographs see the same area, so each uses the new photograph as a source.
   CHECK(depths() == before + 4);
   CHECK(std::ranges::all_of(build(whole).cells, resumed));
   CHECK(depths() == before + 4);
@@ -782,7 +782,7 @@ TEST_CASE("photographs are added to a scene by building it again, where it is") 
   build(whole);
   build(alone);
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
-  // A photograph that looks the other way changes no depth.
+  // A photograph that looks in the opposite direction changes no depth.
   Set more;
   PosedImage back{"back.png", lookingAlong({0.2, 0, 0.2}, {0, -1, 0}, 128, 96)};
   writeImage(more.folder / "photos" / back.name, Image8(128, 96, 3, 90));
@@ -810,8 +810,8 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
   const Set set;
   BuildOptions draft = set.options("scene"), whole = draft, alone = set.options("alone");
   draft.draft = true;
-  draft.removeMovers = draft.refinePoses = true;  // left for the build
-  draft.finish = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) { FAIL("of a draft"); };
+  draft.removeMovers = draft.refinePoses = true;  // a draft skips both
+  draft.postProcess = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) { FAIL("of a draft"); };
   std::set<std::string> stages;
   std::vector<std::string> warnings;
   const BuildReport report = build(
@@ -822,11 +822,11 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
   CHECK(warnings.empty());
   CHECK(report.cells.empty());
   CHECK(report.dropped.empty());
-  REQUIRE(report.unused.size() == 1);  // the stranger
+  REQUIRE(report.unused.size() == 1);  // the photograph without a pose
   CHECK(report.prediction.cells == 0);
   CHECK(report.prediction.cellsKnown);
   CHECK_FALSE(stages.contains("matching cells"));
-  CHECK_FALSE(stages.contains("finding features"));  // the model has points
+  CHECK_FALSE(stages.contains("finding features"));  // the model already has points
   CHECK(validateSceneFiles(draft.output).empty());
   const Scene scene = loadScene(draft.output);
   CHECK(scene.cells.empty());
@@ -840,7 +840,7 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
   build(whole);
   build(alone);
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
-  // A draft of a whole scene takes nothing from it that cannot be had back at once.
+  // A draft over a complete scene deletes only files that the next build restores from the cache.
   build(draft);
   CHECK(loadScene(draft.output).cells.empty());
   const BuildReport again = build(whole);
@@ -857,12 +857,12 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
 TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
   const Set set;
   std::size_t kept = 0;
-  std::map<DepthSearch, std::uintmax_t> bytes;  // of kept depth
+  std::map<DepthSearch, std::uintmax_t> bytes;  // size of cached depth
   for (const DepthSearch search : {DepthSearch::fast, DepthSearch::swept, DepthSearch::refined, DepthSearch::fine}) {
     CAPTURE(depthSearchName(search));
     BuildOptions options = set.options(depthSearchName(search));
     options.depth = search;
-    options.finishedCells = set.folder / "cells";
+    options.cacheFolder = set.folder / "cells";
     build(options);
     const Scene scene = loadScene(options.output);
     CHECK_THAT(scene.settings, Contains(fmt::format(R"("depth":"{}")", depthSearchName(search))));
@@ -870,10 +870,10 @@ TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
     for (const Node& node : scene.nodes) {
       const DepthMaps maps = readDepthTexture(readKtx2(options.output / node.depthFile), node.depthScale);
       CHECK((maps.inverseDepth.width == 32 && maps.inverseDepth.height == 24));
-      CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 away
+      CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 units away
     }
     std::size_t files = 0;
-    for (const auto& entry : fs::directory_iterator(options.finishedCells)) {
+    for (const auto& entry : fs::directory_iterator(options.cacheFolder)) {
       if (entry.path().extension() != ".depth") continue;
       ++files;
       bytes[search] += entry.file_size();
@@ -881,7 +881,7 @@ TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
     CHECK(files == kept + 4);
     kept = files;
   }
-  // `bytes` are of all searches up to that one; the last has four times the pixels.
+  // `bytes` is cumulative over the searches up to that one; the last search has four times the pixels.
   CHECK(bytes[DepthSearch::swept] == 2 * bytes[DepthSearch::fast]);
   CHECK(bytes[DepthSearch::refined] == 3 * bytes[DepthSearch::fast]);
   CHECK(double(bytes[DepthSearch::fine] - bytes[DepthSearch::refined]) ==
@@ -907,7 +907,7 @@ TEST_CASE("posed photographs are those that a build stores") {
   CHECK_THROWS_AS(PosedPhotographs(options), Error);
 }
 
-// The set's photographs anew, as cameras of these exposures would have taken them. How many values were clipped.
+// Rewrites the photographs with these exposures and this vignetting. Returns the number of clipped values.
 std::size_t develop(const Set& set, std::span<const glm::dvec3> factors, glm::dvec2 vignetting = glm::dvec2(0.0)) {
   std::size_t clipped = 0;
   for (std::size_t n = 0; n < 4; ++n) {
@@ -942,7 +942,7 @@ TEST_CASE("a build finds how its photographs were exposed, though some of their 
       CHECK(scene.nodes[n].gain[c] * factors[n][c] == Approx(std::exp(mean)).epsilon(0.01));
       gauge += std::log(scene.nodes[n].gain[c]);
     }
-    CHECK(std::abs(gauge) < 1e-9);  // neither brighter nor tinted
+    CHECK(std::abs(gauge) < 1e-9);  // the mean brightness and tint are unchanged
   }
 }
 
@@ -972,7 +972,7 @@ TEST_CASE("photographs of one exposure have no gains") {
 TEST_CASE("a build stores photographs without what their lens took from the corners, where it is asked to") {
   const Set set(2);
   const glm::dvec3 factors[]{{1, 1, 1}, {0.6, 0.7, 0.5}, {0.9, 1, 0.9}, {0.8, 0.9, 0.9}};
-  develop(set, factors, {-0.5, -0.3});  // corners have 45 % of the light
+  develop(set, factors, {-0.5, -0.3});  // corners receive 45 % of the light
   BuildOptions options = set.options();
   const auto meanError = [&](std::size_t n) {
     const Image8 stored = readImage(options.output / loadScene(options.output).nodes[n].imageFile);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// On generated scenes, whose cells' matches are exact: what is planted must be recovered, and nothing else change.
+// Pose refinement on synthetic scenes with exact matches: planted errors are recovered, all other values stay.
 #include "author/build/pose_rounds.h"
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ struct Rig {
   bool atInfinity = false;
 };
 
-// Two walls and a board before them, and cells whose matches, ρ and a_i are exact.
+// Two walls and a board in front; the cells' matches, ρ and a_i are exact.
 SyntheticScene exactScene(const Rig& rig) {
   SyntheticOptions options;
   options.planes = {{{1, 0, -8}, {1, 0, 0}, {0, 1, 0}, 24, 16, 1, 0.3},
@@ -52,7 +52,7 @@ std::vector<Camera> camerasOf(const Scene& scene) {
   return cameras;
 }
 
-// A build's input with these cameras, and the points seen from where the cameras of `exact` are.
+// Returns a build's input with these cameras; the points' observations are those of the cameras of `exact`.
 BuildInput inputOf(const std::vector<Camera>& cameras, const std::vector<Camera>& exact = {},
                    const std::vector<glm::dvec3>& points = {}) {
   BuildInput input;
@@ -69,7 +69,7 @@ BuildInput inputOf(const std::vector<Camera>& cameras, const std::vector<Camera>
 }
 
 struct Off {
-  double turnPx = 0, shift = 0;  // the most
+  double turnPx = 0, shift = 0;  // maximum over the cameras
 };
 Off off(const BuildInput& input, const std::vector<Camera>& exact) {
   std::vector<Pose> are, should;
@@ -87,7 +87,7 @@ Off off(const BuildInput& input, const std::vector<Camera>& exact) {
   return most;
 }
 
-// 240 points about the wall.
+// Returns 240 points near the wall.
 std::vector<glm::dvec3> someOfWall() {
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 240; ++i) points.emplace_back(-2.5 + 0.36 * (i % 20), -1.8 + 0.4 * (i / 20), -8 + 0.3 * (i % 7));
@@ -121,8 +121,8 @@ TEST_CASE("a dense track is where all photographs of its cells see the same poin
       worst = std::max(worst, glm::distance(*at, pixel));
     }
   }
-  CHECK(longest == 5);  // of photographs 1 and 3, which three cells have
-  CHECK(worst < 1e-3);  // matches are floats
+  CHECK(longest == 5);  // photographs 1 and 3 are in three cells
+  CHECK(worst < 1e-3);  // matches are floats, px
 }
 
 TEST_CASE("where cells contradict one another about a photograph, nothing is said of it") {
@@ -134,7 +134,7 @@ TEST_CASE("where cells contradict one another about a photograph, nothing is sai
     return count;
   };
   const std::size_t before = seenBy(1, 3);
-  for (glm::vec2& match : made.scene.cells[1].mesh.match[2]) match.x += 5;  // of photograph 3, in the cell of 1, 2, 3
+  for (glm::vec2& match : made.scene.cells[1].mesh.match[2]) match.x += 5;  // photograph 3, in the cell of 1, 2 and 3
   const std::size_t after = seenBy(1, 3);
   INFO(before << " -> " << after);
   CHECK(after < before / 2);
@@ -157,7 +157,7 @@ TEST_CASE("poses that are exact stay exact") {
 TEST_CASE("what dense matches alone say does not move poses that the model's points confirm") {
   SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
-  // They lean, alike in all places, as if photographs 2 and 3 were turned by a fifth of a pixel.
+  // All matches are biased alike, as if photographs 2 and 3 were turned by a fifth of a pixel.
   for (Cell& cell : made.scene.cells)
     for (std::size_t i = 0; i < cell.members.size(); ++i)
       if (cell.members[i] == 2 || cell.members[i] == 3)
@@ -173,7 +173,7 @@ TEST_CASE("what dense matches alone say does not move poses that the model's poi
     CHECK(furthest(exact, told) == 0);
     CHECK(report.steps[1].cellsSurer > 3);
     CHECK(report.steps[1].modelSurer < 0);
-    CHECK_FALSE(refinePoses(alone, made.scene.cells).moved.empty());  // nothing else is known
+    CHECK_FALSE(refinePoses(alone, made.scene.cells).moved.empty());  // the cells are the only information
   }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("what fits noise alone is not taken, though it suits the points that i
   const SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
   std::vector<Cell> cells = made.scene.cells;
-  for (Cell& cell : cells) cell.mesh.triangles.clear(), cell.mesh.tier.clear();  // they say nothing
+  for (Cell& cell : cells) cell.mesh.triangles.clear(), cell.mesh.tier.clear();  // so no matches
   for (const unsigned seed : {1u, 2u, 3u}) {
     BuildInput input = inputOf(exact, exact, someOfWall());
     PoseNoise random(seed);
@@ -219,7 +219,7 @@ TEST_CASE("planted noise is recovered, with outliers too, and told how large it 
   const double focal = exact[0].intrinsics.fx;
   const std::vector<Camera> wrong = PoseNoise(3).on(exact, 2 / focal, 0.01);
   for (const bool outliers : {false, true}) {
-    if (outliers)  // a tenth of all matches, those of whole regions
+    if (outliers)  // a tenth of all matches, in contiguous regions
       for (Cell& cell : made.scene.cells)
         for (std::size_t p = 0; p < cell.mesh.pointCount() / 10; ++p) cell.mesh.match[1][p] += glm::vec2(9, -6);
     BuildInput input = inputOf(wrong);
@@ -232,7 +232,7 @@ TEST_CASE("planted noise is recovered, with outliers too, and told how large it 
     CHECK(after.turnPx < (outliers ? 0.25 : 0.15));
     CHECK(after.shift < 0.006);
     CHECK(report.before.medianPx > 10 * report.after.medianPx);
-    // The frame is the old one: nothing moved further than the noise.
+    // The coordinate frame is unchanged: no camera moves further than the noise.
     for (const auto& moved : report.moved) CHECK(moved.turnPx < 6);
     std::vector<Pose> from, to;
     for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -257,7 +257,7 @@ TEST_CASE("wrong focal lengths are recovered where poses tell them, and shared a
   for (const Photograph& photograph : input.photographs)
     CHECK(photograph.camera.intrinsics == input.photographs[0].camera.intrinsics);
   CHECK(report.moved[0].focalFactor == Approx(1 / 1.01).epsilon(0.002));
-  // A lens that distorts keeps them: its pictures are undistorted with them.
+  // Focal lengths of a distorting lens stay: its pictures are undistorted with the lens's parameters.
   BuildInput distorted = inputOf(wrong);
   const std::vector<double> k{200, 120, 90, -0.1};
   for (PosedImage& image : distorted.model.images) image.lens = Lens(LensModel::simpleRadial, 240, 180, k);
@@ -370,9 +370,9 @@ TEST_CASE("a similarity is found from positions and rotations, whichever are the
     return Pose{place, glm::normalize(glm::angleAxis(random.uniform(0, kPi), glm::normalize(random.vector(1))))};
   };
   CHECK(check({pose({0, 0, 0}), pose({1, 0, 0}), pose({0, 1, 0}), pose({2, 1, 3})}).scale == Approx(3));
-  CHECK(check({pose({0, 0, 0}), pose({1, 0, 0}), pose({5, 0, 0})}).scale == Approx(3));  // on a line
+  CHECK(check({pose({0, 0, 0}), pose({1, 0, 0}), pose({5, 0, 0})}).scale == Approx(3));  // positions on a line
   CHECK(check({pose({1e6, 0, 0}), pose({1e6 + 1, 0, 0})}).scale == Approx(3));
-  CHECK(check({pose({4, 5, 6}), pose({4, 5, 6})}).scale == 1);  // in one place
+  CHECK(check({pose({4, 5, 6}), pose({4, 5, 6})}).scale == 1);  // coincident positions
   CHECK(check({pose({4, 5, 6})}).scale == 1);
   CHECK(aligned({}, {}).scale == 1);
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWidth = 80, kHeight = 60;
 
-// Four photographs of a wall with exact depth, .5 apart.
+// Four photographs of a wall with exact depth, 0.5 units apart.
 std::vector<ConsistentDepth> wall() {
   SyntheticOptions options;
   for (const double x : {0.0, 0.5, 1.0, 1.5})
@@ -59,7 +59,7 @@ TEST_CASE("a false surface in front is contradicted, one behind is merely not co
   const auto behind = planted(0.1f);
   CHECK(count(behind[1].confirmations, 40, 30) == 0);
   CHECK(count(behind[1].contradictions, 40, 30) == 0);
-  // So far that no two photographs see it from apart: what tells against it is confirmed depth of something else there.
+  // No two photographs have parallax at this distance. Only confirmed depth of another surface contradicts the pixel.
   const auto far = planted(0.001f);
   CHECK(count(far[1].confirmations, 40, 30) == 0);
   CHECK(count(far[1].contradictions, 40, 30) == 0);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDistance = 10;
 
-// Photographs at these places look along y at points of a wall; each observes what it sees.
+// Photographs on the x axis that look along y at points of a wall; each observes the points inside its picture.
 struct Capture {
   PosedModel model;
   std::vector<Camera> cameras;
@@ -25,7 +25,7 @@ struct Capture {
     model.images.push_back({std::to_string(cameras.size()) + ".jpg", camera});
     cameras.push_back(camera);
   }
-  // With so many tracks in the place of one to the right of x = 3.
+  // Each track beyond x = 3 is repeated `crowd` times.
   std::vector<std::uint32_t> sourcesOf(std::uint32_t photograph, int crowd = 1) {
     model.tracks.clear();
     for (int row = -6; row <= 6; ++row)
@@ -51,7 +51,7 @@ bool holds(const std::vector<std::uint32_t>& list, std::uint32_t one) {
 
 TEST_CASE("the first source stands about six degrees away; those at the same place are none") {
   Capture capture;
-  for (const double x : {0.0, 0.0, 0.05, 1.05, 6.0}) capture.photograph(x);  // 1.05: 6° at the distance
+  for (const double x : {0.0, 0.0, 0.05, 1.05, 6.0}) capture.photograph(x);  // 1.05: 6° at kDistance
   const auto sources = capture.sourcesOf(0);
   REQUIRE_FALSE(sources.empty());
   CHECK(sources[0] == 3);
@@ -71,7 +71,7 @@ TEST_CASE("a photograph that looks another way is a source where it sees the sam
 TEST_CASE("both sides of a picture have sources, and there are no more than asked for") {
   Capture capture;
   capture.photograph(0);
-  for (int i = 0; i < 8; ++i) capture.photograph(0.9 + 0.01 * i, {0.9, 1, 0});  // all of the right side
+  for (int i = 0; i < 8; ++i) capture.photograph(0.9 + 0.01 * i, {0.9, 1, 0});  // all see the right side
   capture.photograph(-1, {-0.9, 1, 0});
   const auto sources = capture.sourcesOf(0);
   CHECK(sources.size() <= kNearSources + kWideSources);
@@ -81,8 +81,8 @@ TEST_CASE("both sides of a picture have sources, and there are no more than aske
 TEST_CASE("places count by their share of the picture, however many tracks they have") {
   Capture capture;
   capture.photograph(0);
-  capture.photograph(-1.05, {-0.35, 1, 0});  // sees most of it
-  capture.photograph(1.05, {1.1, 1, 0});     // the right side alone
+  capture.photograph(-1.05, {-0.35, 1, 0});  // sees most of the wall that photograph 0 sees
+  capture.photograph(1.05, {1.1, 1, 0});     // sees the right side only
   REQUIRE(capture.sourcesOf(0).size() == 2);
   for (const int crowd : {1, 50}) CHECK(capture.sourcesOf(0, crowd)[0] == 1);
 }
@@ -122,7 +122,7 @@ TEST_CASE("a panorama's faces are views with its tracks, and none is a source of
     CHECK(views[v].camera.intrinsics.model == CameraModel::pinhole);
     CHECK(views[v].camera.pose.position == cameras[views[v].node].pose.position);
   }
-  // Points before the photographs, which look along y; the panoramas' up is y.
+  // Points in front of the photographs, which look along y; the panoramas' up axis is y.
   PosedModel model;
   for (const Camera& camera : cameras) model.images.push_back({std::to_string(model.images.size()), camera});
   for (int k = -20; k <= 20; ++k) {

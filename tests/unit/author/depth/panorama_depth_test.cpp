@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "author/backdrop/complete_depth.h"
-#include "ibr/panorama.h"
+#include "ibr/author/panorama.h"
 #include "support/error_of.h"
 
 using namespace ibr;
@@ -22,7 +22,7 @@ Camera panorama(int width) {
   return {{CameraModel::equirectangular, width, width / 2}, {{3, -1, 2}, kTurned}};
 }
 
-// Depth of what surrounds the panorama at distance(direction), a unit direction in the panorama's axes.
+// Returns the faces' depth of surroundings at distance(direction); unit directions in the panorama's axes.
 template <class Distance>
 std::vector<MatchedDepth> facesOf(const Camera& camera, const Distance& distance) {
   std::vector<MatchedDepth> faces;
@@ -52,7 +52,7 @@ TEST_CASE("the faces of a panorama stand at its place and are as fine as it is")
     CHECK(faces[f].pose.position == camera.pose.position);
     CHECK(std::abs(glm::dot(faces[f].pose.rotation, kTurned * cube[f].rotation)) == Approx(1));
     CHECK(faces[f].intrinsics.fx == Approx(360 / (2 * std::numbers::pi)).epsilon(0.02));
-    // Wider than a quarter of the view, so that windows and surfaces go on beyond its edges.
+    // A face is wider than a quarter of the view, so windows and surfaces continue beyond the face's edges.
     CHECK(faces[f].intrinsics.width > 2 * faces[f].intrinsics.fx);
   }
   CHECK(depthFaces(panorama(2)).front().intrinsics.width >= 1);
@@ -68,14 +68,14 @@ TEST_CASE("a sphere about the panorama is equally far in all of its pixels") {
     CHECK(whole.matched.step == 0.01);
     CHECK(whole.matched.residualPx == 0.5);
     CHECK(whole.sky.empty());
-    // A pixel of the face is off by up to half its width, at most 48° from the axis.
+    // Resampling shifts a pixel by up to half its width on the face, at most 48° off the axis.
     for (const float w : whole.matched.map.inverseDepth.values) REQUIRE(w == Approx(0.2).epsilon(4.0 / width));
   }
 }
 
 TEST_CASE("a panorama's pixel has the inverse distance along its ray") {
   const Camera camera = panorama(512);
-  // A room: walls at x = ±2, floor and ceiling at y = ±3, ends at z = ±4, in the panorama's axes.
+  // Room in the panorama's axes: walls at x = ±2, floor and ceiling at y = ±3, ends at z = ±4.
   const auto room = [](glm::dvec3 d) {
     const glm::dvec3 a = glm::abs(d);
     return 1 / std::max({a.x / 2, a.y / 3, a.z / 4});
@@ -98,13 +98,13 @@ TEST_CASE("evidence and what is unknown come from the face that looks a pixel's 
     std::ranges::fill(faces[f].evidence.contradictions.values, std::uint8_t(f + 11));
     std::ranges::fill(faces[f].evidence.witnesses.values, std::uint8_t(f + 21));
   }
-  std::ranges::fill(faces[2].matched.map.inverseDepth.values, kUnknownDepth);  // back
+  std::ranges::fill(faces[2].matched.map.inverseDepth.values, kUnknownDepth);  // face 2 looks back
   std::ranges::fill(faces[5].matched.map.inverseDepth.values, 0.0f);           // down: infinity is known
   const MatchedDepth whole = onSphere(camera, faces);
   struct Case {
     int x, y, face;
   };
-  // front is in the middle, back at both ends; up and down fill the rows at the poles.
+  // The front face is in the middle columns, the back face at both ends; up and down fill the rows at the poles.
   for (const Case& each :
        {Case{64, 32, 0}, {96, 32, 1}, {0, 32, 2}, {127, 32, 2}, {32, 32, 3}, {5, 0, 4}, {90, 63, 5}}) {
     CAPTURE(each.x, each.y);
@@ -126,7 +126,7 @@ TEST_CASE("faces may have sizes of their own, and a sky or none") {
   std::vector<MatchedDepth> faces = facesOf(camera, [](glm::dvec3) { return 5.0; });
   const std::vector<MatchedDepth> finer = facesOf(panorama(256), [](glm::dvec3) { return 5.0; });
   faces[1] = finer[1];
-  const Image8& depth = faces[4].evidence.witnesses;  // up
+  const Image8& depth = faces[4].evidence.witnesses;  // face 4 looks up
   faces[4].sky = Image8(depth.width, depth.height, 1, 255);
   const MatchedDepth whole = onSphere(camera, faces);
   for (const float w : whole.matched.map.inverseDepth.values) REQUIRE(w == Approx(0.2).epsilon(0.04));

@@ -23,9 +23,9 @@ namespace {
 constexpr int kWidth = 96, kHeight = 72;
 constexpr double kDistance = 4;
 constexpr std::uint32_t kPanorama = 3;
-const std::set<std::uint32_t> kMatched{0, 1, 2, 4};  // of wall()
+const std::set<std::uint32_t> kMatched{0, 1, 2, 4};  // nodes of wall() with a matched depth
 
-// Photographs of a wall .5 apart; a panorama stands among them.
+// Photographs of a wall, 0.5 units apart, and a panorama among them.
 SyntheticScene wall() {
   SyntheticOptions options;
   const auto add = [&](double x) {
@@ -35,7 +35,7 @@ SyntheticScene wall() {
   options.cameras.push_back({{CameraModel::equirectangular, 64, 32}, {{1.2, 0, 0}, {1, 0, 0, 0}}});
   for (const double x : {1.5, 2.0}) add(x);
   options.planes = {{.origin = {0, 0, -kDistance}, .extentU = 40, .extentV = 40, .wavelength = 1}};
-  options.cells = {{0, 1}};  // of no account
+  options.cells = {{0, 1}};  // not used
   options.gridStep = kWidth;
   options.samplesPerAxis = 1;
   return makeScene(options);
@@ -69,7 +69,7 @@ TEST_CASE("each photograph has the depth that was matched, and is confirmed by t
     if (n == kPanorama) continue;
     CHECK(depths[n].node == n);
     CHECK(depths[n].matched.map.camera.intrinsics.width == kWidth);
-    // 2 px of a photograph at the median spacing, .5.
+    // The step is 2 px of parallax at the median spacing, 0.5 units.
     CHECK(depths[n].matched.step == Approx(2 / (made.scene.nodes[0].camera.intrinsics.fx * 0.5)));
     CHECK(depths[n].matched.residualPx == Approx(1));
   }
@@ -84,7 +84,7 @@ TEST_CASE("a panorama has the distance along each ray that its faces have, and c
   for (const double x : {0.0, 0.5, 1.0})
     options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
   options.planes = {{.origin = {0, 0, -kDistance}, .extentU = 40, .extentV = 40, .wavelength = 1}};
-  options.cells = {{0, 1}};  // of no account
+  options.cells = {{0, 1}};  // not used
   options.samplesPerAxis = 1;
   const SyntheticScene made = makeScene(options);
   const std::vector<PhotographDepth> depths = depthsOf(made, {.matches = test::exactMatches(made, {0, 1, 2})});
@@ -100,7 +100,7 @@ TEST_CASE("a panorama has the distance along each ray that its faces have, and c
       CHECK(valueAt(depths[n].matched.map.inverseDepth, at.x, at.y) == Approx(-ray.z / kDistance).epsilon(0.05));
       CHECK(int(depths[n].evidence.confirmations.pixel(at.x, at.y)[0]) == 2);
     }
-    CHECK(valueAt(depths[n].matched.map.inverseDepth, 0, 32) == kUnknownDepth);  // behind there is nothing
+    CHECK(valueAt(depths[n].matched.map.inverseDepth, 0, 32) == kUnknownDepth);  // no surface behind the panorama
   }
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("a photograph that was not matched takes the depth of its points") {
   };
   const std::vector<PhotographDepth> depths =
       depthsOf(made, {.matches = test::exactMatches(made, kMatched), .points = points});
-  // The panorama is asked for each of its faces.
+  // Matches of the panorama are requested once for each of its faces.
   CHECK(asked == std::vector<std::uint32_t>{kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, 5});
   CHECK(depths[kPanorama].sparse);
   CHECK(depths[5].sparse);
@@ -143,7 +143,7 @@ TEST_CASE("a panorama that was not matched takes the depth of its points") {
 }
 
 TEST_CASE("a panorama is completed over its seam") {
-  // Known but for two columns at the left end and two at the right, which its neighbours of the other end complete.
+  // Two columns at the left end and two at the right are unknown. They are completed across the seam.
   constexpr int kSide = 64;
   PhotographDepth depth;
   depth.matched = {{{{CameraModel::equirectangular, kSide, kSide / 2}, {}}, ImageF(kSide, kSide / 2, 1)}, 0.01, 0};
@@ -202,7 +202,7 @@ TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm
                            {0, 0, 1, false, false, completion},
                            {0, 3, 6, true, true, float(2.25 / 2.5)}}) {
     CAPTURE(each.confirmations, each.contradictions, each.witnesses, each.sky);
-    // Every second column of a map whose other columns are confirmed.
+    // Every second column has the case's evidence; the columns between are confirmed.
     constexpr int kSide = 12;
     PhotographDepth depth;
     depth.matched = {{{pinholeFromFov(kSide, kSide, 1), {}}, ImageF(kSide, kSide, 1, 0.5f)}, 0.01, 0};
@@ -215,7 +215,7 @@ TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm
         depth.evidence.witnesses.pixel(x, y)[0] = std::uint8_t(each.witnesses);
         depth.sky.pixel(x, y)[0] = each.sky ? 255 : 0;
       }
-    std::ranges::fill(std::span(depth.evidence.confirmations.values).first(kSide), std::uint8_t(4));  // one surface
+    std::ranges::fill(std::span(depth.evidence.confirmations.values).first(kSide), std::uint8_t(4));  // row 0 joins all
     const CompletedDepth whole = completed(depth, Image8(kSide, kSide, 3, 90));
     for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.5));
     CHECK((valueAt(whole.kept, 5, 6) >= 0) == each.kept);

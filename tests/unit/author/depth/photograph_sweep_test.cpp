@@ -17,9 +17,9 @@ using namespace ibr::test;
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
-constexpr double kWall = 8, kBoard = 3;  // distances
+constexpr double kWall = 8, kBoard = 3;  // distances along y, world units
 
-// A board before a wall, photographed from places around the first.
+// A board before a wall, photographed from positions around the first camera.
 struct Place {
   std::vector<Camera> cameras;
   SyntheticScene scene;
@@ -45,7 +45,7 @@ struct Place {
     return sweptDepth(views[0], std::span(views).subspan(1, sources),
                       sweepRange({1 / farthest, 1 / kWall, 1 / kBoard}));
   }
-  // Of all pixels but those at the border.
+  // Returns the share of pixels within 3 % of the true depth; a border of 8 px does not count.
   double shareRight(const SweptDepth& depth) const {
     const ImageF truth = renderDepth(scene, cameras[0]);
     int right = 0, all = 0;
@@ -87,7 +87,7 @@ TEST_CASE("what is masked in the photograph has no depth, and what is masked in 
   for (float& value : place.views[2].grey.values) value = 255 - value;
   place.views[2].mask = Image8(kWidth, kHeight, 1, 0);
   CHECK(place.shareRight(place.swept()) > 0.97);
-  // All sources but one show the opposite, and are masked.
+  // All sources but one are inverted and masked, so too few sources remain.
   for (std::size_t i = 3; i < place.views.size(); ++i) {
     for (float& value : place.views[i].grey.values) value = 255 - value;
     place.views[i].mask = Image8(kWidth, kHeight, 1, 0);
@@ -111,7 +111,7 @@ TEST_CASE("sky above a wall is found at infinity") {
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < kWidth; ++x)
         view.grey.pixel(x, y)[0] =
-            y < 50 ? 150 + 30 * float(std::sin(0.5 * x + 0.3 * y) + std::sin(0.4 * y - 0.3 * x))  // far clouds
+            y < 50 ? 150 + 30 * float(std::sin(0.5 * x + 0.3 * y) + std::sin(0.4 * y - 0.3 * x))  // distant clouds
                    : view.grey.pixel(x, y)[0];
   const SweptDepth depth = place.swept(5, 40), compact = place.swept();
   int sky = 0;
@@ -123,7 +123,7 @@ TEST_CASE("sky above a wall is found at infinity") {
   CHECK(sky > 40 * kWidth * 9 / 10);
   for (int y = 64; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) CHECK(depth.sky.pixel(x, y)[0] == 0);
-  for (const SweptDepth* none : {&wall, &compact})  // there is none; all tracks are about equally far
+  for (const SweptDepth* none : {&wall, &compact})  // no sky: all tracks are at similar distances
     for (const std::uint8_t value : none->sky.values) CHECK(value == 0);
   const std::vector<double> deep{1.0 / 40, 1 / kWall, 1 / kBoard}, near{1 / kWall, 1 / kWall, 1 / kBoard};
   CHECK(mostReachInfinity({deep, near, deep, {}}));
@@ -137,7 +137,7 @@ TEST_CASE("the range of a sweep holds all but outliers of the tracks, and a few 
   std::vector<double> tracks;
   for (int i = 0; i < 1000; ++i) tracks.push_back(0.05 + 0.00025 * i);
   const SweepRange range = sweepRange(tracks);
-  CHECK(range.far == 0);  // the farthest are a sixth of the nearest
+  CHECK(range.far == 0);  // the farthest track's inverse depth is a sixth of the nearest's
   CHECK(range.near >= 1.3 * 0.298);
   CHECK(range.near < 1.3 * 0.3 * 1.1);
   for (const double more : {0.1, 0.2, 0.25, 50.0}) tracks.push_back(more);

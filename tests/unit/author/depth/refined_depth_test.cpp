@@ -17,12 +17,12 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr int kWidth = 80, kHeight = 60;  // of the depth
+constexpr int kWidth = 80, kHeight = 60;  // size of the depth map, px
 constexpr float kLevel = 0.02f;
 
-// A slanted wall, photographed from places around the first; its depth is swept to whole levels.
+// A slanted wall, photographed from positions around the first; its depth is swept in whole levels.
 struct Wall {
-  std::vector<SweepView> views;  // of twice the depth's size
+  std::vector<SweepView> views;  // twice the depth map's size
   ImageF truth;
   SweptDepth swept;
 
@@ -51,7 +51,7 @@ struct Wall {
     refineDepth(depth, views[0], std::span(views).subspan(1, sources));
     return depth;
   }
-  // Median over all pixels but those at the border, levels.
+  // Returns the median error, levels; pixels at the border do not count.
   double error(const SweptDepth& depth) const {
     std::vector<double> off;
     for (int y = 6; y < kHeight - 6; ++y)

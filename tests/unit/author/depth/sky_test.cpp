@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWidth = 80, kHeight = 60;
 
-// A house from row 30 down: infinity is far worse there. Above it infinity is as good as any depth.
+// A house below row 30, where infinity costs far more than the best depth. Above, infinity is as good as any depth.
 struct Place {
   ImageF excess{kWidth, kHeight, 1, 0.0f};
   Image8 cost{kWidth, kHeight, 1, 20};
@@ -40,12 +40,12 @@ TEST_CASE("sky is what infinity explains, two pixels away from all else") {
 
 TEST_CASE("a clear sky is sky, though nothing matches there; a wall without texture below a roof is not") {
   Place place;
-  place.fill(0, 0, 40, 20, 120, 100);   // clear
-  place.fill(10, 40, 70, 58, 90, 100);  // wall
+  place.fill(0, 0, 40, 20, 120, 100);   // clear sky
+  place.fill(10, 40, 70, 58, 90, 100);  // wall without texture
   const Image8 sky = place.sky();
   CHECK(at(sky, 20, 10));
   CHECK_FALSE(at(sky, 40, 50));
-  place.fill(0, 0, 40, 20, 120, 20);  // the same, but another depth matches
+  place.fill(0, 0, 40, 20, 120, 20);  // as the clear sky, but another depth matches
   CHECK_FALSE(at(place.sky(), 20, 10));
 }
 
@@ -56,10 +56,10 @@ TEST_CASE("sky that a wire cuts off from the border is sky where infinity is as 
   CHECK(at(sky, 40, 2));
   CHECK_FALSE(at(sky, 40, 8));
   CHECK(at(sky, 40, 15));
-  cut.fill(0, 9, 45, 30, 40, 20);  // more than half
+  cut.fill(0, 9, 45, 30, 40, 20);  // more than half of the enclosed region
   CHECK_FALSE(at(cut.sky(), 60, 15));
   CHECK(at(cut.sky(), 40, 2));
-  cut.fill(0, 8, 10, 9, 40, 20);  // no longer cut off
+  cut.fill(0, 8, 10, 9, 40, 20);  // reconnects the region with the border
   CHECK(at(cut.sky(), 60, 15));
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("no sky is found where infinity is nowhere as good as a depth, or in s
   Place near;
   near.fill(0, 0, kWidth, 30, 40, 20);
   Place small;
-  small.fill(22, 0, kWidth, 30, 400, 10);  // leaves 20 × 28 − …
+  small.fill(22, 0, kWidth, 30, 400, 10);  // after both fills, sky is left for x < 22, y < 18
   small.fill(0, 18, kWidth, 30, 400, 10);
   for (const Place* place : {&near, &small})
     CHECK(std::ranges::none_of(place->sky().values, [](int value) { return value != 0; }));

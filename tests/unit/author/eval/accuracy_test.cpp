@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/accuracy.h"
+#include "ibr/author/accuracy.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -14,7 +14,7 @@ using namespace ibr::test;
 
 namespace {
 
-// A wall, and a board that stands before a part of it.
+// Returns a scene of one cell: a wall, and a board in front of a part of the wall.
 SyntheticScene wallAndBoard(std::size_t members, bool atInfinity = false) {
   SyntheticOptions options;
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {0.6, 0, 0}, {0.3, 0, 0.5}, {0.3, 0.4, 0.2}})
@@ -86,14 +86,14 @@ TEST_CASE("what is wrong with matches and labels is counted") {
     CHECK(a.coVisible == before.coVisible);
   }
   SECTION("a triangle that turns over") {
-    // A vertex thrown across the opposite edge in one member turns at least that triangle over.
+    // Mirroring a vertex across the opposite edge in one member flips at least that triangle.
     const glm::uvec3 t = mesh.triangles[mesh.triangles.size() / 2];
     auto& at = mesh.match[1];
     at[t.x] = at[t.y] + at[t.z] - at[t.x];
     CHECK(matchAccuracy(made.scene, truth)[0].folded >= 1);
   }
   SECTION("triangles that bridge wall and board") {
-    // The board's vertices put onto the wall: what the matches claim there is hidden behind it.
+    // The board's vertices are moved onto the wall; the matches then lie on wall that the board hides.
     const Camera& first = made.scene.nodes[0].camera;
     std::size_t moved = 0;
     for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
@@ -197,7 +197,7 @@ TEST_CASE("noise on exact matches is even, the seed's own, and turns nothing ove
   CHECK(std::abs(sum / count) < 0.2);
   CHECK(std::sqrt(squares / count) == Approx(std::sqrt(3.0)).epsilon(0.1));  // 3 px/√3
   CHECK(matchAccuracy(scene, truth)[0].folded == 0);
-  // ρ is off, but hardly ever by more than three of the deviations that it states.
+  // ρ has errors, but few exceed three times the stated deviation.
   std::size_t off = 0, far = 0;
   for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
     const double error = std::abs(double(mesh.inverseDistance[p]) - double(exact.inverseDistance[p]));

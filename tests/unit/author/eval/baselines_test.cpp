@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/baselines.h"
+#include "ibr/author/baselines.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -33,7 +33,7 @@ Camera cameraAt(glm::dvec3 position, double yaw = 0) {
 const TexturedPlane kWall{.origin = {0, 0, -5}, .extentU = 24, .extentV = 16, .wavelength = 0.6};
 const TexturedPlane kSign{.origin = {0.3, 0.1, -3}, .extentU = 1, .extentV = 0.8, .seed = 2, .wavelength = 0.4};
 
-// A scene as `ibr build` leaves it, with its pictures and their depth, which is exact.
+// A scene as `ibr build` writes it, with its photographs and their exact depth.
 struct Place {
   explicit Place(std::vector<TexturedPlane> planes) {
     SyntheticOptions options;
@@ -120,7 +120,7 @@ TEST_CASE("baselines show photographs with their gains, where they are asked to"
       std::size_t compared = 0, wrong = 0;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-          if (*std::ranges::max_element(photograph.pixel(x, y)) > 225) continue;  // clipped ones stay light
+          if (*std::ranges::max_element(photograph.pixel(x, y)) > 225) continue;  // clipped values do not get darker
           ++compared;
           for (int c = 0; c < 3; ++c) {
             const double light = exposure[c] * place.scene().nodes[i].gain[c] *
@@ -145,7 +145,7 @@ TEST_CASE("a wall across the view is exact for all of them") {
                                 baselines.crossFade(view, place.scene().cells[0], std::array{0.5, 0.3, 0.2})}) {
     const Image8 mask = shown(picture);
     CHECK(share(mask) > 0.9);
-    CHECK(psnr(picture, truth, mask) > 33);  // sampling alone
+    CHECK(psnr(picture, truth, mask) > 33);  // resampling is the only error
   }
 }
 
@@ -182,11 +182,11 @@ TEST_CASE("photographs without a depth texture are shown as though all were infi
   Place place({kWall, kSign});
   for (Node& node : place.made.scene.nodes) node.depthFile.clear();
   Baselines baselines(place.scene());
-  const Camera view = cameraAt({0.1, 0, 0});  // nothing moves by its own parallax
+  const Camera view = cameraAt({0.1, 0, 0});  // at infinity the photograph does not shift
   CHECK(largestDifference(baselines.nearest(view), place.made.photographs[0]) <= 1);
   const Image8 picture = baselines.lumigraph(view);
   CHECK(share(shown(picture)) > 0.9);
-  CHECK(psnr(picture, renderTruth(place.made, view), shown(picture)) < 26);  // depth would be worth having
+  CHECK(psnr(picture, renderTruth(place.made, view), shown(picture)) < 26);  // depth would improve the picture
 }
 
 TEST_CASE("baselines do not depend on how many photographs are kept, nor on threads") {
@@ -239,8 +239,8 @@ TEST_CASE("a depth map brought into another view is that view's depth") {
     right += std::abs(warped.values[i] / exact.values[i] - 1) < 0.01f;
   }
   CHECK(double(known) > 0.8 * double(warped.values.size()));
-  CHECK(double(right) > 0.97 * double(known));  // all but rims
-  // To its own camera it comes back.
+  CHECK(double(right) > 0.97 * double(known));  // all but depth edges
+  // Warping a map to its own camera returns the map.
   const ImageF back = warpedDepth(from.camera, from);
   for (int y = 1; y + 1 < kHeight; y += 7)
     for (int x = 1; x + 1 < kWidth; x += 7)
@@ -279,7 +279,7 @@ TEST_CASE("the order of photographs makes no difference to a lumigraph, and what
     return picture.picture();
   };
   CHECK(with({0, 1, 2}, 2) == with({2, 0, 1}, 2));
-  // From far to the left the sign hides wall that the view sees; alone it must do, beside another it must not show.
+  // In the far left photograph the sign hides wall that `view` sees: its colours must yield to another photograph's.
   const Camera left = cameraAt({-1.2, 0.1, 0});
   const DepthMap leftMap = exactMap(place.made, left);
   const Image8 leftPicture = renderTruth(place.made, left), truth = renderTruth(place.made, view);

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/file.h"
+#include "ibr/author/matchers.h"
 #include "ibr/error.h"
-#include "ibr/matchers.h"
 #include "io/image_file.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
@@ -68,7 +68,7 @@ TEST_CASE("a case that cannot be is refused by its place") {
 
 TEST_CASE("methods are compared on a wall whose homography is known; a picture that is not there is named") {
   const TemporaryFolder folder;
-  // Turned about one centre: what is seen is a homography apart.
+  // Cameras turned about one centre: their pictures are related by a homography.
   const std::vector<Camera> cameras{lookingAlong({0, 0, 0}, {0, 1, 0}, 240, 180),
                                     lookingAlong({0, 0, 0}, {0.12, 1, 0.04}, 240, 180)};
   SyntheticOptions options;
@@ -78,7 +78,7 @@ TEST_CASE("methods are compared on a wall whose homography is known; a picture t
   const SyntheticScene scene = makeScene(options);
   for (int i = 0; i < 2; ++i) writeImage(folder / (std::to_string(i) + ".png"), scene.photographs[std::size_t(i)]);
   const Intrinsics& k = cameras[0].intrinsics;
-  // Between pixels counted from the centre of the first one: K R K⁻¹.
+  // Homography between pixel indices, whose origin is the first pixel's centre: K R K⁻¹.
   const glm::dmat3 toRay(1 / k.fx, 0, 0, 0, -1 / k.fy, 0, (0.5 - k.cx) / k.fx, (k.cy - 0.5) / k.fy, -1);
   const glm::dmat3 h =
       glm::inverse(toRay) * glm::mat3_cast(glm::inverse(cameras[1].pose.rotation) * cameras[0].pose.rotation) * toRay;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The matching methods on photographs: bounds that a broken matcher misses. Needs IBR_DATASETS.
+// Quality bounds of the matching methods on photographs; a broken matcher fails them. Needs IBR_DATASETS.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <cstdlib>
 
+#include "ibr/author/matchers.h"
 #include "ibr/error.h"
-#include "ibr/matchers.h"
 
 using namespace ibr;
 namespace fs = std::filesystem;
 
 namespace {
 
-// Exit code 77: skipped.
+// Exits with 77 (skipped) if IBR_DATASETS is not set.
 fs::path datasets() {
   const char* const folder = std::getenv("IBR_DATASETS");
   if (folder && fs::is_directory(fs::path(folder) / "pairs_opencv")) return folder;
@@ -34,7 +34,7 @@ TEST_CASE("aloe at a third of its size against the true disparities, by flow and
   MatchCase aloe = caseNamed("aloe");
   aloe.maxSize = 427;
   const std::vector<MatchScore> scores = compareMethods(aloe);
-  REQUIRE(scores.size() == 3);  // no poses: no sweep
+  REQUIRE(scores.size() == 3);  // the data has no poses, so there is no sweep
   for (const MatchScore& score : scores) {
     const bool flow = score.method == MatchMethod::flow;
     INFO(methodName(score.method) << " " << int(score.filter));

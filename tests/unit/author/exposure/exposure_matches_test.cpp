@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How photographs are compared whose fields of view overlap, with depth and without.
+// Comparing the colours of photographs with overlapping fields of view, with and without depth.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -34,7 +34,7 @@ Camera lookingFrom(glm::dvec3 place, const glm::dquat& rotation) {
   return {pinholeFromFov(kSide, kSide, 105 * std::numbers::pi / 180), {place, rotation}};
 }
 
-// The faces of a cube, each 15 degrees wider than it must be.
+// Faces of a cube; each field of view is 15 degrees wider than a right angle.
 std::vector<Camera> faces(glm::dvec3 place) {
   constexpr double kRight = std::numbers::pi / 2;
   std::vector<Camera> cameras;
@@ -43,14 +43,14 @@ std::vector<Camera> faces(glm::dvec3 place) {
   return cameras;
 }
 
-// Photographs of a room on the disk, each as its camera's exposure and lens make it.
+// Photographs of a room in a folder, each with its own exposure and vignetting.
 class Taken {
  public:
-  // With depth, all of them have it exact.
+  // `hasDepth`: all photographs have exact depth.
   explicit Taken(const std::vector<Camera>& cameras, bool hasDepth = false) {
     SyntheticOptions options;
     options.cameras = cameras;
-    options.cells = {{0, 1}};  // of no account
+    options.cells = {{0, 1}};  // not used
     options.gridStep = kSide;
     options.planes = roomPlanes({-5, -4, -6}, {6, 3, 5}, 1.5);
     options.samplesPerAxis = 2;
@@ -58,7 +58,7 @@ class Taken {
     for (std::uint32_t n = 0; hasDepth && n < cameras.size(); ++n) matched_.insert(n);
   }
 
-  // `exposures` times what is there, clipped.
+  // Writes each photograph with its exposure and the lens's vignetting; values above 1 are clipped.
   void take(const Gains& exposures, glm::dvec2 vignetting = glm::dvec2(0.0)) {
     photographs.clear();
     model = {};
@@ -108,7 +108,7 @@ class Taken {
 const Gains kExposures{{1.8, 1.6, 1.9},   {0.55, 0.6, 0.52}, {1, 1.1, 0.9},
                        {0.7, 0.66, 0.74}, {1.3, 1.25, 1.2},  {0.9, 1, 1}};
 
-// The largest relative error but for one factor a channel.
+// Returns the largest relative error after one common factor for each channel.
 double worstError(const Gains& gains, const Gains& exposures) {
   double worst = 0;
   for (int c = 0; c < 3; ++c) {
@@ -147,12 +147,12 @@ TEST_CASE("overlaps lie where both photographs show one place") {
     const glm::dvec3 from = cameras[point.first].pose.position, to = cameras[point.second].pose.position;
     CHECK(point.first < point.second);
     ahead += point.second == point.first + 6;
-    if (from == to) continue;  // no depth is asked for
+    if (from == to) continue;  // depth is not read for this pair
     ++across;
     const double distance = distanceAlong(taken.scene, from, point.ray).value();
     CHECK(distance * point.inverseDistance == Approx(1).epsilon(0.06));
     const double there = distanceAlong(taken.scene, to, from + distance * point.ray - to).value();
-    CHECK(there > 0.9);  // nothing stands in between
+    CHECK(there > 0.9);  // no surface occludes the overlap
   }
   CHECK(ahead > 200);
   CHECK(across > ahead + 200);
@@ -187,7 +187,7 @@ TEST_CASE("parts that look away from each other keep a mean each, and it is said
 TEST_CASE("what is masked is not compared") {
   Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))});
   taken.take({glm::dvec3(1), glm::dvec3(0.7)});
-  // Somebody in a pale coat stands where most of the overlap is, in the first alone.
+  // A person in a pale coat covers most of the overlap in the first photograph only.
   Image8 picture = readImage(taken.folder / "0.png"), mask(kSide, kSide, 1, 255);
   for (int y = 0; y < kSide; ++y)
     for (int x = kSide / 5; x < kSide; ++x)
@@ -214,7 +214,7 @@ TEST_CASE("photographs that are clipped all over, or alone, are left as they are
 }
 
 TEST_CASE("a lens that shades its corners is told from exposures") {
-  const glm::dvec2 planted(-0.35, -0.25);  // corners have 55 % of the light
+  const glm::dvec2 planted(-0.35, -0.25);  // corners receive 55 % of the light
   Taken taken(faces({0, 0, 0}));
   const Gains exposures{{1, 0.9, 1}, {0.55, 0.6, 0.52}, {0.8, 0.8, 0.9}, {0.7, 0.66, 0.74}, {1, 1, 1}, {0.9, 1, 1}};
   taken.take(exposures, planted);
@@ -224,7 +224,7 @@ TEST_CASE("a lens that shades its corners is told from exposures") {
   for (const double radius : {0.3, 0.5, 0.7, 0.9})
     CHECK(std::exp(logVignetting(found[3], radius) - logVignetting(planted, radius)) == Approx(1).epsilon(0.02));
   CHECK(worstError(solveExposures(6, withoutVignetting(matches, found)).gains, exposures) < 0.005);
-  taken.take(exposures);  // a lens without it
+  taken.take(exposures);  // without vignetting
   CHECK(std::abs(logVignetting(solveVignetting(6, taken.matches(), lenses)[0], 1)) < 0.02);
 }
 
@@ -248,8 +248,8 @@ TEST_CASE("a picture without its lens's shade is what was there") {
   CHECK(double(wrong) < 0.001 * 3 * kSide * kSide);
   CHECK(unvignetted(shaded, k, {0, 0}) == shaded);
   CHECK(!isNegligible(planted));
-  CHECK(isNegligible({0.02, -0.02}));  // nowhere more than half a percent
-  CHECK(!isNegligible({0.1, -0.1}));   // nothing at the corners, much on the way there
+  CHECK(isNegligible({0.02, -0.02}));  // at most half a percent anywhere
+  CHECK(!isNegligible({0.1, -0.1}));   // none in the corners, but much between the middle and the corners
   const Intrinsics panorama{CameraModel::equirectangular, 64, 32};
   CHECK(vignettingRadius(panorama, {64, 32}) == 0);
   CHECK(vignettingRadius(k, {0, 0}) == Approx(1));
@@ -262,6 +262,6 @@ TEST_CASE("photographs of one camera, aperture and zoom share a lens") {
   taken.photographs[1].capture.fNumber = 2.8;
   taken.photographs[2].capture.model = "another";
   taken.photographs[3].whole.fx *= 1.5;
-  taken.photographs[4].whole.fx *= 1.001;  // as estimators say it of each photograph
+  taken.photographs[4].whole.fx *= 1.001;  // focal lengths estimated for each photograph differ slightly
   CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>{0, 1, 2, 3, 0, 0});
 }

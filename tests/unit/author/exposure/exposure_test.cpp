@@ -20,7 +20,7 @@ Gains gainsOf(std::size_t photographs, const std::vector<ExposureMatch>& matches
   return solveExposures(photographs, matches, exif).gains;
 }
 
-// Gains between 1/span and span, of mean log 0.
+// Random gains between 1/span and span, with a mean log of 0.
 Gains planted(std::size_t photographs, double span, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -34,7 +34,7 @@ Gains planted(std::size_t photographs, double span, std::uint64_t seed = 1) {
   return gains;
 }
 
-// `each` points in each two photographs that are neighbours in a ring, a share of them wrong, all to the same side.
+// `each` points in each pair of neighbours in a ring; a share of the points is wrong, all in one direction.
 std::vector<ExposureMatch> ring(const Gains& gains, std::size_t each, double wrong, std::uint64_t seed = 2) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -106,7 +106,7 @@ TEST_CASE("parts that no match joins keep their own mean, and photographs withou
     m.second += 4;
     matches.push_back(m);
   }
-  matches.push_back({0, 7, glm::dvec3(2.0), 0.01});  // one alone says nothing
+  matches.push_back({0, 7, glm::dvec3(2.0), 0.01});  // a single match is ignored
   const Gains gains = gainsOf(8, matches);
   CHECK(worst(Gains(gains.begin(), gains.begin() + 4), left) < 1e-6);
   CHECK(worst(Gains(gains.begin() + 4, gains.begin() + 7), right) < 1e-6);
@@ -123,13 +123,13 @@ TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields t
   gains[0] *= 2;
   gains[1] /= 2;
   std::vector<ExposureMatch> matches = ring({gains[0], gains[1]}, 50, 0);
-  // The third lets in four times as much as the first, and four times as little as the second should say.
+  // EXIF: photographs 1 and 2 receive four times the light of photograph 0. Matches know the gains of 0 and 1 only.
   const std::vector<CaptureFacts> exif{exposed(0.01), exposed(0.04), exposed(0.04)};
   CHECK(worst(gainsOf(3, matches, exif), {gains[0], gains[1], gains[1]}) < 1e-6);
-  // Matches of many points outweigh what is written down.
+  // Matches with many points outweigh EXIF.
   const std::vector<CaptureFacts> wrong{exposed(0.04), exposed(0.01), {}};
   CHECK(worst(gainsOf(3, matches, wrong), {gains[0], gains[1], glm::dvec3(1.0)}) < 0.01);
-  // Another camera says nothing about the first two.
+  // EXIF of another camera cannot be compared with the first two photographs.
   std::vector<CaptureFacts> other = exif;
   other[2].model = "M2";
   CHECK(gainsOf(3, matches, other)[2] == glm::dvec3(1.0));
@@ -137,8 +137,8 @@ TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields t
 
 TEST_CASE("gains stay within what a scene may hold") {
   const Gains gains = gainsOf(2, std::vector<ExposureMatch>(20, {0, 1, glm::dvec3(40.0), 0.1}));
-  CHECK(gains[0].r == Approx(1 / kLargestGain));
-  CHECK(gains[1].r == Approx(kLargestGain));
+  CHECK(gains[0].r == Approx(1 / kMaxGain));
+  CHECK(gains[1].r == Approx(kMaxGain));
 }
 
 TEST_CASE("gains that nobody would see are none") {
@@ -150,7 +150,7 @@ TEST_CASE("gains that nobody would see are none") {
   CHECK(describedExposures(exposures).find("alike") != std::string::npos);
   for (glm::dvec3& gain : gains) gain.b = 1;
   gains[2].b = 1.03;
-  exposures = solveExposures(5, ring(gains, 30, 0));  // one channel of one of them is enough
+  exposures = solveExposures(5, ring(gains, 30, 0));  // one channel of one match suffices
   CHECK(!exposures.alike);
   CHECK(exposures.gains[2].b > 1.02);
 }

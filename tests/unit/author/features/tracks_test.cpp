@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Features, guided matches and tracks of our own.
+// Feature detection, guided matching and track building.
 #include "author/features/tracks.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using namespace ibr::test;
 
 namespace {
 
-// Three cameras before a textured wall and a panel before it.
+// Three cameras before a textured wall and a panel in front.
 SyntheticScene wallSeenBy(const std::vector<Camera>& cameras) {
   SyntheticOptions options;
   options.cameras = cameras;
@@ -138,7 +138,7 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
   for (const FeatureMatch& m : matches) (m.a < 60 && m.b == 199 - m.a ? right60 : others)++;
   CHECK(right60 == 60);
   CHECK(others == 0);
-  // The other way round it is the same.
+  // Matching is symmetric: exchanged inputs give the same pairs.
   auto back = matchGuided(b, right, a, left);
   for (FeatureMatch& m : back) std::swap(m.a, m.b);
   std::ranges::sort(back, {}, &FeatureMatch::a);
@@ -150,7 +150,7 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
     CHECK(std::ranges::none_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
   }
   SECTION("behind the cameras, on the line") {
-    // Seen between where the ray starts and where it ends, on the wrong side of its far end.
+    // The observation lies on the epipolar line, beyond the ray's far end.
     const glm::dvec3 ray = points[0] - a.pose.position;
     right.at[199] = in(b, a.pose.position + 1e6 * ray) + (in(b, a.pose.position + 1e6 * ray) - in(b, points[0]));
     CHECK(std::ranges::none_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
@@ -160,7 +160,7 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
     right.at[100] = in(b, nearer);
     right.descriptor[100] = right.descriptor[199];
     CHECK(std::ranges::none_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
-    // Elsewhere it does not matter.
+    // A similar feature off the epipolar line is no obstacle.
     right.at[100] = in(b, nearer) + glm::vec2(0, 20);
     CHECK(std::ranges::any_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
   }
@@ -168,7 +168,7 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
 
 TEST_CASE("matches join to tracks with one feature a photograph, the most alike first") {
   const std::vector<ImagePair> pairs{{0, 1}, {0, 2}, {1, 2}};
-  // 0:5 – 1:6 – 2:7 close; then 0:5 – 2:9 would bring a second feature of photograph 2.
+  // 0:5 – 1:6 – 2:7 join by small distances; 0:5 – 2:9 would then add a second feature of photograph 2.
   const std::vector<std::vector<FeatureMatch>> matches{{{5, 6, 10}}, {{5, 9, 30}, {1, 1, 5}}, {{6, 7, 20}}};
   using Set = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   const auto joined = joinMatches(pairs, matches);
@@ -183,7 +183,7 @@ TEST_CASE("triangulation finds exact points exactly and says where there are non
   for (const Camera& c : cameras)
     pixels.push_back(*project(c.intrinsics, glm::inverse(c.pose.rotation) * (point - c.pose.position)));
   CHECK(glm::distance(triangulate(cameras, pixels).value(), point) < 1e-9);
-  // In px it is the least squares: no step aside makes it smaller.
+  // The result minimises squared distances in pixels: no step to another position reduces their sum.
   pixels[0].x += 1;
   pixels[2].y -= 0.7;
   const glm::dvec3 best = triangulate(cameras, pixels).value();
@@ -202,7 +202,7 @@ TEST_CASE("triangulation finds exact points exactly and says where there are non
   }
   const std::vector<Camera> same{cameras[0], cameras[0]};
   CHECK_FALSE(triangulate(same, std::vector<glm::dvec2>{{10, 10}, {10, 10}}));
-  // Rays that part: they meet behind.
+  // The rays diverge; their closest point is behind the cameras.
   CHECK_FALSE(triangulate(std::vector<Camera>{cameras[0], cameras[1]}, std::vector<glm::dvec2>{{10, 96}, {250, 96}}));
 }
 
@@ -210,7 +210,7 @@ TEST_CASE("pairs are near each other, look alike ways, and lack tracks") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 30; ++i) cameras.push_back(lookingAlong({double(i), 0, 0}, {0, 1, 0}));
   cameras.push_back(lookingAlong({0.5, 0, 0}, {0, -1, 0}));
-  cameras.push_back(lookingAlong({3, 0, 0}, {0.1, 1, 0}));  // the place of another one
+  cameras.push_back(lookingAlong({3, 0, 0}, {0.1, 1, 0}));  // a second camera at the same position
   PosedModel model = modelOf(cameras, {});
   const auto pairs = pairsWithoutTracks(model, {.neighbours = 4});
   CHECK(std::ranges::is_sorted(pairs));
@@ -252,18 +252,18 @@ TEST_CASE("photographs with poses and no tracks get tracks on what they show") {
   model.tracks = tracks;
   CHECK(reprojectionError(model) < 0.2);
 
-  // Taken from what is kept they are the same, found in another order too.
+  // Cached features and matches give the same tracks, also if the jobs run in reverse order.
   OwnTracksInput kept = made.input;
   std::atomic<int> looked = 0;
   kept.view = [&](std::size_t i) {
     ++looked;
-    return MatchView{cameras[i], Image8(256, 192, 3)};  // nothing to be found here
+    return MatchView{cameras[i], Image8(256, 192, 3)};  // a black picture has no features
   };
   const auto backwards = [](std::string_view, std::size_t count, double, const std::function<void(std::size_t)>& job) {
     for (std::size_t i = count; i-- > 0;) job(i);
   };
   const auto again = makeTracks(made.model, made.pairs, kept, backwards);
-  CHECK(looked == 0);  // what is kept needs no photograph
+  CHECK(looked == 0);  // all features come from the cache
   REQUIRE(again.size() == tracks.size());
   for (std::size_t t = 0; t < tracks.size(); ++t) CHECK(again[t].position == tracks[t].position);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// N16 of NUMERICS §3 for lenses and faces of panoramas.
+// Non-finite and extreme input of lenses and of panorama faces gives finite results or an Error.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "ibr/author/lens.h"
+#include "ibr/author/panorama.h"
 #include "ibr/error.h"
-#include "ibr/lens.h"
-#include "ibr/panorama.h"
 #include "support/extremes.h"
 
 using namespace ibr;
@@ -68,7 +68,7 @@ TEST_CASE("a lens of any number is refused, or sees nothing that is not finite",
 TEST_CASE("faces of a panorama are refused or finite, whatever the angle", "[N10][N16]") {
   for (const double value : test::kExtremes) {
     INFO(value);
-    if (value > 0 && value < 3) {  // next to nothing: a needle
+    if (value > 0 && value < 3) {  // denormal and smallest normal numbers: a field of view of almost 0
       CHECK(faceSize(2048, value) == 1);
     } else {
       CHECK_THROWS_AS(faceIntrinsics(64, value), Error);

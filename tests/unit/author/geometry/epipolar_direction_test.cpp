@@ -18,7 +18,7 @@ glm::dvec2 seenBy(const Camera& camera, glm::dvec3 point) {
 }  // namespace
 
 TEST_CASE("a match slides as its point comes nearer") {
-  const double scale = GENERATE(1e-3, 1.0, 1e6);  // world units a metre
+  const double scale = GENERATE(1e-3, 1.0, 1e6);  // world units per metre
   const glm::dvec3 offset = GENERATE(glm::dvec3(0), glm::dvec3(4e5, -6e6, 300));
   const Camera camera = lookingAlong(offset + scale * glm::dvec3(1, 0.5, 0.2), {0.3, 1, -0.2});
   const glm::dvec3 centre = offset + scale * glm::dvec3(0, 0, 0.4), point = offset + scale * glm::dvec3(2, 7, 1);
@@ -40,5 +40,5 @@ TEST_CASE("at the epipole, and from the camera's own place, no direction is pref
   CHECK(epipolarDirection(camera, {1, 2, 3}, {20, 30}) == glm::dvec2(0));
   CHECK(epipolarDirection(camera, {1, 0, 3}, {camera.intrinsics.cx, camera.intrinsics.cy}) == glm::dvec2(0));
   const glm::dvec2 beside(camera.intrinsics.cx + 1e-3, camera.intrinsics.cy);
-  CHECK(glm::length(epipolarDirection(camera, {1, 0, 3}, beside) - glm::dvec2(1, 0)) < 1e-9);  // it is behind
+  CHECK(glm::length(epipolarDirection(camera, {1, 0, 3}, beside) - glm::dvec2(1, 0)) < 1e-9);  // behind the camera
 }

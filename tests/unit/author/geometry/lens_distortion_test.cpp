@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/error.h"
 #include "support/temporary_folder.h"
 
@@ -21,10 +21,10 @@ constexpr int kWidth = 640, kHeight = 480;
 struct Kind {
   const char* name;
   LensModel model;
-  std::vector<double> mild, strong;  // strong: of a wide lens, folding back for most
+  std::vector<double> mild, strong;  // strong: wide-angle values, which fold back for most models
 };
 
-// Numbers such as calibrations give.
+// Parameters of the magnitude that calibrations yield.
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
       {"SIMPLE_PINHOLE", LensModel::simplePinhole, {500, 322, 239}, {150, 300, 250}},
@@ -67,7 +67,7 @@ TEST_CASE("a direction comes back from its pixel, whatever the lens") {
       std::size_t seen = 0;
       for (int i = 0; i <= 32; ++i)
         for (int j = 0; j <= 24; ++j) {
-          const glm::dvec2 pixel(20.0 * i, 20.0 * j);  // the four corners too
+          const glm::dvec2 pixel(20.0 * i, 20.0 * j);  // includes the four corners
           const auto ray = lens.unproject(pixel);
           if (!ray) continue;
           ++seen;
@@ -77,7 +77,7 @@ TEST_CASE("a direction comes back from its pixel, whatever the lens") {
           CHECK(glm::distance(*back, pixel) < 1e-6);
         }
       CHECK(seen > (parameters == &kind.mild ? 33u * 25u - 1 : 300u));
-      // The middle looks along the axis.
+      // The lens's centre looks along the axis.
       const auto axis = lens.unproject(lens.centre());
       REQUIRE(axis);
       CHECK(glm::distance(*axis, glm::dvec3(0, 0, -1)) < 1e-15);
@@ -88,7 +88,7 @@ TEST_CASE("what is given in degrees from the axis is seen once, up to the fold",
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const Lens lens = lensOf(kind.model, kind.strong);
-    CHECK_FALSE(lens.project({0, 0, 1}));  // behind, exactly
+    CHECK_FALSE(lens.project({0, 0, 1}));  // exactly behind the camera
     double last = -1;
     bool folded = false;
     for (int degree = 0; degree < 180; ++degree) {
@@ -96,7 +96,7 @@ TEST_CASE("what is given in degrees from the axis is seen once, up to the fold",
       const auto pixel = lens.project({std::sin(angle), 0, -std::cos(angle)});
       if (!pixel) folded = true;
       if (!pixel) continue;
-      CHECK_FALSE(folded);  // nothing comes back after the fold
+      CHECK_FALSE(folded);  // no direction beyond the fold projects
       const double r = glm::distance(*pixel, lens.centre());
       CHECK(r > last);
       last = r;
@@ -118,11 +118,11 @@ TEST_CASE("the radius at which k folds back is where its derivative says", "[N13
   CHECK_FALSE(lens.project({1.001 * fold, 0, -1}));
   CHECK(lens.unproject({320 + 300 * 0.999 * fold * 2 / 3, 240}));
   CHECK_FALSE(lens.unproject({320 + 300 * 1.001 * fold * 2 / 3, 240}));
-  // A circle at the fold shrinks to nothing as k grows without bound, and the lens still answers.
+  // The fold's circle shrinks to a point as k grows without bound; the lens must still give answers.
   const Lens mad = lensOf(LensModel::simpleRadial, {300, 320, 240, -1e12});
   CHECK(mad.unproject({320, 240}));
   CHECK_FALSE(mad.unproject({330, 240}));
-  // A denominator that becomes zero is a fold, too.
+  // A zero of the denominator is a fold too.
   const Lens pole = lensOf(LensModel::fullOpencv, {300, 300, 320, 240, 0, 0, 0, 0, 0, -1, 0, 0});
   CHECK(pole.limit() == Approx(1).epsilon(1e-9));
   CHECK_FALSE(pole.project({1.1, 0, -1}));
@@ -150,7 +150,7 @@ TEST_CASE("no distortion is the pinhole, and no distortion of a fisheye is the e
     if (!simple) parameters[1] = 200;
     const Lens lens = lensOf(model, parameters);
     CHECK(lens.distorts());
-    const auto aside = lens.project({1, 0, 0});  // a right angle off the axis
+    const auto aside = lens.project({1, 0, 0});  // 90° off the axis
     REQUIRE(aside);
     CHECK(glm::distance(*aside, glm::dvec2(322 + 200 * 1.5707963267948966, 239)) < 1e-9);
     CHECK(glm::distance(*lens.unproject(*aside), glm::dvec3(1, 0, 0)) < 1e-12);
@@ -189,11 +189,11 @@ TEST_CASE("the formulas are those of COLMAP's sources, worked out by hand") {
   // FOV (Devernay and Faugeras): r_d = atan(2 r tan(ω/2))/ω.
   const auto wide = lensOf(LensModel::fov, {400, 400, 320, 240, 0.9}).project({0.8, 0, -1});
   CHECK(wide->x == Approx(320 + 400 * std::atan(1.6 * std::tan(0.45)) / 0.9).epsilon(1e-14));
-  // FULL_OPENCV's k3 stands after p2.
+  // FULL_OPENCV's k3 follows p2 in the parameter list.
   const auto full =
       lensOf(LensModel::fullOpencv, {400, 400, 320, 240, 0, 0, 0, 0, 0.5, 0.25, 0, 0}).project({1, 0, -1});
   CHECK(full->x == Approx(320 + 400 * 1.5 / 1.25).epsilon(1e-14));
-  // THIN_PRISM_FISHEYE: k3 and k4 after p2, then the prism; on θ.
+  // THIN_PRISM_FISHEYE: k3 and k4 follow p2, then the prism parameters; the polynomial is in θ.
   const double t = std::atan(0.5);
   const auto prism = lensOf(LensModel::thinPrismFisheye, {400, 400, 320, 240, 0, 0, 0, 0, 0.5, 0.25, 0.02, 0.03})
                          .project({0.5, 0, -1});

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "ibr/author/lens.h"
 #include "ibr/error.h"
-#include "ibr/lens.h"
 #include "ibr/metrics.h"
 
 using namespace ibr;
@@ -20,12 +20,12 @@ const std::vector<Lens>& lenses() {
       Lens(LensModel::opencv, kWidth, kHeight, std::vector<double>{250, 240, 130, 140, -0.3, 0.1, 0.01, -0.01}),
       Lens(LensModel::opencvFisheye, kWidth, kHeight, std::vector<double>{110, 110, 160, 120, 0.02, 0, 0, 0}),
       Lens(LensModel::fov, kWidth, kHeight, std::vector<double>{200, 200, 160, 120, 0.9}),
-      // Folds back within the picture.
+      // This lens folds back within the picture.
       Lens(LensModel::simpleRadial, kWidth, kHeight, std::vector<double>{160, 160, 120, -0.5})};
   return all;
 }
 
-// What is seen in a direction: a smooth pattern, about a period in 12 px of a focal length of 250.
+// Smooth pattern over directions; its period is about 12 px at a focal length of 250 px.
 double pattern(glm::dvec2 plane) {
   return 127 + 60 * std::sin(130 * plane.x + 20 * plane.y) + 60 * std::sin(110 * plane.y - 30 * plane.x);
 }
@@ -54,8 +54,8 @@ TEST_CASE("an undistorted picture is what a pinhole would have taken") {
     const Image8 truth = pictureOf(k.width, k.height, [&](glm::dvec2 p) { return std::optional(unproject(k, p)); });
     const Image8 ours = undistort(taken, lens, k);
     REQUIRE(ours.width == k.width);
-    // Within: the edge itself is repeated by up to half a pixel. The last two lenses fold or press a wide view into
-    // few pixels: there the photograph itself does not hold the pattern any more.
+    // Borders do not count: edge pixels are repeated by up to half a pixel. The last two lenses fold or compress a wide
+    // view into few pixels, so the photograph itself does not resolve the pattern there.
     double sum = 0;
     std::size_t count = 0;
     for (int y = 4; y < k.height - 4; ++y)
@@ -111,7 +111,7 @@ TEST_CASE("the cropped rectangle is full and cannot grow; the kept one holds eve
 }
 
 TEST_CASE("what was not photographed is black and is said to be so") {
-  const Lens& lens = lenses()[1];  // corners are pulled in: the box around them is not full
+  const Lens& lens = lenses()[1];  // corners are pulled inwards: the source does not fill its bounding box
   const Intrinsics k = undistorted(lens, Border::keep);
   const Image8 picture = undistort(Image8(kWidth, kHeight, 3, 200), lens, k);
   std::size_t empty = 0;

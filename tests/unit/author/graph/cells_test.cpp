@@ -53,7 +53,7 @@ class Noise {
   std::normal_distribution<double> normal_;
 };
 
-// Cameras on a grid, each spot with `yaws` directions around the vertical.
+// Cameras on a grid; each position has `yaws` directions around the vertical.
 std::vector<Camera> grid(int nx, int ny, int nz, int yaws, double noise, double spread = 0) {
   std::vector<Camera> cameras;
   Noise jitter;
@@ -69,7 +69,7 @@ std::vector<Camera> grid(int nx, int ny, int nz, int yaws, double noise, double 
   return cameras;
 }
 
-// The volume, area or length that cells of one direction cover.
+// Returns the volume, area or length that the cells of one direction cover.
 double covered(const std::vector<Camera>& cameras, const CellPlan& plan, std::size_t members, glm::dvec3 direction) {
   double sum = 0;
   for (const auto& cell : plan.cells) {
@@ -112,7 +112,7 @@ TEST_CASE("with at most triangles, a grid's cells lie in the grid's planes and c
   const double noise = GENERATE(0.0, 0.01);
   const auto cameras = grid(3, 2, 2, 1, noise);
   const CellPlan cells = plan(cameras, 2);
-  CHECK(count(cells).triangles == 22);  // 2 a square; 11 squares
+  CHECK(count(cells).triangles == 22);  // 2 triangles for each of 11 squares
   CHECK(count(cells).lines == 0);
   double ground = 0;
   for (const auto& cell : cells.cells) {
@@ -181,11 +181,11 @@ TEST_CASE("the smallest rigs, and rigs that span nothing") {
   for (const auto& rig : {std::vector<Camera>{one}, {one, one}, {one, one, one, one}, {one, away}}) {
     const CellPlan cells = plan(rig);
     CHECK(cells.cells.empty());
-    REQUIRE(cells.unused.size() == rig.size());  // each photograph is named, with the reason
+    REQUIRE(cells.unused.size() == rig.size());  // each photograph is listed with the reason
     CHECK(cells.unused[0].name == "000.png");
     CHECK_FALSE(cells.unused[0].reason.empty());
   }
-  // Coincident ones beside others: every cell joins the two places, and all are used.
+  // Coincident cameras at two positions: each cell joins the two positions, and all photographs are used.
   const CellPlan pairs = plan({one, one, beside, beside});
   CHECK(count(pairs).used == 4);
   for (const auto& cell : pairs.cells) {
@@ -209,7 +209,7 @@ TEST_CASE("photographs that share too few points make no cell, and it is said wh
   for (int i = 0; i < 3; ++i) cameras.push_back(lookingAlong({i % 2, i / 2, 0}, {0, 1, 0}));
   PosedModel model = modelOf(cameras, pointsAround({0, 0, 0}, 30, 3000));
   REQUIRE(planCells(model, {}).cells.size() == 1);
-  // Image 2 loses its tracks: the edge of the others remains.
+  // Image 2 loses its tracks; the edge between the other two remains.
   for (Track& track : model.tracks)
     std::erase_if(track.observations, [](const TrackObservation& o) { return o.image == 2; });
   const CellPlan cells = planCells(model, {});
@@ -275,7 +275,7 @@ TEST_CASE("the order of images and tracks, and the place of the world, change no
 TEST_CASE("a noisy grid in space has no slivers, and stacked directions share their cells") {
   const auto cameras = grid(4, 3, 2, 6, 0.02, 0.002);
   const CellPlan cells = plan(cameras);
-  CHECK(count(cells).tetrahedra == 6 * 6 * 6);  // six a cube, six cubes, six directions
+  CHECK(count(cells).tetrahedra == 6 * 6 * 6);  // six tetrahedra for each of six cubes, in six directions
   CHECK(cells.cells.size() == 6 * 6 * 6);
   std::map<std::set<std::uint32_t>, int> directions;
   for (const auto& cell : cells.cells) {
@@ -293,7 +293,7 @@ TEST_CASE("a noisy grid in space has no slivers, and stacked directions share th
 
 TEST_CASE("directions that were not taken everywhere still share the cells that they have") {
   auto cameras = grid(3, 3, 1, 4, 0.02, 0.002);
-  cameras.erase(cameras.begin() + 4 * 4 + 2);  // the middle spot lacks one direction
+  cameras.erase(cameras.begin() + 4 * 4 + 2);  // the middle position lacks one direction
   const CellPlan cells = plan(cameras);
   std::map<std::vector<std::pair<int, int>>, int> directions;
   for (const auto& cell : cells.cells) {
@@ -305,11 +305,11 @@ TEST_CASE("directions that were not taken everywhere still share the cells that 
   }
   int whole = 0;
   for (const auto& [spots, number] : directions) whole += number == 4 || number == 3;
-  CHECK(whole == 8);  // two a square
+  CHECK(whole == 8);  // two triangles a square
 }
 
 TEST_CASE("grids of unlike steps are split along their own axes") {
-  // Two floors that stand close together would be taken for one plane by their spread.
+  // Two floors, one close above the other; their spread alone would suggest one plane.
   std::vector<Camera> cameras;
   Noise jitter;
   for (int z = 0; z < 2; ++z)
@@ -322,7 +322,7 @@ TEST_CASE("grids of unlike steps are split along their own axes") {
 }
 
 TEST_CASE("rings about an object are joined though neighbours turn by more than half the field of view") {
-  // Twelve photographs, 30 degrees from one to the next; half the smaller field of view is 25.8 degrees.
+  // Twelve photographs at steps of 30°; half the smaller field of view is 25.8°.
   std::vector<Camera> cameras;
   for (int i = 0; i < 12; ++i) {
     const double angle = kPi * i / 6;
@@ -335,7 +335,7 @@ TEST_CASE("rings about an object are joined though neighbours turn by more than 
   CHECK(count(cells).lines == 12);
   CHECK(count(cells).used == 12);
   CHECK(cells.unused.empty());
-  // Without points nothing says that they show the same thing.
+  // Without points there is no evidence that the photographs show the same surface.
   PosedModel bare = model;
   bare.tracks.clear();
   const CellPlan none = planCells(bare, {});
@@ -364,7 +364,7 @@ TEST_CASE("faces stand in for cells that failed, once each, and not inside those
   const CellPlan cells = planner.plan();
   REQUIRE(cells.cells.size() == 2);
   const auto edges = planner.standIns({cells.cells[0]}, {cells.cells[1]});
-  REQUIRE(edges.size() == 2);  // the third is an edge of the other triangle
+  REQUIRE(edges.size() == 2);  // the third edge belongs to the other triangle too
   for (const auto& edge : edges) {
     CHECK(edge.size() == 2);
     CHECK_FALSE(std::includes(cells.cells[1].begin(), cells.cells[1].end(), edge.begin(), edge.end()));

@@ -46,7 +46,7 @@ TEST_CASE("grids of any step, noise, place and turn have levels") {
   REQUIRE(lattice);
   CHECK(lattice->rank == 3);
   REQUIRE(lattice->levels.size() == 24);
-  // Which axis is which is not said, but neighbours differ by one level of one axis.
+  // The order of the axes is unspecified, but neighbours differ by one level along one axis.
   for (std::uint32_t p = 0; p + 1 < 24; ++p) {
     int difference = 0;
     for (std::size_t a = 0; a < 3; ++a) difference += std::abs(lattice->levels[p][a] - lattice->levels[p + 1][a]);
@@ -68,7 +68,7 @@ TEST_CASE("a whole grid is split as Kuhn does, faces of neighbours agree, nothin
     volume += std::abs(glm::dot(glm::cross(places[s[1]] - places[s[0]], places[s[2]] - places[s[0]]),
                                 places[s[3]] - places[s[0]])) /
               6;
-    for (std::size_t a = 0; a < 3; ++a) {  // within one cube
+    for (std::size_t a = 0; a < 3; ++a) {  // of one cube
       int low = 1000, high = 0;
       for (const std::uint32_t p : s) {
         low = std::min(low, lattice->levels[p][a]);
@@ -98,7 +98,7 @@ TEST_CASE("planes and rows of a lattice are split in their own rank, holes are c
   CHECK(splitLattice(*lattice, row) == std::vector<Simplex>{{0, 1}, {1, 2}, {2, 3}});
   CHECK(extent(*lattice, floor) == 2);
   CHECK(extent(*lattice, row) == 1);
-  floor.erase(floor.begin() + 5);  // one in the middle: its six triangles become four
+  floor.erase(floor.begin() + 5);  // removes a middle position, whose six triangles become four
   CHECK(splitLattice(*lattice, floor).size() == 10);
   CHECK(splitLattice(*lattice, std::vector<std::uint32_t>{3}).empty());
 }

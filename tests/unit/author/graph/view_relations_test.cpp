@@ -21,7 +21,7 @@ TEST_CASE("what two photographs share is counted, once a point, and is the same 
     first += sees[0];
     second += sees[1];
     expected += sees[0] && sees[1];
-    track.observations.push_back(track.observations[0]);  // observed twice by one
+    track.observations.push_back(track.observations[0]);  // one image observes the point twice
   }
   const ViewRelations relations(model);
   const ViewRelation& relation = relations.between(1, 0);
@@ -41,7 +41,7 @@ TEST_CASE("the spread of disparities is that of a picture's width, whatever the 
   const double scale = GENERATE(1.0, 1e-3, 1e5);
   const std::vector<Camera> cameras{lookingAlong({0, 0, 0}, {0, 1, 0}), lookingAlong({0.2 * scale, 0, 0}, {0, 1, 0})};
   std::vector<glm::dvec3> points;
-  for (int i = 0; i < 100; ++i)  // half near, half far
+  for (int i = 0; i < 100; ++i)  // half of the points near, half far
     points.push_back(scale * glm::dvec3(0.1 + 0.002 * i, i % 2 ? 4.0 : 40.0, 0.003 * i));
   const PosedModel model = modelOf(cameras, points);
   const Intrinsics& k = cameras[0].intrinsics;

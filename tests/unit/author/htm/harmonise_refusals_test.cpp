@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What harmonise() does not take, and how it ends before its time.
+// Invalid input of harmonise(), and cancellation.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -77,10 +77,10 @@ TEST_CASE("Nothing is made of what cannot be") {
   refused(mesh, photographs, with([](HtmOptions& o) { o.complementPx = -1; }), "complementPx");
   refused(mesh, photographs, with([](HtmOptions& o) { o.adjustRounds = -1; }), "adjustRounds");
   refused(mesh, photographs, with([](HtmOptions& o) { o.adjustSmoothness = -1; }), "adjustSmoothness");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.leastTexture = HUGE_VAL; }), "leastTexture");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.minTexture = HUGE_VAL; }), "minTexture");
   refused(mesh, photographs, with([](HtmOptions& o) { o.inconsistentShare = -0.1; }), "inconsistentShare");
   refused(mesh, photographs, with([](HtmOptions& o) { o.meanDifference = std::nan(""); }), "meanDifference");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.leastFacePx = -1; }), "leastFacePx");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.minFacePx = -1; }), "minFacePx");
   refused(mesh, photographs, with([](HtmOptions& o) { o.rejectCorrelation = 2; }), "rejectCorrelation");
   refused(mesh, photographs, with([](HtmOptions& o) { o.softPx = 0; }), "softPx");
 }
@@ -116,7 +116,7 @@ TEST_CASE("numbers of a harmonised model are refused by name, or its model is wh
                           {"shapeSmoothness", &HtmOptions::shapeSmoothness},
                           {"radius", &HtmOptions::radius},
                           {"laterRadius", &HtmOptions::laterRadius},
-                          {"leastTexture", &HtmOptions::leastTexture},
+                          {"minTexture", &HtmOptions::minTexture},
                           {"smoothness", &HtmOptions::smoothness},
                           {"complementPx", &HtmOptions::complementPx},
                           {"outlierPx", &HtmOptions::outlierPx},
@@ -124,7 +124,7 @@ TEST_CASE("numbers of a harmonised model are refused by name, or its model is wh
                           {"gamma1", &HtmOptions::gamma1},
                           {"meanDifference", &HtmOptions::meanDifference},
                           {"faceDifference", &HtmOptions::faceDifference},
-                          {"leastFacePx", &HtmOptions::leastFacePx},
+                          {"minFacePx", &HtmOptions::minFacePx},
                           {"rejectDifference", &HtmOptions::rejectDifference},
                           {"rejectCorrelation", &HtmOptions::rejectCorrelation},
                           {"softPx", &HtmOptions::softPx}};
@@ -135,7 +135,7 @@ TEST_CASE("numbers of a harmonised model are refused by name, or its model is wh
       options.rounds = 2;
       options.adjustRounds = 1;
       options.faces = 100;
-      options.mostFaces = 300;
+      options.maxFaces = 300;
       options.inconsistentShare = 0.1;
       options.*field.value = value;
       INFO(field.name << " = " << value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [H] Alg. 2 from end to end, on a small body whose photographs are exact.
+// [H] Alg. 2 from end to end, on a small body with exact photographs.
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -61,7 +61,7 @@ TEST_CASE("Exact cameras and an exact mesh have no complements to speak of") {
   CHECK(result.report.rounds[0].before < 2);
   CHECK(result.report.rounds[0].after < result.report.rounds[0].before + 0.1);
   CHECK(result.report.rounds[0].measured > 0.3);
-  CHECK(result.report.rejected < 0.12);  // slanted views
+  CHECK(result.report.rejected < 0.12);  // matches at slanted views
   CHECK(result.model.source.has_value());
   CHECK(result.model.source->mesh == theBody().model.surface.mesh);
   for (const HtmCamera& camera : result.model.cameras) CHECK(!camera.given);
@@ -116,7 +116,7 @@ TEST_CASE("Faces are merged and divided as options say, and all of it is reporte
   options.rounds = 2;
   options.meanDifference = 0.1;
   options.faceDifference = 2;
-  options.leastFacePx = 10;
+  options.minFacePx = 10;
   std::vector<std::string> told;
   const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options, [&](const Progress& p) {
     CHECK((p.total == 0 || p.done <= p.total));
@@ -140,7 +140,7 @@ TEST_CASE("Faces are merged and divided as options say, and all of it is reporte
   for (const HtmResult::Stage& stage : result.stages) names.push_back(stage.name);
   CHECK(names == std::vector<std::string>{"original", "reduced by shape", "reduced by texture", "refined"});
   CHECK(told.size() > 4);
-  options.mostFaces = 1;
+  options.maxFaces = 1;
   options.keepSource = false;
   options.reject = false;
   const HtmResult fewer = harmonise(theBody().model.surface.mesh, photographs, options);
@@ -190,7 +190,7 @@ TEST_CASE("Neither the cameras' order nor the world's place changes a model") {
               glm::distance(result.model.complements[result.model.complementIndex(i, j, v)],
                             other.model.complements[other.model.complementIndex(n - 1 - i, n - 1 - j, v)]) > 1e-4;
       }
-    CHECK(different < 20);  // where as many cameras agree as do without them, looking as well
+    CHECK(different < 20);  // vertices where camera sets of equal size and equal scores tie
   }
   SECTION("place") {
     const glm::dvec3 away(1e5, -2e5, 3e5);
@@ -221,7 +221,7 @@ TEST_CASE("A camera that photographed something else takes no part") {
   const auto sharesOf = [&] {
     const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options);
     checkWhole(result, kCameras);
-    std::array<double, 2> share{};  // of camera 3, of the others, where three or more see a vertex
+    std::array<double, 2> share{};  // of camera 3 and of the others, at vertices that three or more cameras see
     std::array<double, 2> had{};
     for (std::size_t v = 0; v < result.model.vertexCount(); ++v) {
       const CameraSet before = result.model.source->members[v], after = result.model.surface.members[v];

@@ -67,11 +67,11 @@ TEST_CASE("A camera of too few vertices, or of none, stays as it is") {
     CHECK(std::isfinite(found[i].afterPx));
     CHECK(!found[i].known);
   }
-  CHECK(found[0].beforePx == Approx(std::sqrt(5)));  // it is told all the same
+  CHECK(found[0].beforePx == Approx(std::sqrt(5)));  // reported even if the camera is not adjusted
   CHECK(found[0].afterPx == found[0].beforePx);
   members[39] |= 1;
   CHECK(adjustedCameras(mesh, views, members, offsets)[0].known);
-  // All vertices at one place: nothing to hold on to.
+  // All vertices coincide: the pose is undetermined.
   TriangleMesh point;
   point.positions.assign(50, glm::dvec3(0.1));
   const std::vector<CameraSet> all(50, 1);
@@ -81,7 +81,7 @@ TEST_CASE("A camera of too few vertices, or of none, stays as it is") {
   CHECK(std::isfinite(there.camera.pose.position.x + there.camera.intrinsics.fx + there.camera.pose.rotation.w));
   CHECK(there.afterPx < 0.01);
   CHECK(glm::distance(there.camera.pose.position, views[0].camera.pose.position) < 0.1);
-  // A wall seen from its front: distance and focal length are one, and neither runs away.
+  // A wall seen frontally: distance and focal length are indistinguishable, and both must stay bounded.
   const TriangleMesh wall = test::moved(test::flatGrid(8), {-4, -4, 0});
   const HtmView front = plainView(lookingAt({0, 0, 12}, {0, 0, 0}));
   const std::vector<CameraSet> seen(wall.positions.size(), 1);

@@ -18,13 +18,13 @@ glm::dvec3 middleOf(const TriangleMesh& mesh, std::uint32_t f) {
   return (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
 }
 
-// Differences from a function of a face's middle.
+// Difference of each face: a function of the face's centre.
 template <class F>
 FaceDifferences byMiddle(F value) {
   return [value](const TriangleMesh& mesh, std::span<const std::uint32_t> faces) {
     std::vector<double> result;
     for (const std::uint32_t f : faces) {
-      CHECK(mesh.triangles[f].x != mesh.triangles[f].y);  // only faces that are there are asked for
+      CHECK(mesh.triangles[f].x != mesh.triangles[f].y);  // only existing faces are evaluated
       result.push_back(value(middleOf(mesh, f)));
     }
     return result;
@@ -60,10 +60,10 @@ TEST_CASE("Faces grow where differences are large, and only there") {
     (p.x < 5 ? inside : outside) += p.x < 5 || p.x > 9;
     if (p.x < 5 && test::areaOf({result.mesh.positions, {result.mesh.triangles[f]}}) < 3.0) ++smallInside;
   }
-  CHECK(outside == 16 * 2 * 7);  // untouched
-  CHECK(inside < 40);            // of 160
+  CHECK(outside == 16 * 2 * 7);  // unchanged
+  CHECK(inside < 40);            // 160 at the start
   CHECK(smallInside <= double(result.report.refused));
-  // Other faces were not asked for again.
+  // Unaffected faces are not evaluated again.
   CHECK(result.report.evaluated < 512 + 14 * result.report.collapses);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("The face with the largest difference goes first") {
   CHECK(result.report.collapses == 1);
   CHECK(result.report.end == HtmCollapseEnd::cap);
   CHECK(result.report.facesAfter == 198);
-  // The square of that face lost a corner.
+  // An edge of the face nearest to `centre` collapsed to a new point: one of the face's three corners remains.
   std::size_t corners = 0;
   for (const glm::dvec3& p : result.mesh.positions)
     corners += p == glm::dvec3(5, 5, 0) || p == glm::dvec3(5, 6, 0) || p == glm::dvec3(6, 6, 0);
@@ -106,7 +106,7 @@ TEST_CASE("Limits: the floor, the size, the cap", "[N15]") {
   options.floor = 1.0;
   CHECK(collapsed(grid, one, options).mesh == grid);
   options.floor = 0;
-  options.faceArea = 0.5;  // faces have just that
+  options.faceArea = 0.5;  // the limit equals the area of the faces
   CHECK(collapsed(grid, one, options).mesh == grid);
   options.faceArea = 10.0;
   options.mostCollapses = 0;
@@ -134,7 +134,7 @@ TEST_CASE("Batches do the same work in fewer calls") {
 }
 
 TEST_CASE("Collapses of a batch do not touch") {
-  // Squares' halves grow to twice their area by one collapse, to more by two.
+  // A collapse doubles the area of a square's half; adjacent collapses would enlarge the half further.
   HtmCollapseOptions options;
   options.faceArea = 10.0;
   options.batch = 1000;

@@ -16,14 +16,14 @@ namespace {
 using test::lookingAt;
 using test::plainView;
 
-constexpr std::size_t kSide = 9;  // vertices of the grid along each side
+constexpr std::size_t kSide = 9;  // vertices along each side of the grid
 
 struct Field {
   TriangleMesh mesh = test::flatGrid(kSide - 1);
   std::size_t n = mesh.positions.size();
   std::vector<CameraSet> members = std::vector<CameraSet>(n, 3);
   std::vector<VertexMatch> matches = std::vector<VertexMatch>(4 * n);
-  VertexMatch* pair() { return &matches[n]; }  // 0 ← 1
+  VertexMatch* pair() { return &matches[n]; }  // match 0 ← 1
   std::vector<glm::vec2> solved(double smoothness = 1, double outlierPx = 2) {
     const auto all = complementsOf(mesh, 2, members, matches, {smoothness, outlierPx, 1});
     for (std::size_t v = 0; v < n; ++v) CHECK((all[v] == glm::vec2(0) && all[3 * n + v] == glm::vec2(0)));
@@ -37,7 +37,7 @@ double farthest(const std::vector<glm::vec2>& field, glm::vec2 from) {
   return most;
 }
 
-// What a measurement across stripes is: a displacement along `angle` alone.
+// Measurement across stripes: only the displacement along `angle` is known.
 VertexMatch stripes(double angle, glm::dvec2 truly, double worth) {
   const glm::dvec2 d(std::cos(angle), std::sin(angle));
   return {glm::vec2(d * glm::dot(d, truly)), glm::vec3(worth * glm::dvec3(d.x * d.x, d.x * d.y, d.y * d.y)), 0};
@@ -68,7 +68,7 @@ TEST_CASE("A field that is the same everywhere stays, holes are filled, and what
   field.pair()[60] = {wanted + glm::vec2(12, 9), glm::vec3(40, 0, 40), 0};
   field.pair()[20] = {wanted + glm::vec2(-40, 0), glm::vec3(40, 0, 40), 0};
   CHECK(farthest(field.solved(), wanted) < 0.3);
-  // Vertices of one camera are no part of it.
+  // Vertices that one camera sees do not take part.
   field.members[10] = 1;
   field.members[70] = 0;
   const auto solved = field.solved();
@@ -93,7 +93,7 @@ TEST_CASE("The prior keeps short what matches hardly say, and leaves what they s
   CHECK(length(12, 0) == Approx(1));
   CHECK(length(12, 1e6) == Approx(1));
   CHECK(length(12, 1e-9) < 1e-6);
-  CHECK(length(12, 0.5, 0) == Approx(1));  // the paper's way
+  CHECK(length(12, 0.5, 0) == Approx(1));  // with the paper's linear measure
 }
 
 TEST_CASE("Directions of which matches say nothing are no reason to doubt them") {
@@ -101,7 +101,7 @@ TEST_CASE("Directions of which matches say nothing are no reason to doubt them")
   Field field;
   for (std::size_t v = 0; v < field.n; ++v) field.pair()[v] = stripes(double(v % 4) * 0.785, truly, 20);
   CHECK(farthest(field.solved(), glm::vec2(truly)) < 0.1);
-  // Stripes between full matches, which say something else along the stripes' gradient and much across it.
+  // Full and stripe matches alternate: they differ by 0.6 px along the gradient; the displacement across is 12 px.
   const auto zigzag = [](std::size_t v) { return glm::dvec2(v % 2 ? 0.3 : -0.3, 12); };
   for (std::size_t v = 0; v < field.n; ++v) {
     field.pair()[v] = {glm::vec2(zigzag(v)), glm::vec3(40, 0, 40), 0};
@@ -137,7 +137,7 @@ TEST_CASE("Nothing to solve is no trouble") {
 
 namespace {
 
-// A wall before three cameras, with offsets b planted: matches are c_ij = b_i − J_ij b_j.
+// A wall before three cameras with planted offsets b; the matches are c_ij = b_i − J_ij b_j.
 struct Planted {
   TriangleMesh mesh;
   std::vector<HtmView> views;
@@ -162,7 +162,7 @@ struct Planted {
     for (const glm::vec2& c : complements) matches.push_back({c, glm::vec3(30, 5, 20), 0});
   }
   std::size_t at(std::size_t i, std::size_t j, std::size_t v) const { return (i * 3 + j) * mesh.positions.size() + v; }
-  // The map from picture j to picture i around a vertex, of a homography's points.
+  // Maps an offset at a vertex from picture j to picture i by the wall's homography.
   glm::dvec2 through(std::size_t j, std::size_t i, std::size_t v, glm::dvec2 offset) const {
     const PinholeView from(views[j].camera), into(views[i].camera);
     const glm::dvec2 pixel = from.seen(mesh.positions[v])->pixel + offset;
@@ -186,7 +186,7 @@ TEST_CASE("Complements that follow from offsets close their cycles, on the surfa
           const glm::dvec2 cij = planted.complements[planted.at(i, j, v)];
           const glm::dvec2 expected =
               glm::dvec2(planted.offsets[i * n + v]) - planted.through(j, i, v, planted.offsets[j * n + v]);
-          CHECK(glm::distance(cij, expected) < 0.15);  // J is a plane's map to the first order
+          CHECK(glm::distance(cij, expected) < 0.15);  // J is a first-order approximation of the homography
           const std::size_t k = 3 - i - j;
           const glm::dvec2 closed = cij + planted.through(j, i, v, planted.complements[planted.at(j, k, v)]);
           CHECK(glm::distance(closed, glm::dvec2(planted.complements[planted.at(i, k, v)])) < 0.15);
@@ -215,13 +215,13 @@ TEST_CASE("Offsets come back up to what no match tells") {
       return most;
     };
     CHECK(offError(planted.matches, planted.members) < 0.1);
-    // Half of the matches are missing, some lie.
+    // Half of the matches are missing, some are wrong.
     std::vector<VertexMatch> fewer = planted.matches;
     for (std::size_t k = 0; k < fewer.size(); k += 2) fewer[k] = {};
     for (std::size_t k = 7; k < fewer.size(); k += 41)
       if (fewer[k].information.x > 0) fewer[k].displacement += glm::vec2(15, -20);
     CHECK(offError(fewer, planted.members) < 0.3);
-    // Matches of stripes, in turning directions.
+    // Stripe matches whose direction varies.
     std::vector<VertexMatch> aperture;
     for (std::size_t k = 0; k < planted.matches.size(); ++k)
       aperture.push_back(stripes(double(k % 5) * 0.63, planted.complements[k], 20));
@@ -242,7 +242,7 @@ TEST_CASE("Matches of nothing, or of no displacement, leave no offsets") {
   for (const auto* matches : {&none, &still})
     for (const glm::vec2& b : consensusOffsets(planted.mesh, planted.views, planted.members, *matches, {}))
       CHECK(b == glm::vec2(0));
-  // From behind and edge-on there is no map.
+  // Views from behind and edge-on have no map.
   std::vector<HtmView> turned = planted.views;
   turned[1] = plainView(lookingAt({0, 0, -9}, {0, 0, 0}));
   turned[2] = plainView(lookingAt({20, 0, 1e-3}, {0, 0, 0}));
@@ -280,7 +280,7 @@ TEST_CASE("A pair's matches both ways count, and each by itself") {
   const std::size_t n = planted.mesh.positions.size(), v = 40;
   std::vector<CameraSet> members(n, 0);
   members[v] = 3;
-  // One vertex, one match of 2 px against a prior of 16 px² in each of two offsets: each takes its share of it.
+  // One vertex, one match of 2 px, prior of 16 px² for each of two offsets: each offset takes its share of the match.
   const auto offsetsOf = [&](bool there, bool back) {
     std::vector<VertexMatch> matches(9 * n);
     if (there) matches[planted.at(0, 1, v)] = {glm::vec2(2, 0), glm::vec3(25, 0, 25), 0};

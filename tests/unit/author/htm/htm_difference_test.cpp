@@ -45,7 +45,7 @@ TEST_CASE("Scores are eqs 2 and 3 at any angle and exponent") {
       const double cosine = std::cos(degrees * std::numbers::pi / 180);
       const std::vector<double> facing{cosine, -0.2, cosine, 0.3}, size{10, 0, 70, 20};
       const std::vector<double> scores = cameraScores(facing, size, {0.3, gamma});
-      // In logarithms, relative to the largest: powl of a small base underflows too.
+      // Weights as logarithms, relative to the largest: powl of a small base underflows as well.
       std::vector<long double> logs;
       for (const double f : facing) logs.push_back(gamma * std::log((static_cast<long double>(f) + 1) / 2));
       const long double most = std::ranges::max(logs);
@@ -76,7 +76,7 @@ TEST_CASE("Scores stay a share where nothing tells cameras apart") {
   const auto scores = cameraScores(facing, size, {0.3, 1000});
   CHECK(scores[0] == Approx(0.3));
   CHECK(scores[1] == Approx(0.7));
-  // More to the front is never worth less.
+  // A more frontal view never weighs less.
   for (double f = -1; f < 0.99; f += 0.01) {
     const std::vector<double> two{f, f + 0.01}, same{5, 5};
     const auto s = cameraScores(two, same, {0.3, 1000});
@@ -86,7 +86,7 @@ TEST_CASE("Scores stay a share where nothing tells cameras apart") {
 
 TEST_CASE("The difference of a face with two colours is what eq. 4 says") {
   const TriangleMesh mesh = triangle();
-  // Camera 0 is nearer and in front, so it is the best; the sum has camera 1's term alone.
+  // Camera 0 is nearer and more frontal, so it is the best; only camera 1's term is in the sum.
   const std::vector<HtmView> views{plainView(lookingAt({0, 0, 2}, {0, 0, 0}), {100, 50, 10}),
                                    plainView(lookingAt({2, 0, 3}, {0, 0, 0}), {70, 50, 40})};
   std::vector<double> facing, size;
@@ -104,11 +104,11 @@ TEST_CASE("The difference of a face with two colours is what eq. 4 says") {
   CHECK(e1 < 0.5);
   CHECK(differencesOf(mesh, views)[0] == Approx(e1 * (30 + 0 + 30) / 3.0));
   CHECK(differencesOf(mesh, {views[1], views[0]})[0] == Approx(e1 * 20));
-  // A camera that sees nothing of it changes nothing; one that agrees with the best halves the mean.
+  // A camera that does not see the face changes nothing; a camera that agrees with the best halves the mean.
   auto more = views;
   more.push_back(plainView(lookingAt({0, 0, 2}, {0, 0, 4})));
   CHECK(differencesOf(mesh, more)[0] == Approx(e1 * 20));
-  // One camera, or none: no difference.
+  // With one camera or none there is no difference.
   CHECK(differencesOf(mesh, {views[0]})[0] == 0);
   CHECK(differencesOf(mesh, {more[2]})[0] == 0);
 }
@@ -169,14 +169,14 @@ TEST_CASE("An object whose pictures are exact differs by its sampling alone, and
       if (std::isnan(c.x)) c = {};
     const auto without = differencesOf(mesh, views), with = differencesOf(mesh, views, complements);
     CHECK(meanOf(without) > 4 * meanOf(none));
-    // By the median: across folds there is no complement.
+    // Median, because vertices across folds have no complement.
     CHECK(medianOf(with) < 0.4 * medianOf(without));
     CHECK(medianOf(without) > 4 * medianOf(none));
     CHECK(differencesOf(mesh, views, complements, 2) == with);
     for (const double d : without) CHECK((d >= 0 && d <= 255));
     const std::vector<glm::vec2> zero(complements.size(), glm::vec2(0));
     CHECK(differencesOf(mesh, views, zero) == without);
-    // The world's place is nothing.
+    // The difference does not depend on the position in the world.
     if (expected > 0) CHECK(meanOf(without) == Approx(expected).epsilon(0.01));
     expected = meanOf(without);
   }

@@ -12,7 +12,7 @@ namespace {
 
 using Divided = std::vector<std::uint8_t>;
 
-// Four squares of two faces each before a camera that looks at their middle from straight above.
+// Four squares of two faces each, and a camera that looks at their centre from straight above.
 struct Squares {
   TriangleMesh mesh = test::flatGrid(2);
   std::vector<HtmView> views{test::plainView(test::lookingAt({1, 1, 4}, {1, 1, 0}, 120, 90))};
@@ -32,11 +32,11 @@ TEST_CASE("Faces beyond the difference are divided, unless the mesh agrees on th
   Squares squares;
   squares.differences[3] = 4.0;
   squares.differences[5] = 4.1;
-  const EvaluateOptions options{.meanDifference = 2, .faceDifference = 4, .selfOccluded = true, .leastFacePx = 0};
+  const EvaluateOptions options{.meanDifference = 2, .faceDifference = 4, .selfOccluded = true, .minFacePx = 0};
   CHECK(squares.evaluated(options).divide == Divided{0, 0, 0, 0, 0, 1, 0, 0});
   CHECK(squares.evaluated(options).hidden == 0);
   squares.differences.assign(8, 1.0);
-  squares.differences[5] = 9;  // mean 2
+  squares.differences[5] = 9;  // the mean of all faces is 2
   CHECK(squares.evaluated(options).divided == 0);
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("Faces that are hidden in part are divided, however well they agree") 
   Squares squares;
   squares.visibility[2].partly = squares.visibility[6].partly = 1;
   squares.differences[6] = 50;
-  EvaluateOptions options{.meanDifference = 2, .faceDifference = 4, .selfOccluded = true, .leastFacePx = 0};
+  EvaluateOptions options{.meanDifference = 2, .faceDifference = 4, .selfOccluded = true, .minFacePx = 0};
   CHECK(squares.evaluated(options).divide == Divided{0, 0, 1, 0, 0, 0, 1, 0});
   CHECK(squares.evaluated(options).hidden == 1);
   options.selfOccluded = false;
@@ -55,18 +55,18 @@ TEST_CASE("Small faces are not divided; a face is as large as the camera that se
   Squares squares;
   squares.differences.assign(8, 90.0);
   const double focal = squares.views[0].camera.intrinsics.fx, area = 0.5 * (focal / 4) * (focal / 4);  // px² of each
-  EvaluateOptions options{.meanDifference = 1, .faceDifference = 4, .selfOccluded = true, .leastFacePx = 1.01 * area};
+  EvaluateOptions options{.meanDifference = 1, .faceDifference = 4, .selfOccluded = true, .minFacePx = 1.01 * area};
   CHECK(squares.evaluated(options).divided == 0);
-  options.leastFacePx = 0.99 * area;
+  options.minFacePx = 0.99 * area;
   CHECK(squares.evaluated(options).divided == 8);
   squares.visibility[4].seen = 0;
   CHECK(squares.evaluated(options).divide == Divided{1, 1, 1, 1, 0, 1, 1, 1});
   squares.views.insert(squares.views.begin(), test::plainView(test::lookingAt({1, 1, 40}, {1, 1, 0}, 120, 90)));
   for (FaceVisibility& face : squares.visibility) face.seen = 3;
   CHECK(squares.evaluated(options).divided == 8);
-  squares.visibility[1].seen = 1;  // by the far camera alone
+  squares.visibility[1].seen = 1;  // only the far camera sees the face
   CHECK(squares.evaluated(options).divide == Divided{1, 0, 1, 1, 1, 1, 1, 1});
-  // Behind every camera, though said to be seen.
+  // All faces are behind the camera, although their visibility is set.
   squares.views = {test::plainView(test::lookingAt({1, 1, -4}, {1, 1, -9}, 120, 90))};
   for (FaceVisibility& face : squares.visibility) face.seen = 1;
   CHECK(squares.evaluated(options).divided == 0);

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "author/htm/htm_settings.h"
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 #include "io/image_file.h"
 #include "support/contents_below.h"
 #include "support/error_of.h"
@@ -44,7 +44,7 @@ struct Files {
     options.optimise.adjustRounds = 1;
     options.optimise.threads = 1;
   }
-  // What it says, which begins with a name; nothing is written.
+  // Checks that reading and building throw an Error with `code` and `what`, and that no output is written.
   void refused(ErrorCode code, const std::string& what) const {
     INFO(what);
     const Error read = test::errorOf([&] { readHtmInput(options); });
@@ -222,10 +222,10 @@ TEST_CASE("A model that is built can be read, whole, and a failure leaves it as 
   files.options.masks.clear();
   CHECK_THROWS_AS(buildHtm(files.options, [](const Progress& p) { return p.stage != "matching"; }), Error);
   CHECK(test::contentsBelow(files.options.output) == before);
-  // Over itself.
+  // An existing model is overwritten.
   buildHtm(files.options);
   CHECK(validateHtmModelFiles(files.options.output).empty());
-  // A file where the folder should be.
+  // A file is in the place of the output folder.
   std::ofstream(files.folder / "file") << "x";
   files.options.output = files.folder / "file";
   CHECK(test::errorOf([&] { buildHtm(files.options); }).code() == ErrorCode::io);
@@ -234,7 +234,7 @@ TEST_CASE("A model that is built can be read, whole, and a failure leaves it as 
 
 TEST_CASE("Photographs are never written over") {
   Files files;
-  files.options.output = files.folder.path();  // images/ would be those of the model, made smaller
+  files.options.output = files.folder.path();  // images/ would be overwritten by the model's own, smaller images
   files.options.maxSize = 80;
   const auto before = test::contentsBelow(files.folder.path());
   CHECK(test::errorOf([&] { buildHtm(files.options); }).code() == ErrorCode::invalidInput);
@@ -253,7 +253,7 @@ TEST_CASE("Settings come back from their text, and others are the defaults") {
        .measure = TemplateMeasure::correlation,
        .radius = 5.5,
        .laterRadius = 6.5,
-       .leastTexture = 7.5,
+       .minTexture = 7.5,
        .smoothness = 0,
        .outlierPx = 9.5,
        .alpha = 0.125,
@@ -262,8 +262,8 @@ TEST_CASE("Settings come back from their text, and others are the defaults") {
        .meanDifference = 12,
        .faceDifference = 13,
        .selfOccluded = false,
-       .leastFacePx = 14,
-       .mostFaces = 15,
+       .minFacePx = 14,
+       .maxFaces = 15,
        .reject = false,
        .rejectDifference = 16,
        .rejectCorrelation = -0.5,
@@ -275,7 +275,7 @@ TEST_CASE("Settings come back from their text, and others are the defaults") {
   again.maxSize = 640;
   CHECK(htmSettingsText(again) == text);
   CHECK(back.measure == TemplateMeasure::correlation);
-  CHECK((back.faces == 7 && back.rounds == 4 && back.mostFaces == 15 && !back.reject && !back.selfOccluded));
+  CHECK((back.faces == 7 && back.rounds == 4 && back.maxFaces == 15 && !back.reject && !back.selfOccluded));
   CHECK((back.softPx == 17 && back.rejectCorrelation == -0.5 && back.smoothness == 0));
   CHECK(htmOptionsOf("").rounds == HtmOptions().rounds);
   CHECK(htmOptionsOf("{}").rounds == HtmOptions().rounds);

@@ -16,7 +16,7 @@ namespace {
 
 using enum TemplateMeasure;
 
-// Grey levels of a function of place, at pixel centres.
+// Samples a function of position at pixel centres as grey levels.
 template <class F>
 Image8 pictureOf(int width, int height, F&& level) {
   Image8 picture(width, height, 3);
@@ -51,7 +51,7 @@ bool semidefinite(const VertexMatch& m) {
              -1e-3f * m.information.x * m.information.z;
 }
 
-// Two triangles' worth of plane, seen by cameras side by side; the second is turned from where it says it is.
+// A plane, seen by two cameras side by side; the second camera's given pose has a rotation error.
 struct Wall {
   TriangleMesh mesh = test::moved(test::flatGrid(6), {-3, -3, 0});
   std::vector<Camera> truly, given;
@@ -89,7 +89,7 @@ struct Wall {
   }
 };
 
-// Repeats itself nowhere near.
+// Pattern of waves that does not repeat within the search radius.
 double bricks(double x, double y) {
   return 120 + 28 * std::sin(9 * x + 2 * y) + 28 * std::sin(7 * y - 4 * x + 1) + 28 * std::sin(5.3 * x - 3.7 * y + 2) +
          28 * std::sin(3.1 * y + 2.3 * x);
@@ -107,7 +107,7 @@ TEST_CASE("A flat template says nothing, whatever the gate", "[N12][T24]") {
       CHECK(match.information == glm::vec3(0));
     }
   CHECK(refinedMatch(flat, {}, {3, 4}, 2).information == glm::vec3(0));
-  // What is textured in the template alone is not found either.
+  // A textured template has no match in a flat picture either.
   CHECK(refinedMatch(flat, samplesOf({10, 10}, 8, {0, 0}, waves), {1, 1}, 2).information == glm::vec3(0));
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("A ramp is measured along its gradient alone", "[N12]") {
     const glm::dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
     const auto ramp = [&](double x, double y) { return 128 + 6 * glm::dot(along, glm::dvec2(x - 20, y - 20)); };
     const Image8 picture = pictureOf(40, 40, ramp);
-    // Lucas and Kanade take the mean off, so a ramp's displacement is told by its start alone.
+    // Lucas–Kanade subtracts the mean, so on a ramp the result depends on the start alone.
     for (const glm::dvec2 start : {glm::dvec2(0), {2, 1}, {-1, 3}}) {
       const VertexMatch match = refinedMatch(picture, samplesOf({16, 16}, 8, {0, 0}, ramp), start, 2);
       REQUIRE(finite(match));
@@ -200,11 +200,11 @@ TEST_CASE("Matches of a wall's vertices are where a turned camera says, by both 
       REQUIRE(finite(matches[k]));
       if (i == j) CHECK(matches[k].information == glm::vec3(0));
       if (matches[k].information == glm::vec3(0)) continue;
-      if (std::isnan(truth[k].x)) continue;  // outside the wall
+      if (std::isnan(truth[k].x)) continue;  // outside the wall in the other picture
       ++known;
       const double off = glm::distance(matches[k].displacement, truth[k]);
       near += off < 0.15;
-      CHECK(off < 0.5);  // at the wall's rim a segment lies to one side
+      CHECK(off < 0.5);  // at the wall's rim a segment lies on one side of its vertex
     }
     CHECK(known > n);
     CHECK(double(near) > 0.9 * double(known));
@@ -217,7 +217,7 @@ TEST_CASE("Matches of a wall's vertices are where a turned camera says, by both 
 }
 
 TEST_CASE("A search goes around its start") {
-  const Wall wall(bricks, 0.05);  // about 9 px
+  const Wall wall(bricks, 0.05);  // a rotation of about 9 px
   VertexMatchOptions options;
   options.radius = 3;
   const auto truth = test::trueComplements(wall.mesh, wall.truly, wall.given);
@@ -228,7 +228,7 @@ TEST_CASE("A search goes around its start") {
   for (std::size_t k = 0; k < matches.size(); ++k)
     if (matches[k].information != glm::vec3(0) && !std::isnan(truth[k].x)) {
       ++known;
-      CHECK(glm::distance(matches[k].displacement, truth[k]) < 1.0);  // turned so far, a segment is bent
+      CHECK(glm::distance(matches[k].displacement, truth[k]) < 1.0);  // at this rotation a segment is deformed
     }
   CHECK(known > 20);
 }
@@ -251,9 +251,9 @@ TEST_CASE("What has no texture, no members or no view has no match", "[N12][T24]
   CHECK(!nothing(matches));
   CHECK((matches[n + 24].information == glm::vec3(0) && matches[2 * n + 24].information == glm::vec3(0)));
   wall.views[1].mask = Image8(160, 120, 1);
-  const auto masked = wall.matched(absoluteDifferences);  // camera 1 has nothing to show, and may be looked into
+  const auto masked = wall.matched(absoluteDifferences);  // camera 1 gives no templates, but its picture is searched
   CHECK(nothing({masked.begin() + std::ptrdiff_t(n), masked.begin() + std::ptrdiff_t(2 * n)}));
-  // A wall of stripes along y has nothing to say about y.
+  // On a wall of stripes along y, the displacement along y is unknown.
   const Wall stripes([](double x, double) { return 120 + 90 * std::sin(9 * x); });
   std::size_t known = 0;
   for (const VertexMatch& m : stripes.matched(absoluteDifferences))
@@ -289,7 +289,7 @@ TEST_CASE("Templates are searched in portions, and no match depends on how large
                          counted, {});
   };
   const std::vector<VertexMatch> whole = matched(kTemplatePortion);
-  CHECK(calls == 4);  // two cameras at two scales
+  CHECK(calls == 4);  // two cameras, two scales
   const std::size_t samples = all;
   std::vector<glm::vec2> start;
   for (const VertexMatch& match : whole) start.push_back(match.displacement);
@@ -299,7 +299,7 @@ TEST_CASE("Templates are searched in portions, and no match depends on how large
     for (const bool again : {false, true}) {
       const std::vector<VertexMatch> parts = matched(portion, again ? start : std::vector<glm::vec2>());
       CHECK(most <= portion);
-      CHECK(calls >= all / std::max<std::size_t>(portion, kLargestTemplate));
+      CHECK(calls >= all / std::max<std::size_t>(portion, kMaxTemplateSampleCount));
       CHECK((portion > 1 || calls > 100));
       const std::vector<VertexMatch>& expected = again ? wholeAgain : whole;
       REQUIRE(parts.size() == expected.size());

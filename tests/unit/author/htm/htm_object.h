@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras and objects made in code, for what harmonises textures.
+// Synthetic cameras and objects for the tests of texture harmonisation.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "author/htm/htm_views.h"
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 #include "support/bumpy_model.h"
 
 namespace ibr::test {
@@ -52,11 +52,11 @@ inline TriangleMesh moved(TriangleMesh mesh, glm::dvec3 by) {
   return mesh;
 }
 
-/// How far before a camera a vertex lies that the camera stands next to, down to the smallest number.
+/// Distances of a vertex in front of a camera that almost touches the vertex, down to the smallest number.
 inline constexpr std::array kBarelyBefore{1e-3, 1e-9, 1e-300, 5e-324};
 
-/// A camera above the ground, at the origin, and the ground: a face with a corner that the camera sees `before` it, so
-/// at 10¹¹ px where that is 10⁻⁹.
+/// Camera above the ground, at the origin. groundUpTo(): one ground face with a corner at depth `before`; the corner
+/// projects to 10¹¹ px for `before` = 10⁻⁹.
 inline Camera aboveGround() {
   return lookingAt({0, 0, 0}, {0, 0, -1});
 }
@@ -64,7 +64,7 @@ inline TriangleMesh groundUpTo(double before) {
   return {{{5, -1.5, -12}, {-5, -1.5, -12}, {0, -1.5, -before}}, {{0, 1, 2}}};
 }
 
-/// The first point of the mesh on the ray through a pixel.
+/// Returns the first point of the mesh on the ray through a pixel.
 inline std::optional<glm::dvec3> pointBehind(const TriangleMesh& mesh, const Camera& camera, glm::dvec2 pixel) {
   const PinholeView view(camera);
   const glm::dvec3 from = view.centre(), along = view.point(pixel, 1) - from;
@@ -81,7 +81,7 @@ inline std::optional<glm::dvec3> pointBehind(const TriangleMesh& mesh, const Cam
   return std::isinf(nearest) ? std::nullopt : std::optional(from + nearest * along);
 }
 
-/// A camera that is not quite where it says: turned by up to `turn` radians and moved by up to `shift` an axis.
+/// Returns a camera with a pose error: a turn of up to `turn` radians and a shift of up to `shift` along each axis.
 inline Camera disturbed(Camera camera, double turn, double shift, int seed) {
   const auto wave = [&](int k) { return std::sin(12.9 * seed + 7.3 * k + 1); };
   camera.pose.rotation = glm::normalize(glm::angleAxis(turn * wave(0), glm::dvec3(0, 1, 0)) *
@@ -90,8 +90,8 @@ inline Camera disturbed(Camera camera, double turn, double shift, int seed) {
   return camera;
 }
 
-/// Where picture i, that camera truly[i] took, shows what picture j shows at each vertex projected by given[j], less
-/// the vertex projected by given[i]. At complementIndex; NaN where there is no such point.
+/// Returns the exact complements at complementIndex. Pictures were taken with truly[], vertices are projected with
+/// given[]: position in i of the surface that j shows at a vertex, minus the vertex in i. NaN: no such surface.
 inline std::vector<glm::vec2> trueComplements(const TriangleMesh& mesh, const std::vector<Camera>& truly,
                                               const std::vector<Camera>& given) {
   const std::size_t n = mesh.positions.size(), cameras = truly.size();

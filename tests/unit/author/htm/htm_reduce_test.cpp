@@ -41,7 +41,7 @@ TEST_CASE("A sphere of few faces is still a sphere") {
         (result.mesh.positions[t.x] + result.mesh.positions[t.y] + result.mesh.positions[t.z]) / 3.0;
     CHECK(glm::dot(normalOf(result.mesh, t), glm::normalize(middle)) > 0.9);
   }
-  // 300 faces on a sphere have sides of about 0.31: the middles of faces lie 0.31²/6 below it.
+  // A sphere of 300 faces has sides of about 0.31; the centres of faces lie 0.31²/6 below the sphere.
   CHECK(result.report.toReduced.max < 0.03);
   CHECK(result.report.toOriginal.max < 0.03);
   CHECK(result.report.toReduced.mean < 0.01);
@@ -59,7 +59,7 @@ TEST_CASE("A flat grid stays flat, with its outline and nothing turned over", "[
 
 TEST_CASE("Sharp edges are kept while flat places lose faces") {
   TriangleMesh mesh;
-  // A finely divided cube: six grids, stitched.
+  // A finely divided cube: six grids with merged borders.
   const TriangleMesh grid = test::flatGrid(8);
   for (int side = 0; side < 6; ++side) {
     const auto first = std::uint32_t(mesh.positions.size());
@@ -168,7 +168,7 @@ TEST_CASE("Distances between parallel squares") {
   CHECK(distance.mean == Approx(0.25));
   CHECK(distance.max == Approx(0.25));
   CHECK(distance.samples == 500);
-  // From the larger one its outer part is far away.
+  // Measured from the larger mesh, the outer part is far away.
   TriangleMesh small = test::flatGrid(1);
   CHECK(surfaceDistance(small, test::flatGrid(2), 500).max < 1e-12);
   CHECK(surfaceDistance(test::flatGrid(2), small, 500).max > 1.0);

@@ -11,7 +11,7 @@
 namespace ibr {
 namespace {
 
-// Waves that differ by colour, displaced; light and contrast may be others.
+// Displaced waves that differ by channel; callers may change brightness and contrast.
 double waveAt(glm::dvec2 at, std::size_t colour) {
   const double c = double(colour);
   return 120 + 50 * std::sin(0.31 * at.x + 0.12 * at.y + c) + 40 * std::cos(0.07 * at.x - 0.27 * at.y + 2 * c);
@@ -25,12 +25,12 @@ Image8 waves(int width, int height, glm::dvec2 by) {
   return picture;
 }
 
-// A disc of the waves as they are, `lighter` by so many levels.
+// Samples a disc of the undisplaced waves; `lighter` in 8-bit levels is added.
 std::vector<TemplateSample> disc(glm::ivec2 middle, int radius, int lighter = 0) {
   std::vector<TemplateSample> samples;
   for (int y = -radius; y <= radius; ++y)
     for (int x = -radius; x <= radius; ++x) {
-      if (x * x + y * y > radius * radius || (x == 1 && y % 3 == 0)) continue;  // with holes
+      if (x * x + y * y > radius * radius || (x == 1 && y % 3 == 0)) continue;  // the disc has holes
       const auto level = [&](std::size_t c) {
         return std::uint8_t(std::lround(waveAt(glm::dvec2(middle + glm::ivec2(x, y)), c)) + lighter);
       };
@@ -50,7 +50,7 @@ TEST_CASE("A match is refined to parts of a pixel, whatever the light", "[N12]")
   CHECK(plain.information.x * plain.information.z > plain.information.y * plain.information.y);
   const VertexMatch lit = refinedMatch(picture, disc({40, 35}, 9, 20), {3, -3}, 2);
   CHECK(glm::distance(lit.displacement, plain.displacement) < 1e-3f);
-  // From where it lies, it stays; the order of samples does not matter.
+  // At the exact start the result stays. The order of samples has no effect.
   std::vector<TemplateSample> samples = disc({40, 35}, 9);
   std::ranges::reverse(samples);
   CHECK(glm::distance(refinedMatch(picture, samples, by, 2).displacement, plain.displacement) < 0.02f);
@@ -64,7 +64,7 @@ TEST_CASE("Templates over the border are matched by what the picture goes on as"
     std::erase_if(inside, [](const TemplateSample& s) { return s.x < 1 || s.y < 1 || s.x > 58 || s.y > 48; });
     CHECK(glm::distance(glm::dvec2(refinedMatch(picture, inside, {0, 0}, 2).displacement), by) < 0.1);
   }
-  // Far outside there is no gradient: nothing is said.
+  // Far outside the picture there is no gradient, so the result has no information.
   const VertexMatch outside = refinedMatch(picture, disc({30, 25}, 6), {5000, -5000}, 2);
   CHECK(outside.information == glm::vec3(0));
   CHECK(outside.displacement == glm::vec2(0));
@@ -73,7 +73,7 @@ TEST_CASE("Templates over the border are matched by what the picture goes on as"
 TEST_CASE("What has no texture is not displaced", "[N12][T24]") {
   CHECK(refinedMatch(test::plain(pinholeFromFov(60, 50, 1)), disc({30, 25}, 6), {2, 1}, 2).information == glm::vec3(0));
   CHECK(refinedMatch(waves(60, 50, {}), {}, {1, 1}, 2).information == glm::vec3(0));
-  // Upright stripes say nothing along themselves.
+  // Vertical stripes give no information along the stripes.
   Image8 stripes(60, 50, 3);
   std::vector<TemplateSample> samples;
   const auto level = [](double x) { return std::uint8_t(std::lround(128 + 90 * std::sin(0.5 * x))); };

@@ -69,7 +69,7 @@ TEST_CASE("A search for cliques ends with as many cameras as a model holds") {
     CHECK(std::popcount(found) >= (density == 1 ? 64 : density > 0.4 ? 5 : 1));
   }
   CHECK(largestClique(0, randomGraph(4, 1, random).joined, std::vector<float>(4)) == 0);
-  // All but pairs: 2³² largest cliques.
+  // Complete graph minus 32 disjoint edges: 2³² largest cliques.
   Graph pairs{std::vector<CameraSet>(64, ~CameraSet(0)), std::vector<float>(64, 1)};
   for (std::size_t k = 0; k < 64; ++k) pairs.joined[k] &= ~(CameraSet(3) << (k & ~std::size_t(1)));
   const CameraSet found = largestClique(~CameraSet(0), pairs.joined, pairs.scores);
@@ -88,18 +88,18 @@ TEST_CASE("Cameras that each two agree remain; pairs that are not known do not d
     return known[(i * kCameras + j) * n + v];
   };
   CHECK(agreeing() == members);
-  for (std::size_t j = 0; j < 3; ++j) at(3, j, 0) = {90, 0.1f, true};  // 3 against all, said one way
+  for (std::size_t j = 0; j < 3; ++j) at(3, j, 0) = {90, 0.1f, true};  // 3 disagrees with all; known in one direction
   CHECK(agreeing() == std::vector<CameraSet>{0b0111, 0b0111, 0b1000, 0});
   for (std::size_t j = 0; j < 3; ++j) at(3, j, 0).known = false, at(j, 3, 0) = {90, 0.1f, true};
   CHECK(agreeing()[0] == 0b0111);
-  for (std::size_t j = 0; j < 3; ++j) at(j, 3, 0).correlation = 0.8f;  // as another light would do
+  for (std::size_t j = 0; j < 3; ++j) at(j, 3, 0).correlation = 0.8f;  // as under different light
   CHECK(agreeing()[0] == 0b1111);
   for (std::size_t j = 0; j < 3; ++j) at(j, 3, 0) = {10, -1.0f, true};
   CHECK(agreeing()[0] == 0b1111);
   at(0, 1, 1) = {90, 0, true};
   at(0, 2, 1) = {90, 0, true};
   CHECK(agreeing()[1] == 0b0110);
-  // Each against each: the one that sees best.
+  // All pairs disagree: the camera with the best view is kept.
   std::vector<float> better = scores;
   better[1 * n + 1] = 0.9f;
   at(1, 2, 1) = {90, 0, true};

@@ -22,7 +22,7 @@ std::set<std::uint32_t> shown(const std::vector<SegmentPixel>& segment, const Pr
 struct Grid {
   TriangleMesh mesh = test::flatGrid(8);
   Lists faces = facesAtVertices(mesh);
-  // About 10 px a square.
+  // A square measures about 10 px.
   HtmView view = plainView(lookingAt({4, 4, 10}, {4, 4, 0}, 120, 90, 0.84));
   ProjectedMesh projected = projectedMeshes(mesh, {&view, 1}).front();
 };
@@ -65,7 +65,7 @@ TEST_CASE("A segment is the faces at its vertex, by rows") {
     CHECK(std::ranges::count(around, grid.projected.raster.face.pixel(segment[k].x, segment[k].y)[0]) == 1);
     if (k > 0) CHECK(std::pair(segment[k - 1].y, segment[k - 1].x) < std::pair(segment[k].y, segment[k].x));
   }
-  // The next vertex's is not mixed with it, and asking again gives the same.
+  // The segment of another vertex is separate, and a repeated request gives the same segment.
   segments.of(0);
   CHECK(segments.of(kMiddle).size() == segment.size());
 }
@@ -92,8 +92,8 @@ TEST_CASE("Segments grow by rings to the least radius and end at the largest") {
   CHECK(near.of(kMiddle).size() == disc);
   for (const SegmentPixel& pixel : near.of(kMiddle)) CHECK(glm::distance(glm::dvec2(pixel) + 0.5, middle) <= 12);
   CHECK(sizeOf(14, 24) > sizeOf(2, 24));
-  // The default stays within what a search takes.
-  CHECK(3.15 * 24.5 * 24.5 < kLargestTemplate);
+  // the default is within the limit of the template search
+  CHECK(3.15 * 24.5 * 24.5 < kMaxTemplateSampleCount);
 }
 
 TEST_CASE("There is no segment where nothing is seen") {
@@ -104,10 +104,10 @@ TEST_CASE("There is no segment where nothing is seen") {
     return Segments(grid.mesh, grid.faces, projected, {}).of(v).empty();
   };
   CHECK(!emptyFrom(lookingAt({4, 4, 10}, {4, 4, 0}), kMiddle));
-  CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 20}), kMiddle));  // behind
-  CHECK(emptyFrom(lookingAt({4, 4, 10}, {90, 4, 0}), kMiddle));  // outside
+  CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 20}), kMiddle));  // behind the camera
+  CHECK(emptyFrom(lookingAt({4, 4, 10}, {90, 4, 0}), kMiddle));  // outside the picture
   CHECK(emptyFrom(lookingAt({-4, 4, 1e-9}, {-5, 4, 0}), kMiddle));
-  grid.mesh.positions.emplace_back(4, 4, 0);  // of no face
+  grid.mesh.positions.emplace_back(4, 4, 0);  // the vertex belongs to no face
   grid.faces = facesAtVertices(grid.mesh);
   CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 0}), grid.mesh.positions.size() - 1));
 }
@@ -130,7 +130,7 @@ TEST_CASE("A segment takes another camera's colours where that camera sees it") 
     CHECK(std::abs(samples[k].red - 2 * (from.view.seen(point)->pixel.x - 0.5)) <= 0.51);
     CHECK(samples[k].green == 100);
   }
-  // What was asked for before, with a neighbour's, is the same as when it is asked for alone.
+  // Results are independent of earlier requests, here of a neighbour's segment.
   Recoloured often(grid.projected, from);
   for (const std::size_t v : {kMiddle + 1, kMiddle, kMiddle}) {
     const auto again = often.of(segments.of(v));

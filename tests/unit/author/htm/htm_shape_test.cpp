@@ -11,7 +11,7 @@
 namespace ibr {
 namespace {
 
-// A wall that is said to lie `bump` before where it is, and what three cameras show of it.
+// A wall, a mesh of the wall displaced by bump(v) along the normals, and exact matches of three cameras.
 struct Wall {
   TriangleMesh truly, said;
   std::vector<HtmView> views;
@@ -23,7 +23,7 @@ struct Wall {
       : truly(test::moved(test::flatGrid(8), middle + glm::dvec3(-4, -4, 0))), said(truly) {
     const std::vector<glm::dvec3> normals = vertexNormals(truly);
     for (std::size_t v = 0; v < said.positions.size(); ++v) said.positions[v] += normals[v] * bump(v);
-    const double side = normals[0].z > 0 ? 1 : -1;  // from which the wall is seen from its front
+    const double side = normals[0].z > 0 ? 1 : -1;  // sign of the wall's front side
     for (const glm::dvec3& from : {glm::dvec3(-3, 0, 9), {0.3, 2, 10}, {4, -1, 8}})
       views.push_back(test::plainView(test::lookingAt(middle + from * glm::dvec3(1, 1, side), middle, 200, 150)));
     members.assign(said.positions.size(), 7);
@@ -135,7 +135,7 @@ TEST_CASE("Settling the shape tells how far it is, and ends when it is told to")
     last = stop;
     calls = 0;
     CHECK(test::errorOf([&] { found(); }).code() == ErrorCode::cancelled);
-    CHECK((stop > 0 || calls == 1));  // it does not ask again
+    CHECK((stop > 0 || calls == 1));  // no second call after a stop
   }
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to 
   for (const double before : test::kBarelyBefore)
     for (const double side : {-1.0, 1.0}) {
       INFO(before << " " << side);
-      // A fold: one face is seen from its front, one from its back.
+      // A fold: one face is seen from the front, the other from the back.
       TriangleMesh more = moved;
       const auto first = glm::uint(more.positions.size());
       for (const glm::dvec3 at : {glm::dvec3(1, 0, -before), {1, 0.2, -1}, {2, 0.1, -0.5}, {2, 0.2, -0.1}})
@@ -173,7 +173,7 @@ TEST_CASE("Without a mask, outlines stay and nothing that is matched there count
   Wall wall([](std::size_t) { return 0.05; });
   std::vector<double> found = wall.found();
   for (const double moved : found) CHECK(moved < -0.03);
-  // A second wall behind each, which looks away: now the border is an outline for all three cameras.
+  // A second wall behind each, which faces away: the border is then an outline for all three cameras.
   for (TriangleMesh* mesh : {&wall.truly, &wall.said}) {
     const auto n = std::uint32_t(mesh->positions.size());
     const TriangleMesh front = *mesh;

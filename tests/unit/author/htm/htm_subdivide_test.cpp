@@ -10,10 +10,10 @@
 namespace ibr {
 namespace {
 
-// What holds of every result on an oriented manifold with corners at whole numbers.
+// Subdivides an oriented manifold with integer corners, and checks the invariants of every result.
 SubdividedMesh subdivided(const TriangleMesh& mesh, const std::vector<std::uint8_t>& chosen) {
   SubdividedMesh result = subdivideFaces(mesh, chosen);
-  CHECK(test::isOrientedManifold(result.mesh));  // a T-junction would be a border inside
+  CHECK(test::isOrientedManifold(result.mesh));  // a T-junction would leave a border inside the mesh
   CHECK(test::eulerNumber(result.mesh) == test::eulerNumber(mesh));
   std::vector<double> area(mesh.triangles.size(), 0.0);
   REQUIRE(result.faceOf.size() == result.mesh.triangles.size());
@@ -36,7 +36,7 @@ SubdividedMesh subdivided(const TriangleMesh& mesh, const std::vector<std::uint8
   return result;
 }
 
-// On borders of the old mesh new vertices halve old edges: a length of border is kept too.
+// On borders new vertices halve edges of the input, so the border's length is preserved.
 double borderLength(const TriangleMesh& mesh) {
   std::map<std::set<std::uint32_t>, int> faces;
   for (const glm::uvec3& t : mesh.triangles)
@@ -48,7 +48,7 @@ double borderLength(const TriangleMesh& mesh) {
 }
 
 TEST_CASE("A face beside chosen ones, for each set of its edges", "[N15]") {
-  // One face in the middle, one at each of its edges, and its corners at whole numbers that make areas exact.
+  // One face in the middle and one at each edge; integer corners keep areas exact.
   const TriangleMesh star{{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {4, -8, 0}, {8, 8, 0}, {-8, 4, 0}},
                           {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
   for (unsigned mask = 0; mask < 8; ++mask) {
@@ -104,7 +104,7 @@ TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology", "[
 }
 
 TEST_CASE("Meshes that are no manifolds, and wrong arguments", "[N15]") {
-  // Three faces at one edge share its middle.
+  // Three faces share one edge, and its midpoint.
   const TriangleMesh book{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 2}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
   const std::vector<std::uint8_t> first{1, 0, 0};
   const SubdividedMesh result = subdivideFaces(book, first);

@@ -17,7 +17,7 @@ using test::plainView;
 
 const glm::dvec3 kFarAway(1e6, -2e6, 5e5);
 
-// A unit square across z, corners at ±0.5 · size, facing +z.
+// A square of side `size` at `middle`, perpendicular to z, facing +z.
 TriangleMesh board(glm::dvec3 middle, double size) {
   TriangleMesh mesh;
   for (const glm::dvec2 corner : {glm::dvec2(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
@@ -81,7 +81,7 @@ TEST_CASE("The nearest board is drawn, at its depth") {
     CHECK(std::ranges::all_of(empty.face.values, [](std::uint32_t f) { return f == MeshRaster::kNone; }));
     CHECK(std::ranges::all_of(empty.depth.values, [](float d) { return std::isinf(d); }));
   }
-  // A face with a corner behind the camera is left out, and so is one that is none.
+  // A face with a corner behind the camera is left out, as is a degenerate face.
   TriangleMesh through = board({0, 0, 0}, 1);
   through.positions[0].z = 10;
   const MeshRaster raster = rasterised(through, lookingAt({0, 0, 2}, {0, 0, 0}));
@@ -99,7 +99,7 @@ TEST_CASE("A point is visible unless it is hidden, masked, outside or behind") {
     const auto sees = [&](glm::dvec3 point) { return projected(mesh, view).visible(offset + point).has_value(); };
     CHECK(sees({0, 0, 0}));
     CHECK(sees({0.2, -0.2, 0}));
-    CHECK(sees({0, 0, 1}));    // before the boards
+    CHECK(sees({0, 0, 1}));    // in front of the boards
     CHECK(!sees({0, 0, -1}));  // behind the small board
     CHECK(!sees({0.3, 0.3, -1}));
     CHECK(sees({0.6, 0.6, -1}));
@@ -133,7 +133,7 @@ TEST_CASE("A cube shows each camera its front, and vertices go with their faces"
     const auto faces = faceVisibility(mesh, projectedMeshes(mesh, views), 1);
     CHECK(std::ranges::all_of(faces, [](const FaceVisibility& f) { return f.partly == 0; }));
     const auto members = vertexVisibility(mesh, faces);
-    for (std::size_t v = 0; v < 8; ++v) CHECK((members[v] & 1) == (v >> 2));  // z = 1
+    for (std::size_t v = 0; v < 8; ++v) CHECK((members[v] & 1) == (v >> 2));  // vertices of the board at z = 1
     CHECK((members[0] & 8) == 0);
     CHECK((members[7] & 8) == 8);
   }
@@ -160,7 +160,7 @@ TEST_CASE("A face needs a quarter of it inside the picture and the mask") {
   };
   CHECK(seen(plainView(lookingAt({0, 0, 2}, {0, 0, 0}))));
   CHECK(!seen(plainView(lookingAt({0, 0, 2}, {2, 0, 0}))));
-  CHECK(!seen(plainView(lookingAt({0, 0, -2}, {0, 0, 0}))));  // from behind
+  CHECK(!seen(plainView(lookingAt({0, 0, -2}, {0, 0, 0}))));  // seen from behind
   HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}));
   view.mask = Image8(view.camera.intrinsics.width, view.camera.intrinsics.height, 1);
   CHECK(!seen(view));
@@ -212,7 +212,7 @@ TEST_CASE("Far from the picture nothing hides a point, and the mask goes on") {
 
 TEST_CASE("A face whose corner is barely before the camera is looked at as closely as any") {
   const HtmView view = plainView(test::aboveGround());
-  const TriangleMesh leaf = board({0.341, -0.82, -3}, 0.2);  // hides a little of the ground
+  const TriangleMesh leaf = board({0.341, -0.82, -3}, 0.2);  // hides a small part of the ground
   for (const double before : test::kBarelyBefore) {
     INFO(before);
     const TriangleMesh ground = test::groundUpTo(before), both = joined(ground, leaf);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small body whose photographs are exact, and options that are quick.
+// A small body with exact photographs, and options for short tests.
 #pragma once
 
 #include <vector>
 
 #include "htm_object.h"
-#include "ibr/htm_author.h"
+#include "ibr/author/htm.h"
 
 namespace ibr::test {
 
@@ -24,7 +24,7 @@ inline const BumpyModel& theBody() {
   return bumpy;
 }
 
-// Quick, and the mesh as it is.
+// Options for short tests; the input mesh is kept.
 inline HtmOptions plainOptions() {
   HtmOptions options;
   options.faces = 0;

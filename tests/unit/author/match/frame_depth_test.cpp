@@ -16,10 +16,10 @@ using namespace ibr;
 
 namespace {
 
-constexpr double kStep = 0.01;  // ρ
+constexpr double kStep = 0.01;  // ρ of a level
 constexpr double kWall = 4, kPole = 2;
 
-// A wall before cameras that look along −z, and before it a pole 0.4 wide.
+// Distance along a ray to a wall, or to a pole 0.4 units wide in front of the wall; the cameras look along −z.
 double wallAndPole(const Camera& camera, glm::dvec3 direction) {
   const glm::dvec3 d = camera.pose.rotation * direction;
   const auto along = [&](double z) { return (-z - camera.pose.position.z) / d.z; };
@@ -131,7 +131,7 @@ TEST_CASE("moving the world and the order of members change nothing in the frame
   std::size_t different = 0;
   for (std::size_t p = 0; p < here.inverseDepth.values.size(); ++p)
     different += std::abs(here.inverseDepth.values[p] - elsewhere.inverseDepth.values[p]) > 1e-5f;
-  CHECK(different < 20);  // pixels on the outline may fall to either side
+  CHECK(different < 20);  // pixels on the outline may get either depth
 }
 
 TEST_CASE("a frame has no more members than a cell") {

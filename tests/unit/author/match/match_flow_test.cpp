@@ -36,7 +36,7 @@ std::vector<MatchView> viewsOf(const std::vector<Camera>& cameras, const Synthet
   return views;
 }
 
-// Where a camera sees the point of the wall that another one sees at a pixel.
+// Returns the pixel at which `to` sees the wall's point that `from` sees at a pixel.
 glm::dvec2 seenFrom(const Camera& from, glm::dvec2 pixel, const Camera& to) {
   const glm::dvec3 ray = from.pose.rotation * unproject(from.intrinsics, pixel);
   const glm::dvec3 point = from.pose.position + ray * ((5 - from.pose.position.y) / ray.y);
@@ -57,7 +57,7 @@ TEST_CASE("flow finds a wall again whatever the poses say, in any order of the m
   std::vector<MatchView> told;
   for (const std::size_t i : order) {
     told.push_back(views[i]);
-    told.back().camera.pose = {};  // nothing is known
+    told.back().camera.pose = {};  // flow does not use poses
   }
   const DenseMatch match = matchByFlow(told);
   CHECK(shareGood(match) > 0.5);

@@ -19,7 +19,7 @@ using namespace ibr::test;
 
 namespace {
 
-// A wall 5 before the cameras, and a board 2.6 before them on its left.
+// A wall 5 units and, on its left, a board 2.6 units in front of the cameras.
 struct Stage {
   std::vector<Camera> cameras;
   SyntheticScene scene;
@@ -44,7 +44,7 @@ glm::dvec2 seenAt(const Camera& camera, glm::dvec3 point) {
   return *project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (point - camera.pose.position));
 }
 
-// The point a camera sees at a pixel, on the plane y = depth.
+// Returns the point of the plane y = depth that a camera sees at a pixel.
 glm::dvec3 pointOn(const Camera& camera, glm::dvec2 pixel, double depth) {
   const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, pixel);
   return camera.pose.position + ray * ((depth - camera.pose.position.y) / ray.y);
@@ -58,7 +58,7 @@ double worstOff(const Stage& stage, const MatchedVertices& vertices, std::size_t
   return worst;
 }
 
-// Tracks on two planes y = 5 (x > 0) and y = 2.6 (x < 0), as three cameras see them, then noise.
+// Tracks on two planes, y = 5 (x > 0) and y = 2.6 (x < 0), as three cameras see them, followed by random tracks.
 std::vector<PlaneTrack> twoPlanes(const std::vector<Camera>& cameras, std::size_t each, std::size_t noise) {
   std::mt19937 random(9);
   const auto place = [&](double low, double high) { return low + (high - low) * double(random() % 10'000) / 10'000; };
@@ -107,7 +107,7 @@ TEST_CASE("two planes give two labels with their exact maps, and parallax gives 
   CHECK(share(onWall) > 0.8);
   CHECK(share(onBoard) > 0.8);
 
-  // A triangle from the board to the wall is inhomogeneous; within either it nearly always has a plane.
+  // A triangle that spans board and wall is inhomogeneous; a triangle on either one nearly always has one plane.
   std::vector<glm::dvec2> places(vertices.frame.begin(), vertices.frame.end());
   std::vector<PlaneTrack> tracks(places.size());
   for (std::size_t v = 0; v < places.size(); ++v) tracks[v].at[0] = places[v];
@@ -192,7 +192,7 @@ TEST_CASE("the largest plane is sealed first, then the other, then none in what 
   const bool posed = GENERATE(true, false);
   std::vector<PlaneTrack> tracks = twoPlanes(stage.cameras, 60, 40);
   for (std::size_t t = 0; t < 20; ++t)
-    tracks[2 * t].at[2] += glm::dvec2(15 + 7 * double(t % 5), -10 - 9 * double(t % 3));  // the board has fewer
+    tracks[2 * t].at[2] += glm::dvec2(15 + 7 * double(t % 5), -10 - 9 * double(t % 3));  // fewer tracks on the board
   const PlaneFitter fit(stage.cameras, posed);
   std::vector<PlaneMaps> planes;
   REQUIRE(sealLargestPlane(fit, tracks, planes, 1));
@@ -248,7 +248,7 @@ TEST_CASE("patches move to where members look alike, on their epipolar lines whe
   const PlanePatches patches(grey, stage.cameras, posed);
   std::vector<glm::dvec2> truth(3), start(3);
   for (std::size_t i = 0; i < 3; ++i) {
-    const glm::dvec3 point(0.6, 5, 0.2), before(0.6 * 0.98, 4.9, 0.2 * 0.98);  // of the same pixel of the first
+    const glm::dvec3 point(0.6, 5, 0.2), before(0.6 * 0.98, 4.9, 0.2 * 0.98);  // both project to one pixel of member 0
     truth[i] = seenAt(stage.cameras[i], point);
     start[i] = posed ? seenAt(stage.cameras[i], before) : truth[i] + double(i) * glm::dvec2(0.4, -0.3);
   }

@@ -23,7 +23,7 @@ using namespace ibr::test;
 
 namespace {
 
-// A wall, and a board that stands before its left half; three cameras.
+// A wall, a board in front of its left half, and three cameras.
 struct Stage {
   SyntheticScene scene;
   std::vector<MatchView> views;
@@ -45,7 +45,7 @@ Stage makeStage(bool board = true) {
   return stage;
 }
 
-// Where member i sees what member 0 sees at a pixel; nullopt if nothing or hidden.
+// Returns the point of the scene that member 0 sees at a pixel; nullopt if there is none.
 std::optional<glm::dvec3> truthPoint(const Stage& stage, const ImageF& depth, glm::dvec2 pixel) {
   const double z = depth.pixel(int(pixel.x), int(pixel.y))[0];
   if (!std::isfinite(z)) return std::nullopt;
@@ -53,7 +53,7 @@ std::optional<glm::dvec3> truthPoint(const Stage& stage, const ImageF& depth, gl
   return stage.cameras[0].pose.position + stage.cameras[0].pose.rotation * (ray * (z / -ray.z));
 }
 
-// Within 2 px.
+// Returns true if a depth edge lies within 2 px.
 bool nearDepthEdge(const ImageF& depth, glm::vec2 pixel) {
   float low = std::numeric_limits<float>::infinity(), high = 0;
   for (int dy = -2; dy <= 2; ++dy)
@@ -91,7 +91,7 @@ TEST_CASE("two planes are matched to a third of a pixel, and the mesh is sound")
   for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
     for (int k = 0; k < 3; ++k) agreed.insert(mesh.triangles[t][k]);
   for (const std::size_t p : agreed) {
-    if (nearDepthEdge(depth, mesh.match[0][p])) continue;  // there are two right answers
+    if (nearDepthEdge(depth, mesh.match[0][p])) continue;  // both depths are right at an edge
     const auto point = truthPoint(stage, depth, mesh.match[0][p]);
     if (!point) continue;
     ++known;
@@ -111,7 +111,7 @@ TEST_CASE("two planes are matched to a third of a pixel, and the mesh is sound")
 
   const std::size_t tier0 = mesh.tier0Count();
   CHECK(tier0 > 100);
-  CHECK(tier0 < mesh.triangles.size());  // those across the board's edge are kept, as rejected
+  CHECK(tier0 < mesh.triangles.size());  // rejected triangles across the board's edge are stored too
   CHECK(std::is_sorted(mesh.tier.begin(), mesh.tier.end()));
   for (std::size_t t = 0; t < tier0; ++t)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -263,20 +263,20 @@ TEST_CASE("speckles are filled from the farther side; slanted surfaces stay as t
       before += std::pow(noisy.pixel(x, y)[0] - slope.pixel(x, y)[0], 2);
       after += std::pow(smooth.pixel(x, y)[0] - slope.pixel(x, y)[0], 2);
     }
-  CHECK(off < 7.1f / 1024);  // both on the grid
+  CHECK(off < 7.1f / 1024);  // both matches are snapped to the grid
   CHECK(after < 0.2 * before);
 }
 
 TEST_CASE("a member does not see what stands behind something solid, nor outside its picture") {
   const Camera frame = lookingAlong({0, 0, 0}, {0, 1, 0}, 100, 80),
                member = lookingAlong({0.5, 0, 0}, {0, 1, 0}, 100, 80);
-  ImageF depth(100, 80, 1, 0.1f);  // a wall at 10, and a post at 2
+  ImageF depth(100, 80, 1, 0.1f);  // wall at 10 units, post at 2 units
   Image8 solid(100, 80, 1, 1);
   for (int y = 0; y < 80; ++y)
     for (int x = 45; x < 55; ++x) depth.pixel(x, y)[0] = 0.5f;
   const FrameToMember map = frameToMember(frame, member);
   const Image8 visible = visibleFrom(map, depth, solid, 100, 80, 0.02f);
-  // The post moves to the left by f·0.5/2, the wall by f·0.5/10.
+  // The post shifts left by f·0.5/2 px, the wall by f·0.5/10 px.
   const double focal = frame.intrinsics.fx;
   const int hidden = int(50 - focal * 0.5 * 0.5 + focal * 0.5 * 0.1);
   CHECK(visible.pixel(50, 40)[0] == 1);

@@ -69,7 +69,7 @@ TEST_CASE("parallel and parting rays lie at infinity: no distance, equal ratios"
     CHECK(range.inverseDistance == Approx(0).margin(1e-6));
     for (const double a : range.ratio) CHECK(a == Approx(1).margin(1e-6));
   }
-  // Rays that meet behind the cameras.
+  // The closest point of these rays is behind the cameras.
   std::vector<glm::dvec2> parting = parallel;
   parting[0].x -= 3;
   parting[1].x += 3;
@@ -81,7 +81,7 @@ TEST_CASE("parallel and parting rays lie at infinity: no distance, equal ratios"
 }
 
 TEST_CASE("where the rays say nothing the prior decides; noise is told by the uncertainty") {
-  // A point that straight-ahead motion leaves in place: the epipole.
+  // The epipole: straight-ahead motion does not shift this point, so its rays give no depth.
   const std::vector<Camera> forward{lookingAlong({0, 0, 0}, {0, 1, 0}, 800, 600),
                                     lookingAlong({0, 1, 0}, {0, 1, 0}, 800, 600)};
   const Camera frame = meanFrame(forward);
@@ -92,7 +92,7 @@ TEST_CASE("where the rays say nothing the prior decides; noise is told by the un
   CHECK(range.inverseDistance == Approx(1 / 8.5).epsilon(1e-6));
   CHECK(range.uncertainty == Approx(0.01).epsilon(0.05));
 
-  // Three sigma hold the truth nearly always, and one sigma not always.
+  // The truth nearly always lies within three sigma, and not always within one sigma.
   const std::vector<Camera> members(kRig.begin(), kRig.begin() + 3);
   const Camera mean = meanFrame(members);
   std::mt19937_64 random(2);
@@ -120,10 +120,10 @@ TEST_CASE("where the rays say nothing the prior decides; noise is told by the un
 TEST_CASE("a member's photograph comes back at its pose, whatever the match") {
   const std::vector<Camera> members(kRig.begin(), kRig.begin() + 3);
   const Camera frame = meanFrame(members);
-  const std::vector<glm::dvec2> pixels{{400, 300}, {330, 380}, {370, 290}};  // rays that do not meet
+  const std::vector<glm::dvec2> pixels{{400, 300}, {330, 380}, {370, 290}};  // skew rays
   const RangeFit range = triangulate(frame, members, pixels, {0.1, 0.05}, 0.25);
   for (std::size_t i = 0; i < 3; ++i) {
-    // λ = e_i and p = c_i: D = a_i r_i + ρ (c_i − c_i).
+    // With λ = e_i and p = c_i, the morph's direction is D = a_i r_i + ρ (c_i − c_i).
     const glm::dvec3 direction = range.ratio[i] * rayOf(members[i], pixels[i]);
     CHECK(range.ratio[i] > 0);
     CHECK(glm::distance(pixelOf(members[i], members[i].pose.position + direction), pixels[i]) < 1e-9);
@@ -147,13 +147,13 @@ TEST_CASE("the mean frame is symmetric in the members and sees what they see") {
     REQUIRE(pixel);
     CHECK(glm::distance(*pixel, pixelOf(member, point)) < 1e-8);
   }
-  // Rolled against each other by half a turn there is no common up: one of them decides.
+  // Cameras rolled by half a turn against each other have no common up vector: one camera's up is used.
   const std::vector<Camera> rolled{lookingAlong({0, 0, 0}, {0, 1, 0}, 200, 150, 0.9, {0, 0, 1}),
                                    lookingAlong({1, 0, 0}, {0, 1, 0}, 200, 150, 0.9, {0, 0, -1})};
   const Camera upright = meanFrame(rolled);
   CHECK(glm::distance(viewAxis(upright.pose), glm::dvec3(0, 1, 0)) < 1e-12);
   CHECK(std::isfinite(upright.pose.rotation.w));
-  // One camera alone is its own frame.
+  // The mean frame of one camera is the camera.
   const Camera alone = meanFrame(std::span(kRig).first(1));
   CHECK(alone.intrinsics.width == 800);
   CHECK(glm::distance(pixelOf(alone, point), pixelOf(kRig[0], point)) < 1e-6);

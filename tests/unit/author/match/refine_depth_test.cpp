@@ -13,10 +13,10 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr double kWall = 5, kBoard = 4.5;  // units of length before the first camera
+constexpr double kWall = 5, kBoard = 4.5;  // world units in front of the first camera
 
-// A wall and, over its right half if wanted, a board before it, seen by three cameras; a match that takes all for the
-// wall, a quarter of a level off.
+// A wall and, optionally, a board in front of its right half, seen by three cameras. The match assigns the wall's depth
+// everywhere, plus a quarter of a level.
 struct Place {
   std::vector<MatchView> views;
   DenseMatch match;

@@ -16,7 +16,7 @@ using namespace ibr;
 
 namespace {
 
-constexpr int kScale = 2;  // whole photographs over what is matched
+constexpr int kScale = 2;  // size of whole photographs relative to matched ones
 
 struct Set {
   SyntheticScene scene;
@@ -25,7 +25,7 @@ struct Set {
   std::vector<Image8> grey;
 };
 
-// A slanted wall with texture as fine as the whole photographs.
+// A slanted wall whose texture is as fine as the whole photographs' pixels.
 Set wall(double wavelength = 0.12) {
   SyntheticOptions options;
   options.planes = {{{0, 0, -6}, glm::normalize(glm::dvec3(1, 0, 0.3)), {0, 1, 0}, 30, 20, 1, wavelength}};
@@ -75,11 +75,11 @@ TEST_CASE("what was matched in small pictures becomes as exact as the whole phot
   MatchedVertices vertices = matchedVertices(set.views, match);
   REQUIRE(vertices.frame.size() > 200);
 
-  // As found, and with matches pushed off by up to half a pixel of what was matched.
+  // Tests the matches as found, and shifted by up to half a pixel of the matched size.
   std::mt19937 random(1);
   const auto push = [&] { return float(random()) / 4294967295.0F - 0.5F; };
   for (const bool pushed : {false, true}) {
-    if (pushed && exactPoses) continue;  // exact poses hold matches to the epipolar lines, where pushed ones are not
+    if (pushed && exactPoses) continue;  // exact poses keep matches on epipolar lines; shifted ones lie beside
     MatchedVertices moved = vertices;
     if (pushed)
       for (std::size_t i = 1; i < moved.matched.size(); ++i)
@@ -107,14 +107,14 @@ TEST_CASE("where the whole photographs say nothing, matches stay") {
   refineInFull(set.views, flat, match, same);
   CHECK(same.matched == vertices.matched);
 
-  // At the edge of a picture a patch is not whole.
+  // At a picture's edge a patch is incomplete.
   MatchedVertices edge = vertices;
   for (auto& list : edge.matched) list.assign(list.size(), glm::vec2(0.5F, 0.5F));
   const MatchedVertices before = edge;
   refineInFull(set.views, set.grey, match, edge);
   CHECK(edge.matched == before.matched);
 
-  // Contrast and brightness differ: the same is found.
+  // The result does not depend on contrast and brightness.
   std::vector<Image8> darker = set.grey;
   for (auto& v : darker[1].values) v = std::uint8_t(20 + v / 2);
   MatchedVertices found = vertices, foundDarker = vertices;

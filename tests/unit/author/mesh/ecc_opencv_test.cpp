@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ECC against OpenCV's cv::computeECC, which takes one channel of floats (NUMERICS N2).
+// Compares the ECC with OpenCV's cv::computeECC, which takes one channel of floats.
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/video/tracking.hpp>

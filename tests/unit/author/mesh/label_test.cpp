@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kSize = 64;
 
-// Two views of one picture; the second one is made of the first by `change`. The dense match lies `offset` px beside
-// what the triangle says.
+// Labels a triangle in two views; `change` makes the second view of the first one. The dense match is `offset` px away
+// from the triangle's own position.
 TriangleLabel labelOf(double amplitude, auto change, float offset = 0) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> noise(-1.0, 1.0);
@@ -51,7 +51,7 @@ TEST_CASE("what is the same but for exposure and a little noise agrees") {
   CHECK(same.agrees());
   CHECK(labelOf(40, [](double value, double) { return 0.8 * value + 30; }).agrees());
   CHECK(labelOf(40, [](double value, double noise) { return value + 5 * noise; }).agrees());
-  CHECK(labelOf(0, [](double value, double noise) { return value + 5 * noise; }).agrees());  // nothing to correlate
+  CHECK(labelOf(0, [](double value, double noise) { return value + 5 * noise; }).agrees());  // no texture to correlate
 }
 
 TEST_CASE("another structure does not agree, unless it is too faint to be seen") {
@@ -61,7 +61,7 @@ TEST_CASE("another structure does not agree, unless it is too faint to be seen")
   CHECK(std::abs(other(40).ecc) < 0.2);
   CHECK_FALSE(other(40).agrees());
   CHECK(other(25).rms < 24);
-  CHECK_FALSE(other(25).agrees());  // it does not correlate
+  CHECK_FALSE(other(25).agrees());  // low RMS, but no correlation
   CHECK(other(10).ecc < 0.5);
   CHECK(other(10).agrees());
 }
@@ -72,8 +72,8 @@ TEST_CASE("what is not where the dense match says does not agree, where that sho
     CHECK(labelOf(amplitude, same, 1.0f).off == 0);
     const TriangleLabel moved = labelOf(amplitude, same, 2.9f);
     CHECK(moved.ecc == Approx(1));
-    CHECK(moved.off == 0);                                 // nobody sees it: both views show one colour in each sample
-    CHECK_FALSE(labelOf(amplitude, same, 3.1f).agrees());  // it would be seen from elsewhere
+    CHECK(moved.off == 0);                                 // invisible: samples have equal colours in both views
+    CHECK_FALSE(labelOf(amplitude, same, 3.1f).agrees());  // the shift is visible from other positions
   }
   const auto noisy = [](double value, double noise) { return value + 30 * noise; };
   CHECK(labelOf(60, noisy).agrees());

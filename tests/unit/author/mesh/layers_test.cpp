@@ -20,10 +20,10 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr double kBoard = 2.6, kWall = 5.0;  // distances along the cameras' axes
-constexpr double kRight = 0.6;               // the board's right edge in the world
+constexpr double kBoard = 2.6, kWall = 5.0;  // distances along the cameras' axes, world units
+constexpr double kRight = 0.6;               // x of the board's right edge in the world
 
-// Three cameras in a plane parallel to the board, which stands before the wall's middle.
+// Three cameras in a plane parallel to the board, which is in front of the wall's middle.
 struct Stage {
   std::vector<Camera> cameras;
   std::vector<MatchView> views;
@@ -49,9 +49,9 @@ Stage makeStage(const std::vector<TexturedPlane>& planes) {
 const TexturedPlane kTheWall{{0, kWall, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.16};
 const TexturedPlane kTheBoard{{0, kBoard, 0.1}, {1, 0, 0}, {0, 0, 1}, 2 * kRight, 1.2, 2, 0.08};
 const TexturedPlane kSlantedWall{
-    {0, kWall, 0}, {M_SQRT1_2, M_SQRT1_2, 0}, {0, 0, 1}, 40, 20, 1, 0.4};  // seen from afar, too
+    {0, kWall, 0}, {M_SQRT1_2, M_SQRT1_2, 0}, {0, 0, 1}, 40, 20, 1, 0.4};  // covers the view at a distance as well
 
-// The vertices of triangles.
+// Returns the vertices of the triangles.
 std::set<unsigned> cornersOf(std::span<const glm::uvec3> triangles) {
   std::set<unsigned> corners;
   for (const glm::uvec3& t : triangles) corners.insert({t.x, t.y, t.z});
@@ -64,7 +64,7 @@ std::vector<unsigned> shared(const std::set<unsigned>& a, const std::set<unsigne
   return both;
 }
 
-// A grid of right-angled triangles over the middle of the frame, which all members see, with the match's depths.
+// Grid of right-angled triangles over the middle of the frame, which all members see, with the match's depths.
 struct Grid {
   std::vector<glm::vec2> frame;
   std::vector<double> depth;
@@ -129,7 +129,7 @@ TEST_CASE("a triangle across a depth edge becomes pieces of two surfaces that sh
   const Intrinsics& k = match.frame.intrinsics;
   const auto edge = float(k.cx + k.fx * (kRight - match.frame.pose.position.x) / kBoard), middle = float(k.cy);
   const double nearW = 1 / kBoard, farW = 1 / kWall;
-  // One corner on the board, then two; both triangles share an edge that is cut.
+  // The first triangle has one corner on the board, the second has two; the cut crosses their shared edge.
   const std::vector<glm::vec2> frame{snapped({edge - 8, middle - 8}), snapped({edge + 8, middle}),
                                      snapped({edge - 8, middle + 8}), snapped({edge + 8, middle - 16})};
   const std::vector<double> depth{nearW, farW, nearW, farW};
@@ -158,7 +158,7 @@ TEST_CASE("a triangle across a depth edge becomes pieces of two surfaces that sh
   CHECK(shared(cornersOf(near), cornersOf(far)).empty());
   for (const unsigned v : cornersOf(near)) CHECK(depths[v] == Approx(nearW).epsilon(0.05));
   for (const unsigned v : cornersOf(far)) CHECK(depths[v] == Approx(farW).epsilon(0.05));
-  // The edge that both have is cut once: two vertices there, not four. Two more edges, and a twin of each near corner.
+  // The shared edge is cut once and gets two vertices, as do two more edges; each near corner gets a duplicate.
   CHECK(layers.vertices.size() == 2 * 3 + 2);
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("layers of a cell lie the same way in every member, and share no verte
   for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
     for (const auto& at : mesh.match) CHECK(twiceArea(at, mesh.triangles[t]) > 0);
 
-  // What agrees in all members reaches the board's border with the board's depth: nothing spans the two.
+  // Agreeing triangles reach the board's border with the board's depth, and no triangle spans board and wall.
   const double nearRho = 1 / kBoard, farRho = 1 / kWall;
   std::size_t across = 0, right = 0;
   std::vector<glm::uvec3> near, far;
@@ -213,7 +213,7 @@ TEST_CASE("without depth edges nothing is cut, however steep the wall") {
     const SilhouetteFinder finder(stage.views, match);
     const Grid grid = gridOver(match);
     REQUIRE(grid.triangles.size() == 12);
-    // Corners of the slanted wall lie at depths as different as those of two surfaces may be.
+    // The depths of a triangle's corners differ as much on the slanted wall as between two surfaces.
     const auto steep = std::ranges::count_if(grid.triangles, [&](const glm::uvec3& t) {
       return finder.parallax(grid.frame[t.y], grid.depth[t.y], grid.depth[t.z]) > 2.5;
     });

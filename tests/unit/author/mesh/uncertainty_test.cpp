@@ -16,13 +16,13 @@ TEST_CASE("a vertex whose neighbours disagree is uncertain, and none is surer th
   MorphMesh widened = mesh;
   widenUncertainty(widened, level);
   const std::vector<float>& sigma = widened.uncertainty;
-  CHECK(sigma[3] > 0.7f);               // alone before the others
-  CHECK(sigma[1] > sigma[0]);           // touches it
-  CHECK(sigma[4] >= 0.3f);              // what the match said stays
-  CHECK(sigma[5] == Approx(sigma[0]));  // in no triangle: as if all agreed
+  CHECK(sigma[3] > 0.7f);               // a lone vertex far in front of its neighbours
+  CHECK(sigma[1] > sigma[0]);           // neighbour of vertex 3
+  CHECK(sigma[4] >= 0.3f);              // the match's own uncertainty is a lower bound
+  CHECK(sigma[5] == Approx(sigma[0]));  // in no triangle: same as with agreeing neighbours
   for (const float s : sigma) CHECK(s > 0.02f);
 
-  MorphMesh farther = mesh;  // without levels only the neighbours count
+  MorphMesh farther = mesh;  // with levels of 0, only the neighbours count
   widenUncertainty(farther, std::vector<double>(6, 0.0));
   CHECK(farther.uncertainty[5] == 0.01f);
 }

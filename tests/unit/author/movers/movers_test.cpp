@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks of photographs, as they are given and as what moved leaves them.
+// Masks of photographs: read from files, and found for moving objects.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -30,7 +30,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Three cameras before a wall and a board that stands still before its left half.
+// Three cameras, a wall, and a static board in front of the wall's left half.
 struct Place {
   SyntheticScene scene;
   std::vector<Camera> cameras;
@@ -57,9 +57,9 @@ struct Place {
   }
 };
 
-constexpr int kLeft = 200, kTop = 90, kRight = 250, kBottom = 200;  // of somebody who stood there
+constexpr int kLeft = 200, kTop = 90, kRight = 250, kBottom = 200;  // box of the person in the first photograph, px
 
-// A person in clothes with a pattern of their own, `shift` px from where the first photograph has them.
+// Draws a person with patterned clothes, `shift` px from the person's position in the first photograph.
 void plant(Image8& picture, glm::ivec2 shift = {0, 0}) {
   const TexturedPlane clothes{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 10, 10, 77, 0.1};
   for (int y = kTop; y < kBottom; ++y)
@@ -131,7 +131,7 @@ TEST_CASE("masks are named as COLMAP names them, and of the photograph's size") 
 TEST_CASE("whatever is not 0 is used, at any size") {
   const TemporaryFolder folder;
   Photograph photo = photographOf(folder / "photo.png", 64, 48);
-  Image8 labels(64, 48, 1, 1);  // 0 and 1, as tools that segment write them
+  Image8 labels(64, 48, 1, 1);  // 0 and 1, as segmentation tools write labels
   for (int y = 8; y < 24; ++y)
     for (int x = 16; x < 32; ++x) labels.pixel(x, y)[0] = 0;
   writeImage(folder / "mask.png", labels);
@@ -144,7 +144,7 @@ TEST_CASE("whatever is not 0 is used, at any size") {
   CHECK_FALSE(isIgnored(half, {7.5f, 4.5f}));
   CHECK_FALSE(isIgnored(half, {-100.0f, 1000.0f}));
   CHECK_FALSE(isIgnored({}, {3, 3}));
-  // One pixel of sixteen is not a quarter, four are.
+  // A reduced pixel is masked from a quarter of its area on: four of 16 pixels suffice, one does not.
   Image8 few(64, 48, 1, 255);
   few.pixel(5, 5)[0] = 0;
   CHECK(ignoredShare(few) == Approx(1.0 / (64 * 48)));
@@ -178,7 +178,7 @@ TEST_CASE("under a mask a texture holds colours from around; all else stays as i
   CHECK(other == 0);
   CHECK(garish == 0);
   const Image8 all(61, 40, 1, 0);
-  CHECK((withMask(picture, all).pixel(5, 5)[3] == 0));  // nothing is around, nothing breaks
+  CHECK((withMask(picture, all).pixel(5, 5)[3] == 0));  // all pixels masked: no colour to extend
 }
 
 TEST_CASE("observations under masks are dropped, and tracks without any") {
@@ -186,7 +186,7 @@ TEST_CASE("observations under masks are dropped, and tracks without any") {
                              {{0.5, 4, 0}, {0.2, 4, 0.3}});
   REQUIRE(model.tracks.size() == 2);
   const glm::dvec2 first = model.tracks[0].observations[0].pixel;
-  Image8 mask(128, 96, 1, 255);  // of twice the camera's size
+  Image8 mask(128, 96, 1, 255);  // twice the camera's size
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) mask.pixel(int(2 * first.x) + x, int(2 * first.y) + y)[0] = 0;
   std::vector<std::vector<std::uint32_t>> tracksOf = tracksOfImages(model);
@@ -205,7 +205,7 @@ TEST_CASE("observations under masks are dropped, and tracks without any") {
 TEST_CASE("where a member is masked the other two are matched, where one is left nothing is") {
   Place place;
   plant(place.views[0].picture);
-  const auto goodIn = [&](const DenseMatch& match) {  // of the pixels that show him
+  const auto goodIn = [&](const DenseMatch& match) {  // of the pixels that show the person
     double good = 0, all = 0;
     for (int y = 0; y < match.good.height; ++y)
       for (int x = 0; x < match.good.width; ++x) {
@@ -234,7 +234,7 @@ TEST_CASE("where a member is masked the other two are matched, where one is left
     if (centre.x < kLeft + 6 || centre.x > kRight - 6 || centre.y < kTop + 6 || centre.y > kBottom - 6) continue;
     agreeing += cell.mesh.tier[t] == kTierAgrees ? 1 : -4;
   }
-  CHECK(agreeing > 0);  // four of five and more
+  CHECK(agreeing > 0);  // at least four of five triangles agree
   place.views[1].mask = Image8(320, 240, 1, 0);
   CHECK(goodIn(matchViews(place.views, place.points)) == 0);
 }
@@ -243,7 +243,7 @@ TEST_CASE("flow and homographies heed masks, too") {
   const MatchMethod method = GENERATE(MatchMethod::flow, MatchMethod::homographic);
   INFO(methodName(method));
   Place place;
-  const auto goodIn = [&] {  // of what the second photograph shows of him; the first one is the frame
+  const auto goodIn = [&] {  // of pixels of the second photograph with the person; the first photograph is the frame
     CellMatchOptions options;
     options.matcher = method;
     const DenseMatch match = matchCell(place.views, place.points, options);
@@ -264,7 +264,7 @@ TEST_CASE("flow and homographies heed masks, too") {
   place.views[1].mask = Image8(320, 240, 1, 255);
   for (int y = kTop; y < kBottom; ++y)
     for (int x = kLeft; x < kRight; ++x) place.views[1].mask.pixel(x, y)[0] = 0;
-  CHECK(goodIn() > (method == MatchMethod::flow ? 0.8 : 0.3));  // the others agree; tracks are of all members
+  CHECK(goodIn() > (method == MatchMethod::flow ? 0.8 : 0.3));  // the others agree; tracks need all members
   place.views[0].mask = Image8(320, 240, 1, 0);
   CHECK(goodIn() == 0);
 }
@@ -288,13 +288,13 @@ TEST_CASE("who stands in one photograph alone is found, who is not there is not"
     }
   CHECK(found / inside > 0.97);
   CHECK(beside / inside < 0.05);
-  // The others are not blamed for him.
+  // The other photographs are not masked.
   CHECK(masks[1].empty());
   CHECK(masks[2].empty());
 }
 
 TEST_CASE("a person who stands still is no moving object, though the depth is that of the wall behind") {
-  constexpr double kPerson = 3.2, kWall = 5;  // m from the cameras
+  constexpr double kPerson = 3.2, kWall = 5;  // units in front of the cameras
   Place place;
   for (std::size_t i = 0; i < 3; ++i) {
     const glm::dvec3 at = place.cameras[i].pose.position;

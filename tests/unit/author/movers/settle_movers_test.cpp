@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is masked where, of what was found to have moved; and what looks unlike its surroundings.
+// Masks for moving objects that were detected in single photographs, and detection of unmatched patches.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ using namespace ibr::test;
 namespace {
 
 constexpr int kWidth = 200, kHeight = 120;
-constexpr float kWall = 0.25f;  // inverse depth
+constexpr float kWall = 0.25f;  // inverse depth, 1 / world unit
 
 OddRegion box(Blame blame, int left, int top, int right, int bottom) {
   OddRegion region{blame, 0, {}};
@@ -24,7 +24,7 @@ OddRegion box(Blame blame, int left, int top, int right, int bottom) {
   return region;
 }
 
-// Two cameras side by side before a wall: what the first sees the second sees `kShift` px to the left.
+// Two cameras side by side before a wall: the second sees a point `shift` px to the left of its position in the first.
 struct Pair {
   std::vector<JudgedView> views;
   int shift;
@@ -67,7 +67,7 @@ TEST_CASE("who moved is masked in his own photograph, with a rim, and in no othe
 
 TEST_CASE("who hides what nobody else shows stays, and the others show him, too") {
   Pair pair;
-  const int x = pair.shift;  // the second sees what is left of it not at all
+  const int x = pair.shift;  // the second camera does not see the first `shift` columns
   REQUIRE(x > 10);
   pair.views[0].odd.regions = {box(Blame::own, x - 10, 40, x + 10, 80)};
   std::vector<BitMask> masks = settleMovers(pair.views);
@@ -75,7 +75,7 @@ TEST_CASE("who hides what nobody else shows stays, and the others show him, too"
   REQUIRE_FALSE(masks[1].empty());
   CHECK(covers(masks[1], 1, 41, 9, 79));
   CHECK_FALSE(masks[1].at(20, 60));
-  // Both hide the same: one of the two stays, and the other one is masked.
+  // Both hide the same background: one photograph keeps the object, and the other one is masked.
   Pair both;
   both.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
   both.views[1].odd.regions = {box(Blame::own, 100 - x, 40, 120 - x, 80)};
@@ -92,10 +92,10 @@ TEST_CASE("a photograph that is unsure of itself believes another one; where dep
   CHECK(settleMovers(pair.views)[0].empty());
   pair.views[1].odd.regions = {box(Blame::another, 100 - x, 40, 120 - x, 60)};
   CHECK(covers(settleMovers(pair.views)[0], 100, 40, 120, 80));
-  // The second knows something else in that direction, so it does not see the place.
+  // The second photograph has another depth in that direction, so it does not see the wall there.
   std::ranges::fill(pair.views[1].odd.depth.values, 2 * kWall);
   CHECK(settleMovers(pair.views)[0].empty());
-  // Nor does it from behind.
+  // A camera that looks away does not see the wall either.
   Pair away;
   away.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
   away.views[1].camera = lookingAlong({0, 0, 0}, {0, -1, 0}, kWidth, kHeight);

@@ -73,7 +73,7 @@ TEST_CASE("six faces look along the six axes, upright, and share all directions"
   }
   for (const glm::dvec3 axis : {glm::dvec3(1, 0, 0), {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
     CHECK(std::count(axes.begin(), axes.end(), axis) == 1);
-  CHECK(faceSize(2048, kPi / 2) == 652);  // a quarter of the equator, stretched by 4/π in the middle of the face
+  CHECK(faceSize(2048, kPi / 2) == 652);  // a quarter of the equator; the stretch at the centre of a face is 4/π
   CHECK(faceSize(1, 1.0) == 1);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("a face shows what a pinhole at the panorama's centre sees, across the
 TEST_CASE("the Delaunay triangulation of the sphere closes it, outwards, with empty circles", "[N10]") {
   const std::vector<glm::dvec3> directions = randomDirections(300, 5);
   const std::vector<glm::uvec3> triangles = delaunaySphere(directions);
-  REQUIRE(triangles.size() == 2 * directions.size() - 4);  // Euler
+  REQUIRE(triangles.size() == 2 * directions.size() - 4);  // Euler's formula for a sphere
   for (const glm::uvec3& t : triangles) {
     const glm::dvec3 a = glm::normalize(directions[t.x]), b = glm::normalize(directions[t.y]),
                      c = glm::normalize(directions[t.z]);
@@ -137,7 +137,7 @@ TEST_CASE("panoramas in a room are matched on its walls, all round") {
   CHECK(cell.quality.coverage > 0.85);
   CHECK(cell.quality.coverage < 1.0 + 1e-9);
   CHECK(cell.quality.residualPx < 0.2);
-  // Nothing folds over in a member, seam and poles or not.
+  // No triangle folds over in any member, including at the seam and at the poles.
   for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t)
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       glm::dmat3 rays;
@@ -158,7 +158,7 @@ TEST_CASE("masked panoramas are not matched where they are masked") {
   const SyntheticScene synthetic = room(cameras);
   std::vector<PanoramaView> views;
   for (std::size_t i = 0; i < cameras.size(); ++i) views.push_back({cameras[i], synthetic.photographs[i], {}});
-  const auto agreeingIn = [&](const CellMesh& cell) {  // triangles, in the masked band of the first panorama
+  const auto agreeingIn = [&](const CellMesh& cell) {  // agreeing triangles in the masked band of the first panorama
     std::size_t agreeing = 0;
     const int width = views[0].picture.width;
     for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
@@ -175,7 +175,7 @@ TEST_CASE("masked panoramas are not matched where they are masked") {
   for (int y = 0; y < band.height; ++y)
     for (int x = band.width / 4; x < band.width / 2; ++x) band.pixel(x, y)[0] = 0;
   views[0].mask = band;
-  CHECK(agreeingIn(panoramaCell(views, {})) > 10);  // the other two agree
+  CHECK(agreeingIn(panoramaCell(views, {})) > 10);  // the other two panoramas agree
   views[1].mask = Image8(band.width, band.height, 1, 0);
   CHECK(agreeingIn(panoramaCell(views, {})) == 0);
 }
@@ -187,7 +187,7 @@ TEST_CASE("directions at the extremes: cocircular, nearly the same, many at a po
     for (const glm::uvec3& t : triangles) {
       const glm::dvec3 a = glm::normalize(directions[t.x]), b = glm::normalize(directions[t.y]),
                        c = glm::normalize(directions[t.z]);
-      // Van Oosterom and Strackee 1983; negative for a triangle that looks inwards.
+      // Van Oosterom and Strackee 1983; the angle is negative for a triangle that faces inwards.
       solidAngle +=
           2 * std::atan2(glm::determinant(glm::dmat3(a, b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
       used[t.x] = used[t.y] = used[t.z] = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Panoramas into pinhole pictures, and COLMAP models written and read.
+// Splitting panoramas into pinhole pictures, with input and output as COLMAP models.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -11,9 +11,9 @@
 
 #include "author/panorama/panorama_faces.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/panorama.h"
+#include "ibr/author/poses.h"
 #include "ibr/error.h"
-#include "ibr/panorama.h"
 #include "io/image_file.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
@@ -115,7 +115,7 @@ TEST_CASE("what a face shows in a direction is what the panorama shows there: se
           for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(picture.pixel(x, y)[c] - expected[c]));
         }
       INFO(face.name << " " << fov);
-      // Both pictures are rounded, each by half a step; the widest views have pixels of up to 13 degrees.
+      // Both pictures are rounded, each by half a level; the widest views have pixels of up to 13°.
       CHECK(worst < (fov > 160 ? 2.2 : 1.1));
     }
 }
@@ -149,7 +149,7 @@ TEST_CASE("looked at closely, a pixel of the panorama has its own colour") {
 TEST_CASE("channels do not see each other") {
   const Image8 three = noise(90, 45, 3), four = noise(90, 45, 4, 2);
   for (const PanoramaFace& face : manyFaces()) {
-    const Intrinsics k = faceIntrinsics(53, 1.8);  // 53: the last run of a row is not full
+    const Intrinsics k = faceIntrinsics(53, 1.8);  // 53 is not a multiple of the row's run length
     for (const Image8* panorama : {&three, &four}) {
       const Image8 picture = PanoramaSampler(*panorama).view(k, face.rotation);
       for (int c = 0; c < panorama->channels; ++c)
@@ -289,7 +289,7 @@ TEST_CASE("all posed panoramas of a folder are split; the points they share go w
       ++observations;
     }
   CHECK(observations == report.observations);
-  CHECK(observations >= 2 * model.tracks.size());  // overlapping faces leave out no direction
+  CHECK(observations >= 2 * model.tracks.size());  // faces overlap and leave no direction uncovered
 
   SplitOptions again = options;
   again.threads = 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies in folders of photographs: every orientation, sizes that differ, files that cannot be read.
+// Photograph folders: all orientations, sizes unlike the model's, and unreadable files.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <glm/vec2.hpp>
@@ -8,7 +8,7 @@
 #include "author/photographs/photographs.h"
 #include "author/photographs/picture_folder.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "io/image_file.h"
 #include "support/court_photographs.h"
 #include "support/error_of.h"
@@ -65,7 +65,7 @@ TEST_CASE("each orientation fits a model of the upright pictures and one of thos
       };
       CHECK(meanDifference(load(modelOfUpright, Orientation::exif), upright) < 2);
       CHECK(meanDifference(load(modelOfStored, Orientation::stored), stored) < 2);
-      const bool told = orientation >= 5 && size.x != size.y;  // by the shape
+      const bool told = orientation >= 5 && size.x != size.y;  // the shape of the picture tells the quarter turn
       CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), told ? upright : stored) < 2);
       CHECK(meanDifference(load(modelOfStored, Orientation::automatic), stored) < 2);
       CHECK(findPhotograph(folder / "", modelOfStored, 0).turnUnsure == (orientation > 1 && !told));
@@ -106,7 +106,7 @@ TEST_CASE("photographs that fit both ways are turned as the others of their set 
                          Contains(withTurned ? "--orientation stored" : "--orientation exif"));
     options.orientation = withTurned ? Orientation::stored : Orientation::exif;
     said.clear();
-    if (withTurned) continue;  // stored: the quarter turn has another shape
+    if (withTurned) continue;  // as stored, quarter.jpg has another shape than its camera
     CHECK(readInput(options, log).photographs[0].applyOrientation);
     CHECK(said.empty());
   }
@@ -131,11 +131,11 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
   writeText(folder / "empty.jpg", "");
   writeText(folder / "text.jpg", "hello");
   using namespace std::string_literals;
-  writeText(folder / "phone.jpg", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);  // HEIC by another name
+  writeText(folder / "phone.jpg", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);  // HEIC content under a JPEG name
   for (const char* name : {"x1.HEIC", "x2.HEIC", "x3.heic", "x4.HEIC"})
     writeText(folder / name, "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
   writeText(folder / "raw.NEF", "MM\0*raw"s);
-  writeText(folder / "a.CR2", "II*\0raw"s);  // beside a.jpg
+  writeText(folder / "a.CR2", "II*\0raw"s);  // a raw file beside a.jpg
   writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
   const PictureFolder found = lookInto(folder / "");
   CHECK(
@@ -153,8 +153,8 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
 
 namespace {
 
-// Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its
-// model.
+// Four photographs of a court's wall: 96 × 72 px, 160 × 120 px, upright ones, and one that is twice as wide as its
+// camera in the model.
 test::CourtPhotographs mixedSet() {
   Court court = makeCourt(36, 96, 72, 1);
   court.cameras.resize(4);
@@ -226,7 +226,7 @@ TEST_CASE("scenes in a folder of photographs are not taken for photographs") {
   writeText(folder / "made/scene.gltf", "{}");
   fs::create_directories(folder / "half/.build");
   CHECK((lookInto(folder / "").pictures == std::vector<std::string>{"a.jpg", "trip/b.jpg"}));
-  CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // asked for
+  CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // requested folder
 }
 
 TEST_CASE("all photographs that are missing are named at once, and what they are called instead") {

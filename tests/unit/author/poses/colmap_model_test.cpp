@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/error.h"
 #include "support/error_of.h"
 #include "support/temporary_folder.h"
@@ -19,7 +19,7 @@ namespace {
 
 const fs::path kData = IBR_TEST_DATA;
 
-// The text model of tests/unit/author/data, to be spoilt.
+// The text model of tests/unit/author/data, which tests then damage.
 struct TextModel {
   std::string cameras = readTextFile(kData / "tiny/cameras.txt");
   std::string images = readTextFile(kData / "tiny/images.txt");
@@ -67,7 +67,7 @@ TEST_CASE("a text model arrives in libibr's axes, sorted by name") {
   CHECK(model.images[2].name == "left/a.jpg");
   CHECK(model.images[0].camera.intrinsics == Intrinsics{CameraModel::pinhole, 640, 480, 500.5, 501.25, 320.5, 240.25});
   CHECK(model.images[2].camera.intrinsics == Intrinsics{CameraModel::pinhole, 480, 640, 450, 450, 240, 320});
-  // World to camera by a quarter turn about y with t = (-5, 0, 1): R = [0 0 1; 0 1 0; -1 0 0], c = -Rᵀt = (1, 0, 5).
+  // World to camera: a quarter turn about y, t = (-5, 0, 1). R = [0 0 1; 0 1 0; -1 0 0], c = -Rᵀt = (1, 0, 5).
   CHECK(glm::distance(model.images[2].camera.pose.position, glm::dvec3(1, 0, 5)) < 1e-12);
   CHECK(glm::distance(viewAxis(model.images[2].camera.pose), glm::dvec3(-1, 0, 0)) < 1e-12);
   CHECK(glm::distance(viewAxis(model.images[0].camera.pose), glm::dvec3(0, 0, 1)) < 1e-12);
@@ -75,7 +75,7 @@ TEST_CASE("a text model arrives in libibr's axes, sorted by name") {
   REQUIRE(model.tracks.size() == 3);
   CHECK(model.tracks[2].position == glm::dvec3(-1.5, 2.25, 3.125));
   REQUIRE(model.tracks[0].observations.size() == 2);
-  // Point 10 is where both of its observations say.
+  // Point 10 projects exactly to both of its observations.
   for (const TrackObservation& seen : model.tracks[0].observations) {
     const Camera& camera = model.images[seen.image].camera;
     const auto pixel = project(camera.intrinsics,

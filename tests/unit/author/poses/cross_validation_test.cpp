@@ -29,7 +29,7 @@ std::vector<BundleCamera> bundled(const std::vector<Camera>& cameras) {
   return list;
 }
 
-// Points of a wall, where all see them, and as many far away.
+// Points on a wall that all cameras see, and as many distant points.
 std::vector<BundlePoint> seenBy(const std::vector<Camera>& cameras, double noisePx) {
   PoseNoise random(2);
   std::vector<BundlePoint> points;
@@ -62,7 +62,7 @@ TEST_CASE("patches are of one direction, about a twelfth of a photograph wide, a
     for (const glm::dvec3& way : ways) CHECK(glm::distance(way, ways[0]) < width * std::sqrt(3.0));
   }
   CHECK(std::abs(double(odd) / double(all.size()) - 0.5) < 0.2);
-  // How the world lies and how large it is are nothing to them, but for rounding at their edges.
+  // Orientation, position and scale of the world have no effect, apart from rounding at the limits.
   const Similarity move{300, glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, 2, -1))), {40, -7, 9}};
   std::vector<Camera> moved = cameras;
   std::vector<BundlePoint> there = points;
@@ -110,7 +110,7 @@ TEST_CASE("a gain is sure when many patches share it, not when one place repeats
   CHECK(significance(before, gain, patches) > 5);
   CHECK(significance(gain, before, patches) < -5);
   CHECK(std::abs(significance(before, place, patches)) < 1.1);
-  // Copies of the same points tell nothing new.
+  // Repeated points add no information.
   const auto thrice = [](auto values) {
     const auto one = values;
     for (int i = 0; i < 2; ++i) values.insert(values.end(), one.begin(), one.end());
@@ -118,7 +118,7 @@ TEST_CASE("a gain is sure when many patches share it, not when one place repeats
   };
   CHECK(significance(thrice(before), thrice(gain), thrice(patches)) ==
         Approx(significance(before, gain, patches)).epsilon(1e-9));
-  // Too few to tell, and nothing to tell.
+  // Too few samples, and samples without information.
   const std::span<const double> few(before.data(), 100), fewer(gain.data(), 100);
   CHECK(std::isnan(significance(few, fewer, patches)));
   const std::vector<double> none(3000, 0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// estimatePoses with a program that stands for COLMAP (fake_colmap.sh), and running other programs.
+// estimatePoses with a stub for COLMAP (fake_colmap.sh), and running other programs.
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@
 
 #include "base/child_process.h"
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
 #include "support/error_of.h"
@@ -25,7 +25,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Four photographs; COLMAP would find a model of three of them and one of two.
+// A folder of four photographs. The stub finds one model of three photographs and one of two.
 class Place {
  public:
   Place() {
@@ -52,7 +52,7 @@ class Place {
     o.program = IBR_FAKE_COLMAP;
     return o;
   }
-  // The commands that were run, in order.
+  // Returns the commands that were run, in order.
   std::vector<std::string> calls() const {
     std::vector<std::string> commands;
     std::string text = fs::exists(folder / "calls") ? readTextFile(folder / "calls") : "";
@@ -112,10 +112,10 @@ TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
                         Contains("--ImageReader.single_camera 1") && Contains("--ExhaustiveMatching.block_size 2"));
   CHECK_THAT(readTextFile(place.folder / "poses/mapper.log"), Contains("Registering image #2"));
 
-  // Nothing is done twice.
+  // A second call uses the existing model.
   CHECK(estimatePoses(place.options()).registered == 3);
   CHECK(place.calls() == kAll);
-  // Another content: all anew. It has another size, and so has a camera of its own.
+  // A changed photograph restarts the estimate. Its size is different, so it gets its own camera.
   writeImage(place.folder / "photos/d.png", Image8(30, 40, 3));
   place.touch("newer");
   estimatePoses(place.options());
@@ -180,7 +180,7 @@ TEST_CASE("photographs that are added are registered in the model that stands") 
   CHECK_THAT(calls, Contains("--image_list_path " + (poses / "added-photographs.txt").string()) &&
                         Contains("--ImageReader.existing_camera_id 1") &&
                         Contains("--input_path " + (poses / "sparse/0").string()));
-  // Nothing is done twice, and what is added next, of another size, is added to that model.
+  // A second call runs no command. A further photograph of another size is added to the existing model.
   CHECK(estimatePoses(place.options()).model == report.model);
   CHECK(place.calls() == expected);
   writeImage(place.folder / "photos/g.png", Image8(30, 40, 3, 50));
@@ -189,7 +189,7 @@ TEST_CASE("photographs that are added are registered in the model that stands") 
   CHECK(readTextFile(poses / "added-photographs.txt") == "g.png\n");
   const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
   CHECK_THAT(later, Contains("image_registrator") && !Contains("existing_camera_id"));
-  // One that is gone: all anew.
+  // A removed photograph restarts the estimate.
   fs::remove(place.folder / "photos/e.png");
   estimatePoses(place.options());
   CHECK(place.calls().back() == "mapper");
@@ -219,7 +219,7 @@ TEST_CASE("poses are estimated anew where what stands is poor, or small beside w
     place.writeModel("1", {"a.png", "b.png", "d.png", "more/c.png"});
     more(1, " a.png");
   }
-  // In each section these are added after the first estimate.
+  // The first estimate runs without the photographs that each section adds.
   for (const auto& entry : fs::directory_iterator(place.folder / "photos"))
     if (std::isdigit(entry.path().filename().string()[0]))
       fs::rename(entry.path(), place.folder / entry.path().filename());
@@ -276,12 +276,12 @@ TEST_CASE("COLMAP gets upright photographs with what EXIF says, unless they are 
 TEST_CASE("photographs that cannot be read are named before COLMAP is run") {
   const Place place;
   const fs::path photographs = place.options().photographs;
-  const bool someTurned = GENERATE(false, true);  // they stand in a folder of ours then
+  const bool someTurned = GENERATE(false, true);  // turned photographs are copied to a working folder
   if (someTurned) test::writeTurned(photographs / "a-turned.jpg", Image8(30, 40, 3, 20), 6);
   writeImage(photographs / "x.jpg", Image8(400, 300, 3, 9));
   fs::copy_file(photographs / "x.jpg", photographs / "y.jpg");
-  fs::resize_file(photographs / "x.jpg", 20);                                        // of its header
-  fs::resize_file(photographs / "y.jpg", fs::file_size(photographs / "y.jpg") - 9);  // of its end
+  fs::resize_file(photographs / "x.jpg", 20);                                        // cut in the header
+  fs::resize_file(photographs / "y.jpg", fs::file_size(photographs / "y.jpg") - 9);  // cut at the end
   const auto told = [&](const PoseOptions& options) {
     return std::string(test::errorOf([&] { estimatePoses(options); }).what());
   };
@@ -343,7 +343,7 @@ TEST_CASE("without the program, without photographs, without poses") {
   const Error none = test::errorOf([&] { estimatePoses(place.options()); });
   CHECK(none.code() == ErrorCode::invalidInput);
   CHECK_THAT(none.what(), Contains("found no poses"));
-  // COLMAP calls that a failure, too.
+  // COLMAP reports this case as a failure of its own.
   fs::remove_all(place.folder / "poses");
   place.touch("NONE-mapper");
   CHECK_THAT(test::errorOf([&] { estimatePoses(place.options()); }).what(), Contains("found no poses"));
@@ -369,7 +369,7 @@ TEST_CASE("programs are run with their words read line by line") {
   CHECK_FALSE(result.stopped);
   CHECK(lines == std::vector<std::string>{"one", "two", "three a b"});
   CHECK(runChild({"sh", "-c", "kill -9 $$"}, {}, keep, on).status == 128 + 9);
-  // Much, and without a last line end.
+  // Long output without a final line break.
   std::size_t count = 0, length = 0;
   runChild(
       {"sh", "-c",

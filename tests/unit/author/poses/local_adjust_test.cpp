@@ -73,7 +73,7 @@ std::vector<LocalTrack> seenBy(const std::vector<Camera>& cameras, const std::ve
   return tracks;
 }
 
-// How far the rays of exact pixels, seen with these poses, miss each other: median, px.
+// Median distance, px, by which the rays of exact pixels miss each other under these poses.
 double misses(const std::vector<Camera>& exact, const std::vector<Pose>& poses) {
   std::vector<Camera> cameras = exact;
   for (std::size_t i = 0; i < poses.size(); ++i) cameras[i].pose = poses[i];
@@ -112,7 +112,7 @@ TEST_CASE("poses that are off are brought to fit each other, whatever tracks are
       CHECK(misses(exact, posesOf(wrong)) > 0.2);
       for (std::size_t t = 0; t < tracks.size(); t += 10) *tracks[t].pixel[1] += glm::dvec2(25, -40);
       CHECK(misses(exact, locallyAdjusted(wrong, tracks)) < 0.12);
-      // It is the others that move, and not far.
+      // The other members move, and only a little.
       CHECK(clean[0].position == wrong[0].pose.position);
       CHECK(clean[0].rotation == wrong[0].pose.rotation);
       for (std::size_t i = 0; i < members; ++i) CHECK(glm::distance(clean[i].position, wrong[i].pose.position) < 0.05);
@@ -125,7 +125,7 @@ TEST_CASE("poses that fit, and those of which little is known, stay as they are"
   CHECK(same(locallyAdjusted(exact, seenBy(exact, points(100, 1), 0)), posesOf(exact)));
   CHECK(same(locallyAdjusted(wrong, seenBy(exact, points(5, 1), 0)), posesOf(wrong)));
   CHECK(same(locallyAdjusted(wrong, {}), posesOf(wrong)));
-  // Members that share no track with the others: nothing moves them but what they see themselves.
+  // Member 2 shares no track with the others, so it stays; the others are adjusted by their own tracks.
   std::vector<LocalTrack> apart = seenBy(exact, points(100, 1), 0);
   for (LocalTrack& track : apart) track.pixel[2].reset();
   const std::vector<Pose> moved = locallyAdjusted(wrong, apart);
@@ -182,7 +182,7 @@ TEST_CASE("matches at poses that are off come right again with adjusted ones") {
   const std::vector<Camera> wrong = disturbed(options.cameras, 0.6, 0, 8);
   const std::vector<Pose> adjusted = locallyAdjusted(wrong, seenBy(options.cameras, onPlane, 0.1));
 
-  // Median distance of the match in member 1 from where it is for what is matched in member 0; share matched.
+  // Median error of the match in member 1 for the points matched in member 0; share of matched points.
   const auto error = [&](const std::vector<Pose>& poses) {
     std::vector<MatchView> views;
     for (std::size_t i = 0; i < poses.size(); ++i)

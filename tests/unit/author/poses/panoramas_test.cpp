@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/build.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
 #include "scene/synth/synthetic.h"
@@ -19,7 +19,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// The second one looks along world x: z forward = +x, x right = −y, y down = −z, with world z up.
+// The second panorama looks along world x: z forward = +x, x right = −y, y down = −z, with world z up.
 const std::string kFile = R"({
  "convention": "in words",
  "width": 64, "height": 32,
@@ -43,7 +43,7 @@ std::string with(const std::string& what, const std::string& instead) {
   return text.replace(text.find(what), what.size(), instead);
 }
 
-// Where a panorama sees a world point.
+// Returns the pixel at which a panorama sees a world point.
 glm::dvec2 seen(const PosedImage& image, glm::dvec3 point) {
   const Camera& camera = image.camera;
   return project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position)).value();
@@ -62,14 +62,14 @@ TEST_CASE("panoramas.json arrives in libibr's axes, sorted by name") {
   CHECK(model.images[0].camera.pose.position == glm::dvec3(0, 0, 1.5));
   CHECK(model.images[1].camera.pose.position == glm::dvec3(1, 2, 3));
   CHECK(glm::distance(model.images[2].camera.pose.position, glm::dvec3(4, 5, 6)) < 1e-12);
-  // The middle of the picture is forward, the top row is up, a quarter further is to the right.
+  // The middle of the picture looks forward, the top row looks up, and a quarter further looks to the right.
   const PosedImage& a = model.images[0];
   CHECK(glm::distance(seen(a, {5, 0, 1.5}), glm::dvec2(32, 16)) < 1e-9);
   CHECK(glm::distance(seen(a, {0, -5, 1.5}), glm::dvec2(48, 16)) < 1e-9);
   CHECK(seen(a, {0, 0, 9}).y == Approx(0).margin(1e-9));
   CHECK(seen(a, {0, 0, -9}).y == Approx(32));
   CHECK(glm::distance(seen(a, {1, 0, 2.5}), glm::dvec2(32, 8)) < 1e-9);
-  // As the file's formula says it: camera (0, 0, 1) forward, y down.
+  // Axes of the file format: forward is camera (0, 0, 1), y points down.
   CHECK(glm::distance(seen(model.images[2], {4, 5 + 1, 6 + 1}), glm::dvec2(32, 24)) < 1e-9);
 }
 

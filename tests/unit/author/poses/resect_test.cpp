@@ -22,14 +22,14 @@ TEST_CASE("a photograph comes to where the others' poses say that it was taken, 
   const auto off = [](const Camera& a, const Camera& b) {
     return angleBetween(a.pose.rotation, b.pose.rotation) + glm::distance(a.pose.position, b.pose.position);
   };
-  // Its own pose was wrong.
+  // The photograph's own pose is wrong.
   PosedModel given = exact;
   given.images[2].camera = PoseNoise(1).on({cameras[2]}, 0.005, 0.02)[0];
   const auto found = resected(given, "002.png", exact);
   REQUIRE(found);
   CHECK(off(given.images[2].camera, cameras[2]) > 0.01);
   CHECK(off(*found, cameras[2]) < 1e-3);
-  // The others' world was turned, and their focal lengths grew: it follows them.
+  // The other cameras' world is turned, and their focal lengths grow: the photograph follows them.
   const Similarity move{1, glm::angleAxis(0.004, glm::dvec3(0, 0, 1)), {0.02, 0.01, 0}};
   PosedModel moved = exact;
   for (PosedImage& image : moved.images) image.camera.pose = move(image.camera.pose);
@@ -38,9 +38,9 @@ TEST_CASE("a photograph comes to where the others' poses say that it was taken, 
   CHECK(off(*there, moved.images[2].camera) < 1e-3);
   for (PosedImage& image : moved.images) image.camera.intrinsics.fx *= 1.01;
   CHECK(resected(exact, "002.png", moved)->intrinsics.fx == Approx(1.01 * cameras[2].intrinsics.fx));
-  moved.images.erase(moved.images.begin() + 2);  // as it is where a model was refined without it
+  moved.images.erase(moved.images.begin() + 2);  // as in a model that was refined without the photograph
   CHECK(resected(exact, "002.png", moved)->intrinsics.fx == Approx(1.01 * cameras[2].intrinsics.fx));
-  // Nothing is known of it.
+  // Without a model of the other cameras there is no result.
   CHECK_FALSE(resected(exact, "002.png", {}));
   given.tracks.resize(10);
   CHECK_FALSE(resected(given, "002.png", exact));

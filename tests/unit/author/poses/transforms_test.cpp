@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "ibr/author.h"
+#include "ibr/author/poses.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
 #include "support/temporary_folder.h"
@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-// Two frames; the second stands at (1, 2, 3) and looks along −x, which a quarter turn about y makes of −z.
+// Two frames; the second one is at (1, 2, 3) and looks along −x: −z after a quarter turn about y.
 Json example() {
   return Json::parse(R"({
     "w": 640, "h": 480, "fl_x": 500, "fl_y": 510, "cx": 321, "cy": 239,
@@ -180,7 +180,7 @@ TEST_CASE("a fault of transforms.json is named by its pointer") {
   std::string nan = example().dump();
   nan.replace(nan.find("500"), 3, "NaN");
   CHECK_THAT(faultOf(nan), Contains("line 1"));
-  // Rounding is no fault.
+  // Rounding errors are accepted.
   Json rounded = example();
   rounded["frames"][0]["transform_matrix"][0][0] = 1.0005;
   rounded["frames"][0]["transform_matrix"][0][1] = 0.0005;

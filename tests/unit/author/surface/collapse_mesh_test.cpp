@@ -19,13 +19,13 @@ TEST_CASE("Collapses that would change the topology are told", "[N15]") {
   CHECK(grid.keepsTopology(6, 7));
   CHECK(grid.keepsTopology(6, 12));
   CHECK(grid.keepsTopology(0, 1));        // along the border
-  CHECK(grid.keepsTopology(1, 6));        // from it inwards
-  CHECK_FALSE(grid.keepsTopology(6, 8));  // no edge
+  CHECK(grid.keepsTopology(1, 6));        // from the border inwards
+  CHECK_FALSE(grid.keepsTopology(6, 8));  // not an edge
   CHECK_FALSE(grid.keepsTopology(6, 6));
-  // From border to border across the inside: two parts would hang on one vertex.
+  // A collapse across the inside, from border to border, would leave two parts joined at one vertex.
   const CollapseMesh strip(test::flatGrid(1));
   CHECK_FALSE(strip.keepsTopology(0, 3));
-  // A triangle around a tube: no face, but three edges.
+  // A triangle of edges around a tube bounds no face.
   const CollapseMesh tube(TriangleMesh{
       {{1, 0, 0}, {0, 1, 0}, {-1, -1, 0}, {1, 0, 1}, {0, 1, 1}, {-1, -1, 1}, {1, 0, 2}, {0, 1, 2}, {-1, -1, 2}},
       {{0, 1, 3},
@@ -51,7 +51,7 @@ TEST_CASE("Collapses that turn faces are told", "[N15][P8]") {
   CHECK_FALSE(grid.keepsNormals(6, 7, {1.5, 1, 0.25}, 0.99));  // tilted
   CHECK_FALSE(grid.keepsNormals(6, 7, {3.5, 1, 0}, 0.5));      // turned over
   CHECK_FALSE(grid.keepsNormals(6, 7, {1.5, 0, 0}, 0.5));      // no area
-  CHECK_FALSE(grid.keepsNormals(6, 7, {1.5, 1e-5, 0}, 0.5));   // hardly any
+  CHECK_FALSE(grid.keepsNormals(6, 7, {1.5, 1e-5, 0}, 0.5));   // almost no area
 }
 
 TEST_CASE("A merged vertex stays on the border and otherwise goes where the planes meet") {
@@ -88,12 +88,12 @@ TEST_CASE("A flat face is told by its height, at any size", "[N15]") {
 }
 
 TEST_CASE("A flat face stays where turning its edge makes another one") {
-  // The needle's short side is so short that the face on its other side would be flat in turn.
+  // The short side of the sliver is so short that an edge flip would make the face across that side flat.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1e-12, 0, 0}, {1, 1, 0}, {1, -1, 0}};
   mesh.triangles = {{0, 2, 3}, {2, 1, 3}, {0, 1, 2}, {1, 0, 4}};
   const FlatFaces result = removeFlatFaces(mesh);
-  CHECK(result.removed == 1);  // the one at the border
+  CHECK(result.removed == 1);  // the flat face at the border
   CHECK(result.left == 1);
   CHECK(mesh.triangles == std::vector<glm::uvec3>{{2, 1, 3}, {0, 1, 2}, {1, 0, 4}});
 }

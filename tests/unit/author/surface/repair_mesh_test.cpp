@@ -12,7 +12,7 @@ namespace {
 
 using test::cube;
 
-// What holds of every result.
+// Repairs the mesh and checks the invariants of every result.
 RepairedMesh repaired(const TriangleMesh& mesh) {
   RepairedMesh result = repairMesh(mesh);
   CHECK(test::isOrientedManifold(result.mesh));
@@ -41,7 +41,7 @@ TEST_CASE("A mesh without faults is left as it is") {
     const RepairedMesh result = repaired(mesh);
     CHECK(result.mesh == mesh);
   }
-  // A cavity's faces point into it.
+  // The faces of a cavity point into the cavity.
   TriangleMesh hollow = cube(glm::dvec3(-1.0), 3.0);
   TriangleMesh inner = cube();
   for (glm::uvec3& t : inner.triangles) std::swap(t.y, t.z);
@@ -75,10 +75,10 @@ TEST_CASE("Faces that cannot be used are left out and counted", "[N15]") {
   mesh.positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   mesh.positions.emplace_back(0, 0, 0);
   mesh.triangles.emplace_back(0, 1, 8);   // not finite
-  mesh.triangles.emplace_back(0, 1, 77);  // no vertex
-  mesh.triangles.emplace_back(1, 1, 2);   // an edge
-  mesh.triangles.emplace_back(0, 9, 1);   // two corners in one place
-  mesh.triangles.emplace_back(1, 0, 2);   // twice
+  mesh.triangles.emplace_back(0, 1, 77);  // vertex index out of range
+  mesh.triangles.emplace_back(1, 1, 2);   // collapses to an edge
+  mesh.triangles.emplace_back(0, 9, 1);   // two corners at one position
+  mesh.triangles.emplace_back(1, 0, 2);   // a duplicate
   const RepairedMesh result = repaired(mesh);
   CHECK(result.mesh == cube());
   CHECK(result.report.unusableFaces == 4);
@@ -149,7 +149,7 @@ TEST_CASE("A one-sided surface is cut") {
 }
 
 TEST_CASE("Faces without area go, and no hole is left") {
-  // An edge's middle, on one side a corner of two faces, on the other of a flat one.
+  // The midpoint of an edge is a corner of two faces on one side, and of a flat face on the other side.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, -1, 0}};
   mesh.triangles = {{0, 2, 3}, {2, 1, 3}, {0, 1, 2}, {1, 0, 4}};

@@ -26,7 +26,7 @@ TriangleMesh bent() {
   return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5}}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-// A glTF document of two nodes, the second below the first, with one mesh.
+// Returns a glTF document with one mesh and two nodes, the second one a child of the first.
 std::string gltf(const std::string& buffer, const std::string& more = "") {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
          R"("nodes":[{"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[1,1,2]}],)"

@@ -10,10 +10,10 @@ using namespace ibr;
 namespace {
 
 constexpr int kWidth = 96, kHeight = 64;
-constexpr double kFocal = 80, kBoardDepth = 2, kWallDepth = 10, kHalfBoard = 0.4;  // px, then units of length
+constexpr double kFocal = 80, kBoardDepth = 2, kWallDepth = 10, kHalfBoard = 0.4;  // px, then world units
 constexpr float kBoard = 5, kWall = 1;                                             // levels
 
-// A board before a wall, in grey levels; the wall with texture or without.
+// A board before a wall, in grey levels; the wall is textured or plain.
 struct Place {
   bool textured = true;
 
@@ -55,7 +55,7 @@ struct Swept {
       for (int u = 0; u < kWidth; ++u) guide.pixel(u, v)[0] = float(place.at(frame, u + 0.5, v + 0.5));
   }
 
-  // The board's level where it is, made `wider` px wider on every side.
+  // Returns the true levels; the board is `wider` px wider on every side.
   static ImageF levels(int wider) {
     ImageF level(kWidth, kHeight, 1);
     const double half = kFocal * kHalfBoard / kBoardDepth + wider;
@@ -67,7 +67,7 @@ struct Swept {
     return level;
   }
 
-  // Pixels that trimming leaves wrong.
+  // Returns the number of pixels that are wrong after trimming.
   int wrongAfter(int wider) const {
     ImageF level = levels(wider);
     trimForegrounds(frame, views, range, guide, level);
@@ -86,8 +86,8 @@ TEST_CASE("foregrounds that are too wide end at their silhouettes, before textur
   const Swept swept(Place{textured});
   constexpr int kOutline = 4 * 32;  // px
   CHECK(swept.wrongAfter(0) <= kOutline / 4);
-  CHECK(swept.wrongAfter(3) <= kOutline);      // of more than 400 that were wrong
-  CHECK(swept.wrongAfter(12) > kOutline * 4);  // no further than windows reach
+  CHECK(swept.wrongAfter(3) <= kOutline);      // of more than 400 that were wrong at first
+  CHECK(swept.wrongAfter(12) > kOutline * 4);  // trimming reaches as far as the matching windows only
 }
 
 TEST_CASE("a map without depth edges is not trimmed") {

@@ -16,13 +16,13 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr double kGround = -0.8;  // z
+constexpr double kGround = -0.8;  // z of the ground plane
 
 const std::vector<Camera> kCameras = {lookingAlong({0, 0, 0}, {0, 1, 0}, 200, 150, 1.4),
                                       lookingAlong({0.7, 0, 0.05}, {0, 1, 0}, 200, 150, 1.4),
                                       lookingAlong({0.3, 0.1, 0.4}, {0, 1, 0}, 200, 150, 1.4)};
 
-// As kCameras, in pictures so large that chance puts few points on one plane.
+// kCameras at 1600 × 1200 px, so that few random points lie on one plane by chance.
 std::vector<Camera> largeCameras() {
   std::vector<Camera> cameras = kCameras;
   for (Camera& camera : cameras) camera.intrinsics = resized(camera.intrinsics, 1600, 1200);
@@ -36,7 +36,7 @@ std::vector<glm::dvec3> pointsOnGround(int count) {
   for (int i = 0; i < count; ++i) points.emplace_back(across(random), along(random), kGround);
   return points;
 }
-// In front of the cameras, on no plane.
+// Random points in front of the cameras, on no common plane.
 std::vector<glm::dvec3> scatteredPoints(int count) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> side(-1, 1), along(2, 8);
@@ -68,7 +68,7 @@ struct Motion {
 const TexturedPlane kGroundPlane{{0, 10, kGround}, {1, 0, 0}, {0, 1, 0}, 40, 20, 3, 0.2};
 const TexturedPlane kWallPlane{{0, 5, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.1};
 
-// As photographed by kCameras.
+// Returns photographs of the plane by kCameras.
 std::vector<MatchView> viewsOf(const TexturedPlane& plane) {
   SyntheticOptions options;
   options.cameras = kCameras;
@@ -89,7 +89,7 @@ std::vector<SweepView> inGreen(std::span<const MatchView> views) {
   return result;
 }
 
-// Of what all members see of the ground, that is matched to the plane within half a step.
+// Share of the ground area seen by all members in which the level is within half a step of the plane.
 double shareRight(const ImageF& level, const SweepLevels& levels, glm::dvec3 plane) {
   std::size_t right = 0, all = 0;
   for (int y = level.height * 3 / 5; y < level.height * 3 / 4; ++y)
@@ -175,6 +175,6 @@ TEST_CASE("where in the world a scene stands changes nothing in its match") {
     otherMatched += differs && here.good.values[p];
   }
   CHECK(otherMatched == 0);
-  // What not all members see: rounding turns the order of costs that are all but equal.
+  // Pixels that not all members see may differ: rounding reorders almost equal costs.
   CHECK(double(other) < 0.005 * double(here.inverseDepth.values.size()));
 }

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/program.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "ibr/error.h"
+#include "shared/cli/options.h"
+#include "shared/cli/signals.h"
+
+namespace ibr::app {
+namespace {
+
+// Starts with the examples, which most readers look for.
+std::string helpText(const Command& command, bool all) {
+  std::string text = "Examples:\n  ";
+  for (const char c : std::string_view(command.examples)) text += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  text += fmt::format("\n\n{}.", command.summary);
+  if (all && *command.details) text += fmt::format("\n\n{}", command.details);
+  text += '\n';
+  return text;
+}
+
+bool isAmong(std::string_view words, const std::string& word) {
+  return (' ' + std::string(words) + ' ').find(' ' + word + ' ') != std::string::npos;
+}
+
+// Removes all but the main options from the help.
+void hideOtherOptions(const Command& command, CLI::App& app) {
+  if (!*command.mainOptions) return;
+  std::size_t hidden = 0;
+  for (CLI::Option* option : app.get_options()) {
+    const bool positional = option->get_lnames().empty() && option->get_snames().empty();
+    const auto isMain = [&](const std::string& name) { return isAmong(command.mainOptions, name); };
+    const bool wanted = positional || std::ranges::any_of(option->get_lnames(), isMain) || option == app.get_help_ptr();
+    if (wanted) {
+      option->group("Options");
+    } else {
+      option->group("");
+      ++hidden;
+    }
+  }
+  for (CLI::App* group : app.get_subcommands([](const CLI::App* sub) { return sub->get_name().empty(); }))
+    for (CLI::Option* option : group->get_options()) {
+      if (std::ranges::any_of(option->get_lnames(), [&](const auto& n) { return isAmong(command.mainOptions, n); }))
+        continue;
+      option->group("");
+      ++hidden;
+    }
+  app.footer(fmt::format("--help-all shows details and {} more options.", hidden));
+}
+
+struct Declared {
+  const Command* command;
+  std::string words;  // as typed after the program's name
+  CLI::App* app;
+  std::function<ExitCode(const Context&)> action;  // empty for a group
+
+  // Returns the words before the command's name.
+  std::string before(const char* program) const {
+    const std::string line = std::string(program) + ' ' + words;
+    return line.substr(0, line.size() - 1 - std::string_view(command->name).size());
+  }
+};
+
+// Appends a group after its commands, so that the first parsed entry is the command itself.
+void declare(CLI::App& parent, const std::string& version, const std::string& before, const Command& command,
+             CommonOptions& common, std::vector<Declared>& all) {
+  CLI::App* sub = parent.add_subcommand(command.name, command.summary);
+  sub->set_version_flag("--version", version);
+  sub->set_help_all_flag("--help-all", "Print all options and exit");
+  Declared declared{&command, before + command.name, sub, {}};
+  for (const Command* further : command.commands) declare(*sub, version, declared.words + ' ', *further, common, all);
+  if (command.commands.empty()) {
+    declared.action = command.declare(*sub);
+    declareCommonOptions(*sub, common);
+  } else {
+    sub->require_subcommand(1);
+  }
+  all.push_back(std::move(declared));
+}
+
+ExitCode printHelp(const Program& program, const CLI::App& app, const Declared* command, bool all) {
+  if (command) command->app->description(helpText(*command->command, all));
+  std::fputs((command ? command->app->help(command->before(program.name)) : app.help()).c_str(), stdout);
+  flushResults();
+  return kExitOk;
+}
+
+ExitCode runCommands(const Program& program, int argc, char** argv) {
+  const std::string name = program.name, version = name + " " + IBR_VERSION;
+  CLI::App app(program.help, name);
+  app.set_version_flag("--version", version);
+  app.require_subcommand(1);
+  CommonOptions common;
+  common.program = program.name;
+  std::vector<Declared> all;
+  for (const Command* command : program.commands) declare(app, version, "", *command, common, all);
+  const auto chosen = [&]() -> const Declared* {
+    const auto found = std::ranges::find_if(all, [](const Declared& d) { return d.app->parsed(); });
+    return found == all.end() ? nullptr : &*found;
+  };
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForAllHelp&) {
+    return printHelp(program, app, chosen(), true);
+  } catch (const CLI::CallForHelp&) {
+    if (const Declared* sub = chosen()) hideOtherOptions(*sub->command, *sub->app);
+    return printHelp(program, app, chosen(), false);
+  } catch (const CLI::CallForVersion& e) {
+    std::fputs((std::string(e.what()) + '\n').c_str(), stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    const Declared* sub = chosen();
+    const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
+    return complain(name,
+                    fmt::format("{}\n{}: {} {}--help shows what there is",
+                                unknown ? fmt::format("'{}' is no command", argv[1]) : std::string(e.what()), name,
+                                name, sub ? sub->words + ' ' : std::string()),
+                    kExitCommandLine);
+  }
+
+  const Context context(common);
+  watchForInterrupt();
+  try {
+    const ExitCode code = chosen()->action(context);
+    flushResults();
+    return code;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+    context.say(LogLevel::warning, "stopped. {}", chosen()->command->afterInterrupt);
+    return kExitInterrupted;
+  }
+}
+
+}  // namespace
+
+int runProgram(const Program& program, int argc, char** argv) {
+  return guarded(program.name, [&] { return runCommands(program, argc, argv); });
+}
+
+}  // namespace ibr::app

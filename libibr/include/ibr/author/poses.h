@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Camera poses and sparse points: read from files, or estimated by the program COLMAP. Needs ibr::author.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ibr/author/lens.h"
+#include "ibr/camera.h"
+#include "ibr/log.h"
+
+namespace ibr {
+
+/// Image of a pose estimator's model, in libibr's conventions (conventions.h). Sizes are those of the model.
+struct PosedImage {
+  std::string name;                         // as in the model, with '/' after folders
+  Camera camera;                            // of the undistorted photograph
+  std::optional<Lens> lens = std::nullopt;  // of the photograph in its file; nullopt: not distorted
+};
+struct TrackObservation {
+  std::uint32_t image;  // index into PosedModel::images
+  glm::dvec2 pixel;     // in the image of PosedImage::camera
+};
+struct Track {
+  glm::dvec3 position;  // world
+  std::vector<TrackObservation> observations;
+};
+struct PosedModel {
+  std::vector<PosedImage> images;  // registered images only, sorted by name
+  std::vector<Track> tracks;
+};
+
+/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. Supports all camera models of COLMAP
+/// 3.8, and EQUIRECTANGULAR (number 17 in binary files; parameters width and height, optional in text files). Other
+/// models throw Error{unsupported} that names the camera. A distorted camera becomes the pinhole of its undistorted
+/// photograph. Its observations are undistorted too; those outside the undistorted image are left out. Images without a
+/// pose and observations of missing points are skipped with a message. So are the rigs and frames of COLMAP 3.12 and
+/// later, since images carry their own pose. Throws Error (io, invalidInput) with file and line, or byte.
+PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {},
+                           Border border = Border::crop);
+
+/// Writes cameras.txt, images.txt and points3D.txt; creates the folder if missing. Images with equal intrinsics share a
+/// camera; points are grey. readColmapModel restores poses, and pixels of distorted photographs, up to rounding, and
+/// all else exactly. Throws Error{io}. Before writing, throws Error{invalidInput} for a name that does not fit into a
+/// line of text, an observation of a missing image, and a pixel that the lens does not see.
+void writeColmapModel(const PosedModel& model, const std::filesystem::path& folder);
+
+/// Reads equirectangular panoramas with their poses from a JSON file:
+///   {"width": px, "height": px, "panoramas": [{"name": file, "position": [x, y, z],
+///    "R_world_to_camera": [[3], [3], [3]]}, …], "triangles": [[i, j, k], …]}
+/// Camera axes are COLMAP's (x right, y down, z forward, towards the image's centre); the matrix is given by rows.
+/// "q_world_to_camera_wxyz" may replace the matrix, and "t_world_to_camera" the position; if both are given, they must
+/// agree. "triangles" is optional, and is checked but not used. There are no tracks. Throws Error (io, invalidInput)
+/// with the JSON pointer of the fault.
+PosedModel readPanoramas(const std::filesystem::path& file);
+
+/// Reads transforms.json of nerfstudio or instant-ngp: frames with file_path and transform_matrix (camera to world; x
+/// right, y up, looking along −z). Intrinsics are in the frame or, for all frames, at the top level: w, h, fl_x, fl_y,
+/// cx, cy, camera_angle_x, camera_angle_y, k1 … k4, p1, p2, camera_model (OPENCV, the default; OPENCV_FISHEYE, PINHOLE,
+/// EQUIRECTANGULAR). An image's name is its path below `photographs`; file_path, with or without extension, is relative
+/// to this folder or the file's, and w and h are optional. Without `photographs`, the name is file_path. Distorted
+/// cameras become pinholes, as in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with the JSON
+/// pointer of the fault. Faults include missing photographs, and matrices that scale or shear by more than 1e-3.
+PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
+                          Border border = Border::crop);
+
+/// Orientation of the photographs in their files, relative to the model's cameras.
+enum class Orientation : std::uint8_t {
+  automatic,  // as the aspect ratio requires; if both fit (half turns, squares), as for the other photographs
+  stored,     // cameras belong to the images as stored, and EXIF is ignored: COLMAP's convention
+  exif,       // cameras belong to the images turned upright by EXIF
+};
+
+/// Pose estimation by the program COLMAP (3.8 or later), on the CPU.
+struct PoseOptions {
+  std::filesystem::path photographs;                 // folder, searched with its subfolders
+  std::filesystem::path folder;                      // for COLMAP's files only; created if missing, and kept
+  std::string program = "colmap";                    // looked up in PATH unless it contains a folder
+  int threads = 0;                                   // 0: all cores
+  std::filesystem::path without;                     // photographs below this folder are left out; may be empty
+  std::vector<std::string> exclude = {};             // names of further photographs to leave out
+  Orientation orientation = Orientation::automatic;  // photographs are turned upright by EXIF unless this is `stored`
+  std::filesystem::path masks = {};  // folder of 8-bit masks (of a.jpg: a.jpg.png or a.png): pixels with mask 0 get no
+                                     // features; empty: none
+};
+struct PoseReport {
+  std::filesystem::path model;  // folder of the model, of the largest one if there are several
+  std::size_t photographs = 0;  // used
+  std::size_t registered = 0;   // with a pose
+  std::size_t points = 0;
+};
+
+/// Finds features, matches them and estimates poses, on upright images. Matches all pairs of up to 60 photographs, else
+/// neighbours in the order of their names. Photographs of one common size are assumed to share a lens. Finished steps
+/// are cached in `folder`, and repeated only when photographs change. Cancelling ends the COLMAP process. A few new
+/// photographs are registered in the existing, nearly complete model; its poses and points do not change.
+///
+/// Throws Error: io if the program is missing or fails (with its last lines); invalidInput if it finds no poses,
+/// `folder` has other files, or photographs cannot be read (all are named, before the program runs); cancelled.
+PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {},
+                         const LogCallback& log = {});
+
+}  // namespace ibr

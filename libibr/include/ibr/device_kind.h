@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Kind of processor behind a Vulkan device. Presets depend on the kind.
+#pragma once
+
+#include <cstdint>
+
+namespace ibr {
+
+enum class DeviceKind : std::uint8_t {
+  software,  // VK_PHYSICAL_DEVICE_TYPE_CPU
+  hardware,  // all other types
+};
+
+}  // namespace ibr

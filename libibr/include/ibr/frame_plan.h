@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plans a frame on the CPU ([T] §2.5.1 to §2.5.3): which cells it draws, in which order, with which weights and
+// colours, and which photographs it gathers from. No Vulkan: a frame can be planned where there is no device.
+//
+//   SceneBounds bounds = sceneBounds(scene);  // once
+//   FramePlan plan = planFrame(scene, bounds, {{view}, settings, dtSeconds}, state);
+//   state = plan.next;
+//
+// Threading: all functions are pure and may run on any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ibr/camera.h"
+#include "ibr/render_settings.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// Most cells that fade out, beside those of the frame, after the draw order changed.
+inline constexpr std::uint32_t kMaxFadingOutCount = 16;
+/// Colour tables: of a frame's cells and of those of the previous draw order.
+inline constexpr std::uint32_t kColourSlotCount = 2 * (kMaxCellCount + kMaxFadingOutCount);
+
+/// Bounds of a cell's mesh, computed once. a_i, r_i, ρ: as in MorphMesh.
+struct CellBounds {
+  struct Member {
+    glm::vec3 low{0.0f}, high{0.0f};          // box of the vertices' a_i r_i in the member's camera axes
+    glm::vec3 unitLow{0.0f}, unitHigh{0.0f};  // the same of r_i, for Morph::paper
+  };
+  struct Corner {
+    std::array<glm::vec3, 4> point{};  // a_i r_i in the member's camera axes
+    float inverseDistance = 0;
+  };
+  struct Anchor {                  // point of tier 0 at a cell of a grid over a photograph
+    std::uint32_t photograph = 0;  // node
+    std::uint32_t gridCell = 0;
+    Corner point;
+  };
+  std::vector<Member> members;      // as Cell::members
+  std::vector<glm::vec4> surface;   // points of tier 0: (x, y, z) / w from the first member's position, world axes
+  std::vector<Corner> corners;      // of the outline
+  std::vector<glm::uvec2> outline;  // sum of tier 0's directed borders, edges between corners; empty: not usable
+  float maxInverseDistance = 0;     // of all vertices, ρ
+  float farInverseDistance = 0;     // 10 % quantile of the vertices' ρ
+  float nearInverseDistance = 0;    // 90 % quantile
+  double size = 0;                  // longest edge of the simplex, world units
+};
+/// Statistics of a scene's photographs, for the gather.
+struct GatherBounds {
+  double spacing = 1;             // b: median distance between neighbouring capture sites, world units
+  double medianInverseDepth = 0;  // of confirmed depth, 1 / world unit
+  double residualPx = 0;          // median reprojection residual of the cells, px of the photographs
+  bool operator==(const GatherBounds&) const = default;
+};
+struct SceneBounds {
+  std::vector<CellBounds> cells;  // in the order of Scene::cells
+  GatherBounds gather;
+  struct Anchors;                    // for RenderSettings::alignCells; computed by the first frame that needs them
+  std::shared_ptr<Anchors> anchors;  // thread-safe
+};
+/// Precondition: validate(scene) is empty.
+SceneBounds sceneBounds(const Scene& scene);
+
+struct FrameInput {
+  /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the
+  /// colour tables (counted in the first view) and the noise, whose pattern lies at infinity of both.
+  std::vector<Camera> views;
+  RenderSettings settings;
+  double dtSeconds = 0;  // since the previous frame; clamped to 0 … 0.1
+};
+
+/// A rigid motion of a mesh while it is drawn: a point X is seen at pivot + rotation·(X − pivot + shift), a direction
+/// at infinity in the rotated one.
+struct Correction {
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
+  glm::dvec3 pivot{0.0}, shift{0.0};        // world
+  bool operator==(const Correction&) const = default;
+};
+
+/// A cell that the frame draws. Distances are from the midpoint of the views.
+struct PlannedCell {
+  struct View {
+    std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
+    std::array<double, 4> blend{};     // λ̂, clamped and smoothstepped, sums to 1
+    bool operator==(const View&) const = default;
+  };
+  std::uint32_t cell = 0;            // index into Scene::cells
+  double extrapolationDistance = 0;  // world units; 0 inside the cell ([T] §2.5.2)
+  double rotationalDistance = 0;     // radians
+  double photographDistance = 0;     // RMS distance of the cell's photographs as they are blended, world units
+  double opacity = 1;                // below 1 near the extrapolation limit, and while the draw order changes
+  std::array<View, 2> view;          // by view
+  Correction correction;             // aligns the cell with its neighbours (RenderSettings::alignCells)
+  std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
+  bool colourFresh = true;                      // the slot has no table of a previous frame
+  bool colourNeeded = true;                     // a visible pixel may use the colour table
+  bool hidden = false;                          // better cells certainly cover the cell
+};
+
+/// A photograph that votes and that colours are gathered from (Composition::gathered, hybrid).
+struct PlannedPhotograph {
+  std::uint32_t node = 0;      // index into Scene::nodes
+  std::uint32_t backdrop = 0;  // index into Scene::backdrops: its mesh
+  double weight = 1;           // 0 to 1; 0 where another photograph is about to take its rank
+  double distance = 0;         // from the midpoint of the views, world units
+  double share = 0;            // of the views' colours, by positions and directions alone; the shares sum to 1
+  bool operator==(const PlannedPhotograph&) const = default;
+};
+
+/// A cell of a draw order.
+struct ShownCell {
+  std::uint32_t cell = 0;  // index into Scene::cells
+  double opacity = 1;      // of a fade after the order changed
+  bool fadingOut = false;  // the cell has another rank now, or none
+  bool operator==(const ShownCell&) const = default;
+};
+
+/// State from frame to frame. The first frame starts from {}.
+struct PlanState {
+  std::int64_t mainCell = -1;              // index of the last main cell, −1: none
+  std::vector<ShownCell> cells;            // of the last frame, best first
+  std::vector<std::uint32_t> hiddenCells;  // in view and not chosen, ascending
+  std::vector<ShownCell> previous;         // before the last switch of the main cell, best first
+  double secondsSinceSwitch = 0;
+  std::vector<std::int64_t> colourSlots;  // cell of each slot, −1: none
+  std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
+  double colourFade = 0;                  // seconds until the main cell's table is the identity
+  int colourAge = 0;                      // frames since colours were counted
+  bool operator==(const PlanState&) const = default;
+};
+
+/// A cell that is drawn at the rank that it had before the draw order changed.
+struct FadingOutCell {
+  PlannedCell planned;
+  std::uint32_t before = 0;  // index in FramePlan::cells of the cell that it is drawn before; their number: drawn last
+};
+
+/// How colour tables move in a frame.
+struct ColourPlan {
+  bool counted = true;      // histograms are counted; else tables move on towards the last target
+  bool mainMapped = false;  // the main cell's table is not the identity yet
+  double mainShare = 1;     // share of its way to the identity that the main cell's table moves
+  double share = 1;         // share of their way that the other tables move
+  double maxStep = 255;     // of the other tables, 8-bit levels
+};
+
+/// One frame, decided. Plain data: a plan may be stored, compared, sent elsewhere.
+struct FramePlan {
+  std::vector<Camera> views;
+  RenderSettings settings;
+  std::vector<PlannedCell> cells;              // best first; the first is the main cell
+  std::vector<FadingOutCell> fadingOut;        // by rank
+  std::vector<PlannedPhotograph> photographs;  // for the gather, best first; empty with Composition::cells
+  GatherBounds gather;                         // of the scene
+  std::vector<PlannedCell> previous;           // cells of the previous draw order while two orders are cross-faded
+  double previousWeight = 0;                   // of the previous order's image in the cross-fade, 0 … 1
+  glm::dvec3 exposure{1.0};                    // R, G, B factors of linear light, beside each photograph's gain
+  ColourPlan colour;
+  double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
+  std::uint32_t culledByFrustum = 0;  // number of cells not drawn, by reason
+  std::uint32_t culledByDistance = 0;
+  std::uint32_t culledByCount = 0;   // more than RenderSettings::maxCells, or without a gain in coverage
+  std::uint32_t culledByChoice = 0;  // RenderSettings::mutedCells, soloCells
+  PlanState next;                    // argument of the next call
+};
+
+/// Plans a frame. Precondition: validate(scene) is empty. Throws Error{invalidInput} unless there are one or two views,
+/// pinholes with finite, positive focal lengths and unit rotations, within 1e12 world units of the origin, and positive
+/// scales. The draw order is total and does not depend on the order of cells in the scene. All views share the order,
+/// which is computed at the pose midway between them ([T] §2.5.4).
+///
+/// When the main cell changes, the previous draw order is cross-faded over switchSeconds, colours included; until then
+/// the main cell stays. Cells that change their rank behind the main cell fade one by one, also cells that are muted or
+/// drawn alone.
+FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
+                    const PlanState& state = {});
+
+}  // namespace ibr

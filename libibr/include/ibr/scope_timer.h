@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// GPU times of named scopes in a command buffer, and labels of the same names for debuggers (VK_EXT_debug_utils, where
+// it is enabled).
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ibr/device.h"
+
+namespace ibr {
+
+struct ScopeTime {
+  std::string name;
+  int depth = 0;  // 0: not inside another scope
+  double milliseconds = 0;
+};
+
+/// Times the scopes of one command buffer. Each frame in flight needs its own timer. Names must be string literals or
+/// live until read(). The device must outlive the timer. One thread at a time uses a timer.
+class ScopeTimer {
+ public:
+  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Throws Error.
+  ScopeTimer(const Device& device, std::uint32_t maxScopes);
+  ScopeTimer(ScopeTimer&&) noexcept;
+  ScopeTimer& operator=(ScopeTimer&&) noexcept;
+  ~ScopeTimer();
+
+  /// Records the reset of all queries. Must be recorded before any scope, outside a render pass.
+  void reset(VkCommandBuffer commandBuffer) noexcept;
+  void begin(VkCommandBuffer commandBuffer, const char* name) noexcept;
+  void end(VkCommandBuffer commandBuffer) noexcept;  // ends the scope begun last
+
+  /// Reads the times, in the order in which scopes began, once the device has finished the commands. A scope lasts from
+  /// the end of all work before it to the end of all work in it. Unfinished scopes are left out; all are, where the
+  /// queue has no timestamps. Throws Error{deviceLost}.
+  std::vector<ScopeTime> read() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ibr

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/requirements.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/plan/photograph_choice.h"
+
+namespace ibr {
+namespace {
+
+bool has(const auto& list, auto value) {
+  return std::ranges::find(list, value) != std::ranges::end(list);
+}
+
+bool isPanorama(const Scene& scene, std::uint32_t node) {
+  return scene.nodes[node].camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+Requirements ofScene(const Scene& scene) {
+  Requirements r;
+  r.cells = std::uint32_t(scene.cells.size());
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    ++(isPanorama(scene, n) ? r.panoramas : r.pinholes);
+    r.gains = r.gains || scene.nodes[n].gain != glm::dvec3(1.0);
+  }
+  r.masked = std::uint32_t(std::ranges::count_if(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); }));
+  for (const Cell& cell : scene.cells) {
+    ++r.cellsOf[cell.members.size()];
+    const auto panoramas =
+        std::ranges::count_if(cell.members, [&](std::uint32_t member) { return isPanorama(scene, member); });
+    r.mixedCells += panoramas != 0 && std::size_t(panoramas) != cell.members.size();
+  }
+  r.gatherable = std::uint32_t(gatherableBackdrops(scene).size());
+  return r;
+}
+
+}  // namespace
+
+Requirements withOptions(Requirements r, const RendererOptions& options) {
+  const bool several = r.cells > 1;  // one cell needs no order, no switch and no colour mapping
+  const bool any = r.cells + r.gatherable > 0;
+  r.colourTables = several && r.severalExposures && options.colour != ColourSupport::off;
+  r.colourSequence = r.colourTables && options.colour == ColourSupport::all;
+  r.depthOrder = any && has(options.orders, DrawOrder::ours);
+  r.painters = r.cells > 0 && (has(options.orders, DrawOrder::paper) || r.colourSequence);
+  r.dissolve = r.cells > 0 && options.dissolve;
+  r.noise = r.dissolve || r.colourSequence ||  // its counting chooses pixels by noise
+            (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
+  r.switchMixing = several && options.switchMixing;
+  r.fill = any && options.fill && r.masked == 0;  // planFrame does not fill scenes with masks
+  r.depth = options.depth;
+  r.multiview = any && options.maxViews == 2 && options.multiview;
+  r.overlays.clear();
+  for (const Overlay overlay : options.overlays)
+    if (overlay != Overlay::none && !has(r.overlays, overlay)) r.overlays.push_back(overlay);
+  r.buffers = options.bufferScene != nullptr;
+  r.gather = r.gatherable > 0 &&
+             (has(options.compositions, Composition::gathered) || has(options.compositions, Composition::hybrid));
+  r.floor = options.floor;
+  r.hiddenArea =
+      r.depthOrder && (!options.hiddenArea[0].empty() || (options.maxViews == 2 && !options.hiddenArea[1].empty()));
+  const std::uint32_t leaving = r.cells > 0 ? kMaxFadingOutCount : 0;
+  r.maxDrawItems = std::min(r.cells, kMaxCellCount) + leaving;
+  return r;
+}
+
+Requirements requirementsOf(const Scene& scene, const RendererOptions& options) {
+  return withOptions(ofScene(scene), options);
+}
+
+std::vector<StageReason> explain(const Requirements& r, const RendererOptions& options) {
+  std::vector<StageReason> stages;
+  const auto add = [&](std::string name, bool runs, std::string why) {
+    stages.push_back({std::move(name), runs, std::move(why)});
+  };
+  const char* const kinds[] = {"", "", "lines", "triangles", "tetrahedra"};
+  for (std::size_t d = 2; d <= 4; ++d)
+    add(fmt::format("shaders for cells of {} photographs", d), r.cellsOf[d] > 0,
+        fmt::format("{} cells are {}", r.cellsOf[d], kinds[d]));
+  add("pinhole coordinates", r.pinholes > 0, fmt::format("{} photographs are pinholes", r.pinholes));
+  add("panorama coordinates", r.panoramas > 0,
+      fmt::format("{} photographs are panoramas, {} cells are mixed", r.panoramas, r.mixedCells));
+  add("masks", r.masked > 0, fmt::format("{} photographs have one", r.masked));
+  add("order by depth", r.depthOrder, r.depthOrder ? "cells and their folds hide one another" : "not asked for");
+  add("painter's order", r.painters,
+      r.painters ? (r.colourSequence ? "the paper's colour mapping draws so" : "the paper's order was asked for")
+                 : "not asked for");
+  add("dissolving", r.dissolve,
+      r.dissolve ? "what changes its place, or is far, fades" : "not asked for, or nothing to draw");
+  add("blue noise", r.noise, r.noise ? "something dithers or dissolves" : "nothing dithers or dissolves");
+  const char* const alone = "one cell or none: nothing to switch to or to adapt to";
+  add("vote and gather", r.gather,
+      r.gather           ? fmt::format("{} photographs have a depth that others were asked about", r.gatherable)
+      : r.gatherable > 0 ? "not asked for"
+                         : "no photograph has a depth texture and evidence in its mesh");
+  add("mixing of switches", r.switchMixing,
+      r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not asked for" : alone));
+  add("gains of photographs", r.gains,
+      r.gains ? "photographs were exposed differently" : "one exposure, or none was measured");
+  add("colour tables", r.colourTables,
+      r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not asked for" : alone));
+  add("the paper's colour sequence", r.colourSequence, r.colourSequence ? "asked for" : "not asked for");
+  add("filling", r.fill,
+      r.fill                         ? "holes are filled"
+      : options.fill && r.masked > 0 ? "photographs have masks, and what they leave out is not filled"
+                                     : "not asked for");
+  add("depth for polygons", r.depth, r.depth ? "asked for" : "not asked for");
+  add("both eyes at once", r.multiview, r.multiview ? "there are two views" : "one view, or not asked for");
+  add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not asked for" : "asked for");
+  add("buffers of depth, tier and weights", r.buffers, r.buffers ? "asked for" : "not asked for");
+  add("guiding floor", r.floor, r.floor ? "asked for" : "not asked for");
+  add("hidden area", r.hiddenArea,
+      r.hiddenArea ? "there are pixels that nobody sees" : "not given, or nothing is ordered by depth");
+  add("scaling", options.maxRenderScale > 0,
+      options.maxRenderScale > 0 ? "pictures may be drawn at another size" : "not asked for");
+  return stages;
+}
+
+}  // namespace ibr
