@@ -29,11 +29,13 @@ def tests():
 
 
 def column(cases):
-    """As a page names them: a file's together."""
+    """The last column: the number of tests, and their names folded, by file."""
     files = {}
     for name, file in cases:
         files.setdefault(file, []).append(f"`{name}`")
-    return "<br>".join(f"[{pathlib.Path(f).stem}](../../{f}): " + "; ".join(names) for f, names in files.items())
+    names = "<br>".join(f"[{pathlib.Path(f).stem}](../../{f}): " + "; ".join(n) for f, n in files.items())
+    summary = "1 test" if len(cases) == 1 else f"{len(cases)} tests"
+    return f"<details><summary>{summary}</summary>{names}</details>"
 
 
 def main():
