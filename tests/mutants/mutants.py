@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The faults that a renderer like this one is known to get, planted one by one into a copy of the sources (NUMERICS §9).
+# The faults that a renderer like this one is known to get, planted one by one into a copy of the sources.
 # `name`: of the fault. `edits`: file, text, what stands in its place; the text must be there just once.
 # `test`, `cases`: the program that ought to see it, and which of its cases (Catch2's words) to begin with.
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ MUTANTS = [
            "ibr_test_optimise"),
     Mutant("a target is left in the wrong image layout",
            [("libibr/src/render/passes/composite_pass.cpp",
-             "  transitionTarget(commandBuffer, target, use::kColourAttachment, target.after);",
+             "  transitionTarget(commandBuffer, target, use::kColourAttachment, target.finalUse);",
              "  transitionTarget(commandBuffer, target, use::kColourAttachment, use::kSampled);")],
            "ibr_test_reference", "*eye*"),
     Mutant("an atomic counter is counted one too high",
@@ -41,8 +41,8 @@ MUTANTS = [
            [("libibr/src/render/plan/barycentric.cpp", "  for (double& w : result) w /= sum;\n", "  (void)sum;\n")],
            "ibr_test_unit_render", "*smoothstep*"),
     Mutant("the weights of two members are swapped",
-           [("libibr/src/render/passes/cell_parameters.cpp", "member.blend = float(step.weights.blend[i]);",
-             "member.blend = float(step.weights.blend[i < 2 ? 1 - i : i]);")],
+           [("libibr/src/render/passes/cell_parameters.cpp", "member.blend = float(item.weights.blend[i]);",
+             "member.blend = float(item.weights.blend[i < 2 ? 1 - i : i]);")],
            "ibr_test_reference", "*photograph*"),
     Mutant("smoothstep before weights are clamped",
            [("libibr/src/render/plan/frame_plan.cpp", "planned.view[v].blend = smoothstep(weights.clamped);",
@@ -94,13 +94,13 @@ MUTANTS = [
            "ibr_test_unit_render", "tables*"),
     Mutant("the colour map of the other eye",
            [("libibr/src/render/passes/colour_map_pass.cpp",
-             "cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, view) + s);",
-             "cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, 0) + s);")],
+             "cells_->drawItem(commands, layout_.get(), item, cells_->firstParameter(Order::current, view) + s);",
+             "cells_->drawItem(commands, layout_.get(), item, cells_->firstParameter(Order::current, 0) + s);")],
            "ibr_test_reference", "*eye*"),
     Mutant("an order of cells for each eye",
-           [("libibr/src/render/passes/steps.cpp", "mayHide && cell.hidden};\n  });\n",
+           [("libibr/src/render/passes/draw_list.cpp", "mayHide && cell.hidden};\n  });\n",
              "mayHide && cell.hidden};\n  });\n"
-             "  if (view == 1 && steps.count > 1) std::swap(steps.step[0], steps.step[1]);\n")],
+             "  if (view == 1 && list.count > 1) std::swap(list.items[0], list.items[1]);\n")],
            "ibr_test_reference", "*eye*"),
     Mutant("photographs are turned the wrong way",
            [("libibr/src/io/image_file.cpp",
@@ -182,7 +182,7 @@ MUTANTS = [
         ("a panorama ends at its seam", "gather.glsl", "samplers[1]), at, lod)", "samplers[0]), at, lod)"),
         ("the nearest surface gives the depth, however thin", "gather.glsl",
          "s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0]", "s.rho[0]"),
-        ("tiers beyond the lowest are drawn", "gather.glsl", " || pixel.tier > views[c.view].lowestTier", ""),
+        ("tiers beyond the lowest are drawn", "gather.glsl", " || pixel.tier > views[c.view].maxTier", ""),
         ("tier 2 is told as tier 0", "gather.glsl", "gatherIsCompleted(code, l) ? 2 : 0", "0"),
         ("a view's pixels are half a pixel to the side", "gather.glsl", "toRay.xy * gl_FragCoord.xy",
          "toRay.xy * (gl_FragCoord.xy + 0.5)"),
