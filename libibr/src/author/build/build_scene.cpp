@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
@@ -219,15 +220,26 @@ class Builder {
   void describe() {
     const bool panoramic = std::ranges::all_of(input_.photographs, isPanorama);
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
-    scene_.settings = fmt::format(
-        R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("depth":"{}","backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
-        R"("matchExposures":{},"vignetting":{},"refinePoses":{},"removeMovers":{},"draft":{}}})",
-        options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
-        input_.refine, options_.backdrops, depthSearchName(options_.depth), options_.backdropSpacing,
-        trackSourceName(options_.tracks), options_.keepBorder, methodName(options_.matcher),
-        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous", options_.matchExposures,
-        options_.fitVignetting, options_.refinePoses, options_.removeMovers, options_.draft);
+    scene_.settings = nlohmann::ordered_json{
+        {"dimension", options_.dimension},
+        {"maxSize", options_.maxSize},
+        {"texture", textureFormatName(options_.texture)},
+        {"thetaDegrees", options_.thetaDegrees},
+        {"seed", options_.seed},
+        {"refine", input_.refine},
+        {"backdrops", options_.backdrops},
+        {"depth", depthSearchName(options_.depth)},
+        {"backdropSpacing", options_.backdropSpacing},
+        {"tracks", trackSourceName(options_.tracks)},
+        {"keepBorder", options_.keepBorder},
+        {"matcher", methodName(options_.matcher)},
+        {"triangleFilter", options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous"},
+        {"matchExposures", options_.matchExposures},
+        {"vignetting", options_.fitVignetting},
+        {"refinePoses", options_.refinePoses},
+        {"removeMovers", options_.removeMovers},
+        {"draft",
+         options_.draft}}.dump();
   }
 
   void planCells() {

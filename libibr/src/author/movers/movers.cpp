@@ -20,32 +20,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kMaskMargin = 2;       // px at half resolution
-constexpr int kMisaligned = 2;       // tolerated misalignment of colours, px at half resolution
-constexpr int kPatch = 3;            // side of the window that averages differences, px
-constexpr int kSurely = 24;          // minimum difference of a moving object's core, grey levels
-constexpr int kPerhaps = 10;         // minimum difference of its other pixels, grey levels
-constexpr double kCore = 0.2;        // minimum share of core in a region
-constexpr double kLooksLike = 0.75;  // correlation that explains a pixel
-constexpr double kStandsStill =
-    0.1;                            // maximum share that matches at some depth: people .00 to .06, others mostly .2 up
-constexpr int kDepthLevels = 96;    // from infinity to the nearest depth
-constexpr int kLeastPatch = 3;      // radius, px at half resolution
-constexpr double kThin = 0.003;     // of the width: thinner regions are edges
-constexpr double kSmall = 0.001;    // minimum, of the image's area
-constexpr double kMost = 0.25;      // maximum, of the image's area
-constexpr double kAgrees = 0.68;    // minimum share of the surroundings that a judging photograph shows alike
-constexpr double kKnown = 0.15;     // minimum share of the surroundings with measured depth
-constexpr int kAround = 16;         // minimum margin around a region for matching patches, px at half resolution
-constexpr int kLeastAround = 200;   // minimum number of matching pixels in the margin
-constexpr double kStranger = 1.35;  // minimum ratio of unmatched to matching patch distance …
-constexpr double kNoise = 3;        // … plus this many grey levels
-constexpr double kSure = 0.3;       // minimum share of a part with a sure decision
-constexpr double kSeen = 0.5;       // minimum share of a part that others see
-constexpr int kSmoothing = 200;     // sweeps of successive over-relaxation
-constexpr float kOverrelaxed = 1.9f;
-constexpr int kIsland = 3;  // px: smaller similar areas are chance
-constexpr int kBand = 5;    // px at half resolution on both sides of an outline
+constexpr int kRelaxationSweeps = 200;  // of successive over-relaxation
+constexpr float kOverRelaxation = 1.9f;
 
 cv::Mat disc(double radius) {
   const int r = std::max(1, int(std::lround(radius)));
@@ -65,12 +41,12 @@ struct Half {
   cv::Mat used;    // 255: not masked
 };
 
-Half halfOf(const MatchView& view) {
+Half halfOf(const MatchView& view, int maskMargin) {
   const int width = std::max(view.picture.width / 2, 1), height = std::max(view.picture.height / 2, 1);
   Half half{{resized(view.camera.intrinsics, width, height), view.camera.pose}, {}, {}};
   const Image8 small = shrunk(view.picture, width, height);
   cvView(small).convertTo(half.colour, CV_32F);
-  const Image8 mask = widenedMask(resizedMask(view.mask, width, height), kMaskMargin);
+  const Image8 mask = widenedMask(resizedMask(view.mask, width, height), maskMargin);
   half.used = mask.empty() ? cv::Mat(height, width, CV_8U, cv::Scalar(255)) : cvView(mask).clone();
   return half;
 }
@@ -92,14 +68,16 @@ struct Warped {
 
 class Judge {
  public:
-  Judge(const MatchView& view, std::span<const MatchView> others, const ImageF& depth)
-      : view_(halfOf(view)),
+  Judge(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+        const MoverParameters& parameters)
+      : p_(parameters),
+        view_(halfOf(view, p_.maskMarginPx)),
         frame_(view_.camera),
         width_(frame_.intrinsics.width),
         height_(frame_.intrinsics.height),
         nearest_(*std::ranges::max_element(depth.values)),
         matched_(sampled(depth, width_, height_)) {
-    for (const MatchView& other : others) others_.push_back(halfOf(other));
+    for (const MatchView& other : others) others_.push_back(halfOf(other, p_.maskMarginPx));
   }
 
   OddRegions run() {
@@ -140,8 +118,8 @@ class Judge {
     return result;
   }
 
-  static cv::Mat looksLike(const cv::Mat& a, const cv::Mat& b) {
-    return agreement(grey(a), grey(b), kLooksLike).textured;
+  cv::Mat looksLike(const cv::Mat& a, const cv::Mat& b) const {
+    return agreement(grey(a), grey(b), p_.minCorrelation).textured;
   }
 
   // Scales each channel of `b` to the brightness of `a` by the median ratio where both look alike.
@@ -169,8 +147,9 @@ class Judge {
   }
 
   // Distance of `a` from the range of `b` around each pixel, or of `b` from that of `a`: the larger, grey levels.
-  static cv::Mat difference(const cv::Mat& a, const cv::Mat& b) {
-    const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, {2 * kMisaligned + 1, 2 * kMisaligned + 1});
+  cv::Mat difference(const cv::Mat& a, const cv::Mat& b) const {
+    const cv::Mat around =
+        cv::getStructuringElement(cv::MORPH_RECT, {2 * p_.misalignmentPx + 1, 2 * p_.misalignmentPx + 1});
     const auto outside = [&](const cv::Mat& one, const cv::Mat& other) {
       cv::Mat high, low;
       cv::dilate(other, high, around);
@@ -180,7 +159,7 @@ class Judge {
       cv::split(off, channel.data());
       cv::Mat square = channel[0].mul(channel[0]) + channel[1].mul(channel[1]) + channel[2].mul(channel[2]), length;
       cv::sqrt(square / 3, length);
-      cv::blur(length, length, {kPatch, kPatch});
+      cv::blur(length, length, {p_.differenceWindowPx, p_.differenceWindowPx});
       return length;
     };
     return cv::max(outside(a, b), outside(b, a));
@@ -194,7 +173,7 @@ class Judge {
       alike |= agreement(grey(view_.colour), grey(w.colour)).alike & w.inside;
     }
     alike &= view_.used & (cvView(matched_) != kUnknownDepth);
-    cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(kIsland));
+    cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(p_.minMatchRadiusPx));
     cvView(matched_).setTo(kUnknownDepth, alike == 0);
     known_ = cvView(matched_) != kUnknownDepth;
   }
@@ -222,7 +201,7 @@ class Judge {
     forgotten_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
     for (const OddRegion& region : odd.regions)
       for (const OddPixel& p : region.pixels) forgotten_.at<std::uint8_t>(p.y, p.x) = 255;
-    cv::dilate(forgotten_, forgotten_, disc(kIsland));
+    cv::dilate(forgotten_, forgotten_, disc(p_.minMatchRadiusPx));
     cvView(matched_).setTo(kUnknownDepth, forgotten_);
     known_.setTo(0, forgotten_);
   }
@@ -234,11 +213,11 @@ class Judge {
     const auto at = [&](int x, int y) {
       return depth_.pixel(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1))[0];
     };
-    for (int sweep = 0; sweep < kSmoothing; ++sweep)
+    for (int sweep = 0; sweep < kRelaxationSweeps; ++sweep)
       for (const cv::Point p : inside) {
         float& value = depth_.pixel(p.x, p.y)[0];
         const float mean = (at(p.x - 1, p.y) + at(p.x + 1, p.y) + at(p.x, p.y - 1) + at(p.x, p.y + 1)) / 4;
-        value = std::max(value + kOverrelaxed * (mean - value), 0.0f);
+        value = std::max(value + kOverRelaxation * (mean - value), 0.0f);
       }
   }
 
@@ -246,11 +225,11 @@ class Judge {
   double shareWithDepth(const cv::Mat& region, cv::Rect box) const {
     cv::Mat alike(box.size(), CV_8U, cv::Scalar(0));
     for (const Half& other : others_)
-      for (int level = 0; level < kDepthLevels; ++level) {
-        const float depth = nearest_ * float(level) / kDepthLevels;
+      for (int level = 0; level < p_.depthLevels; ++level) {
+        const float depth = nearest_ * float(level) / float(p_.depthLevels);
         const Warped w = warped(other, box, [&](int, int) { return depth; });
         cv::Mat same = looksLike(view_.colour(box), w.colour) & w.inside;
-        cv::morphologyEx(same, same, cv::MORPH_OPEN, disc(kLeastPatch));
+        cv::morphologyEx(same, same, cv::MORPH_OPEN, disc(p_.minPatchRadiusPx));
         alike |= same;
       }
     return double(cv::countNonZero(alike & region)) / cv::countNonZero(region);
@@ -270,9 +249,9 @@ class Judge {
 
   // Splits the differing pixels into regions.
   OddRegions regions(const cv::Mat& differs) const {
-    cv::Mat perhaps = differs >= kPerhaps;
-    cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(kThin * width_));
-    cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * kThin * width_));
+    cv::Mat perhaps = differs >= p_.minDifference;
+    cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(p_.maxThinWidth * width_));
+    cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * p_.maxThinWidth * width_));
     cv::Mat label, stats, centre;
     const int count = cv::connectedComponentsWithStats(perhaps, label, stats, centre);
     OddRegions odd{width_, height_, {}, {}};
@@ -281,14 +260,14 @@ class Judge {
       const cv::Rect box(stats.at<int>(r, cv::CC_STAT_LEFT), stats.at<int>(r, cv::CC_STAT_TOP),
                          stats.at<int>(r, cv::CC_STAT_WIDTH), stats.at<int>(r, cv::CC_STAT_HEIGHT));
       const double area = stats.at<int>(r, cv::CC_STAT_AREA);
-      if (area < kSmall * width_ * height_ || area > kMost * width_ * height_) continue;
+      if (area < p_.minArea * width_ * height_ || area > p_.maxArea * width_ * height_) continue;
       const cv::Mat region = label == r;
-      const double core = cv::countNonZero(region(box) & (differs(box) >= kSurely));
-      if (core < kCore * area || shareWithDepth(region(box), box) > kStandsStill) continue;
+      const double core = cv::countNonZero(region(box) & (differs(box) >= p_.minCoreDifference));
+      if (core < p_.minCoreShare * area || shareWithDepth(region(box), box) > p_.maxStaticShare) continue;
       blame(region, box, perhaps, odd);
       all += area;
     }
-    if (all > kMost * width_ * height_) odd.regions.clear();  // almost nothing matches: no photograph can judge
+    if (all > p_.maxArea * width_ * height_) odd.regions.clear();  // almost nothing matches: no photograph can judge
     return odd;
   }
 
@@ -299,11 +278,11 @@ class Judge {
     std::uint32_t best = 0;  // index in `others`: agrees most around the region
   };
 
-  static cv::Mat meanAround(const cv::Mat& values, const cv::Mat& where) {
+  cv::Mat meanAround(const cv::Mat& values, const cv::Mat& where) const {
     cv::Mat weight, sum;
     where.convertTo(weight, CV_32F, 1.0 / 255);
-    cv::blur(weight, weight, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
-    cv::blur(values, sum, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
+    cv::blur(weight, weight, {p_.outlinePx, p_.outlinePx}, {-1, -1}, cv::BORDER_CONSTANT);
+    cv::blur(values, sum, {p_.outlinePx, p_.outlinePx}, {-1, -1}, cv::BORDER_CONSTANT);
     return sum / cv::max(weight, 1e-6);
   }
 
@@ -315,8 +294,8 @@ class Judge {
     for (std::size_t j = 0; j < warped_.size(); ++j) {
       const cv::Mat inside = warped_[j].inside(at), differs = warped_[j].differs(at);
       const double agrees = agreesAround(region, differs, inside, known_(at));
-      const cv::Mat around = ~off & inside & (differs < kPerhaps) & known_(at);
-      if (agrees < kAgrees || cv::countNonZero(around) < kLeastAround) continue;
+      const cv::Mat around = ~off & inside & (differs < p_.minDifference) & known_(at);
+      if (agrees < p_.minAgreement || cv::countNonZero(around) < p_.minMarginMatches) continue;
       const std::array<cv::Mat, 2> both{view_.colour(at), warped_[j].colour(at)};
       const cv::Mat seen = region & inside;
       const cv::Mat own = meanAround(unfamiliarity(both[0], seen, both, around), seen);
@@ -332,7 +311,7 @@ class Judge {
 
   // Decides to which photograph a region, or each of its parts, belongs.
   void blame(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, OddRegions& odd) const {
-    const int margin = std::max(kAround, std::max(box.width, box.height) / 2);
+    const int margin = std::max(p_.minMarginPx, std::max(box.width, box.height) / 2);
     const cv::Rect at = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
                         cv::Rect(0, 0, width_, height_);
     const cv::Mat here = region(at);
@@ -340,8 +319,8 @@ class Judge {
     cv::dilate(differing(at), off, disc(2));
     const Comparison c = compared(here, off, at);
     if (cv::countNonZero(c.judged) == 0) return;
-    const cv::Mat mine = c.judged & (c.own > kStranger * c.other + kNoise);
-    const cv::Mat theirs = c.judged & (c.other > kStranger * c.own + kNoise);
+    const cv::Mat mine = c.judged & (c.own > p_.minPatchRatio * c.other + p_.patchNoise);
+    const cv::Mat theirs = c.judged & (c.other > p_.minPatchRatio * c.own + p_.patchNoise);
     const std::vector<cv::Mat> own = parts(here & ~theirs, mine, c.judged),
                                others = parts(here & ~mine, theirs, c.judged);
     for (const cv::Mat& part : own) {
@@ -359,13 +338,13 @@ class Judge {
   std::vector<cv::Mat> parts(const cv::Mat& perhaps, const cv::Mat& surely, const cv::Mat& judged) const {
     std::vector<cv::Mat> result;
     cv::Mat label, opened;
-    cv::morphologyEx(perhaps, opened, cv::MORPH_OPEN, disc(kThin * width_));
+    cv::morphologyEx(perhaps, opened, cv::MORPH_OPEN, disc(p_.maxThinWidth * width_));
     const int count = cv::connectedComponents(opened, label);
     for (int p = 1; p < count; ++p) {
       const cv::Mat part = label == p;
       const double area = cv::countNonZero(part);
-      if (area >= kSmall * width_ * height_ && cv::countNonZero(part & surely) >= kSure * area &&
-          cv::countNonZero(part & judged) >= kSeen * area)
+      if (area >= p_.minArea * width_ * height_ && cv::countNonZero(part & surely) >= p_.minDecidedShare * area &&
+          cv::countNonZero(part & judged) >= p_.minSeenShare * area)
         result.push_back(part);
     }
     return result;
@@ -388,11 +367,11 @@ class Judge {
     cv::Mat unseen(box.size(), CV_8U, cv::Scalar(255)), near, fate(box.size(), CV_8U, cv::Scalar(cv::GC_BGD));
     for (const Warped& w : warped_) unseen.setTo(0, w.inside(box));
     const cv::Mat here = region(box);
-    cv::dilate(here, near, disc(kBand));
-    if (cv::countNonZero(unseen & near) < kBand) return;
+    cv::dilate(here, near, disc(p_.outlinePx));
+    if (cv::countNonZero(unseen & near) < p_.outlinePx) return;
     fate.setTo(cv::GC_PR_BGD, unseen | near);
     fate.setTo(cv::GC_FGD, here);
-    if (cv::countNonZero(fate == cv::GC_BGD) < kBand * kBand) return;
+    if (cv::countNonZero(fate == cv::GC_BGD) < p_.outlinePx * p_.outlinePx) return;
     cv::Mat colours, background, foreground, label;
     view_.colour(box).convertTo(colours, CV_8U);
     cv::theRNG().state = 1;  // the same result on any thread
@@ -404,17 +383,18 @@ class Judge {
   }
 
   // Share of a region's surroundings that another photograph shows alike; 0 if too little depth there is known.
-  static double agreesAround(const cv::Mat& region, const cv::Mat& differs, const cv::Mat& inside,
-                             const cv::Mat& known) {
+  double agreesAround(const cv::Mat& region, const cv::Mat& differs, const cv::Mat& inside,
+                      const cv::Mat& known) const {
     cv::Mat near, far;
     cv::dilate(region, near, disc(2));
-    cv::dilate(region, far, disc(kBand));
+    cv::dilate(region, far, disc(p_.outlinePx));
     const cv::Mat around = far & ~near & inside;
     const double all = std::max(cv::countNonZero(around), 1);
-    if (cv::countNonZero(around & known) < kKnown * all) return 0;
-    return cv::countNonZero(around & (differs < kPerhaps)) / all;
+    if (cv::countNonZero(around & known) < p_.minKnownShare * all) return 0;
+    return cv::countNonZero(around & (differs < p_.minDifference)) / all;
   }
 
+  const MoverParameters& p_;
   Half view_;
   Camera frame_;
   std::vector<Half> others_;
@@ -428,8 +408,9 @@ class Judge {
 
 }  // namespace
 
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth) {
-  return Judge(view, others, depth).run();
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+                      const MoverParameters& parameters) {
+  return Judge(view, others, depth, parameters).run();
 }
 
 }  // namespace ibr

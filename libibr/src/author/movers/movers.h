@@ -24,6 +24,34 @@
 
 namespace ibr {
 
+/// Lengths in px of the view at half its size, differences in 8-bit levels. Chosen by looking at masks of the bundled
+/// cathedral and lane; libibr/docs/quality.md has what other photographs give.
+struct MoverParameters {
+  int maskMarginPx = 2;          // width by which given masks are widened
+  int misalignmentPx = 2;        // of two photographs, that makes no difference
+  int differenceWindowPx = 3;    // side of the window that averages differences
+  int minDifference = 10;        // of a region's pixels …
+  int minCoreDifference = 24;    // … and of its core
+  double minCoreShare = 0.2;     // of a region's area
+  double minMatchRadiusPx = 3;   // of an area that looks alike; a smaller one is chance
+  double minCorrelation = 0.75;  // of windows that look alike at a tried depth
+  int depthLevels = 96;          // tried depths, from infinity to the nearest one
+  double minPatchRadiusPx = 3;   // of an area that looks alike at a tried depth
+  double maxStaticShare = 0.1;   // of a region that looks alike at tried depths: people .00 to .06, static mostly > .2
+  double maxThinWidth = 0.003;   // of an edge, share of the image's width
+  double minArea = 0.001;        // of a region, share of the image's area
+  double maxArea = 0.25;         // of all regions likewise: more, and no photograph can judge
+  double minAgreement = 0.68;    // share of a region's surroundings that a judging photograph shows alike
+  double minKnownShare = 0.15;   // share of the surroundings with measured depth
+  int minMarginPx = 16;          // around a region, in which matching patches are searched
+  int minMarginMatches = 200;    // pixels in that margin that look alike
+  double minPatchRatio = 1.35;   // of a moving object's patch distance to that of the background …
+  double patchNoise = 3;         // … plus this difference
+  double minDecidedShare = 0.3;  // of a part, pixels whose owner is decided
+  double minSeenShare = 0.5;     // of a part, pixels that another photograph sees
+  int outlinePx = 5;             // band on both sides of a region's outline
+};
+
 enum class Blame : std::uint8_t { own, unsure, another };
 
 /// A pixel of the view at half its size, and the inverse depth of its static background along the view's axis.
@@ -49,6 +77,7 @@ inline constexpr int kDepthStep = 4;
 
 /// `others`: at least one, of the same capture site, pinholes like `view`. `depth`: inverse, along the view's axis, at
 /// any size; kUnknownDepth where unknown.
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth);
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+                      const MoverParameters& parameters = {});
 
 }  // namespace ibr

@@ -308,4 +308,22 @@ TEST_CASE("a person who stands still is no moving object, though the depth is th
   };
   CHECK(regionsUpTo(1.2 / kPerson) == 0);
   CHECK(regionsUpTo(1 / kWall) > 0);  // no depth as near as the person is tried
+  // The share that looks alike at the person's depth decides.
+  ImageF depth(160, 120, 1, float(1 / kWall));
+  depth.values[0] = float(1.2 / kPerson);
+  CHECK_FALSE(oddRegions(place.views[0], place.othersOf(0), depth, {.maxStaticShare = 1}).regions.empty());
+}
+
+TEST_CASE("a region outside the limits of difference and area is no moving object") {
+  Place place;
+  plant(place.views[0].picture);
+  const ImageF depth = sweptDepths(place)[0];
+  const auto regions = [&](const MoverParameters& parameters) {
+    return oddRegions(place.views[0], place.othersOf(0), depth, parameters).regions.size();
+  };
+  CHECK(regions({}) > 0);
+  CHECK(regions({.minDifference = 255}) == 0);
+  CHECK(regions({.minCoreDifference = 255}) == 0);
+  CHECK(regions({.minArea = 0.5}) == 0);
+  CHECK(regions({.maxArea = 0.001}) == 0);  // so much moves that no photograph can judge
 }
