@@ -2,6 +2,7 @@
 // Help, wrong command lines, wrong files, full disks: exit codes, and output on stdout or stderr.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/support/run_program.h"
@@ -219,4 +220,16 @@ TEST_CASE("colours only on a terminal, and not with NO_COLOR") {
              Contains("\033[1;31m"));
   CHECK_THAT(runProgram(wrong, {.environment = {"TERM=xterm", "NO_COLOR=1"}, .terminal = true}).err, !Contains("\033"));
   CHECK_THAT(runProgram(wrong, {.environment = {"TERM=dumb"}, .terminal = true}).err, !Contains("\033"));
+}
+
+TEST_CASE("view passes its words to the viewer in their order, and returns the viewer's exit code") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path program = folder / "ibr", viewer = folder / "ibr-viewer";
+  std::filesystem::copy_file(IBR_PROGRAM, program);
+  writeFile(viewer, std::string_view("#!/bin/sh\nprintf '%s ' \"$@\"\nexit 7\n"));
+  std::filesystem::permissions(viewer, std::filesystem::perms::owner_all);
+  const auto outcome =
+      runProgram({"view", "a scene", "--preset", "fast", "-q", "--size", "64x48"}, {.program = program.string()});
+  CHECK(outcome.code == 7);
+  CHECK(outcome.out == "a scene --preset fast -q --size 64x48 ");
 }
