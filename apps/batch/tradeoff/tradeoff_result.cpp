@@ -237,9 +237,9 @@ std::string tradeoffCsv(const std::vector<TradeoffRow>& rows) {
     // One line for each knob that the setting belongs to.
     for (const TradeoffLabel& label : row.setting.labels) {
       csv += fmt::format("{},{},{}", quoted(row.setting.name()), quoted(label.knob), quoted(label.value));
-      for (const double q : {0.5, 0.25, 0.75}) csv += "," + csvText(row.quantileMs(q));
+      for (const double q : {0.5, 0.25, 0.75}) csv += fmt::format(",{}", csvText(row.quantileMs(q)));
       for (const Likeness& likeness : {row.truth(), row.reference()})
-        for (const Figure& figure : kFigures) csv += "," + csvText(likeness.*figure.value);
+        for (const Figure& figure : kFigures) csv += fmt::format(",{}", csvText(likeness.*figure.value));
       csv += fmt::format(",{},{},{},{},{},{},{},{}\n", csvText(row.holes()), row.draws(), row.triangles(),
                          row.measured.positions, row.measured.indices, row.measured.textures, row.workingBytes,
                          quoted(row.failure));

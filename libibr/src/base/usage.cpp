@@ -5,6 +5,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -36,7 +38,7 @@ std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view me
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == line.npos) continue;
     const std::string_view controllers = line.substr(first + 1, second - first - 1);
-    const bool memory = ("," + std::string(controllers) + ",").find(",memory,") != std::string::npos;
+    const bool memory = fmt::format(",{},", controllers).find(",memory,") != std::string::npos;
     if (!controllers.empty() && !memory) continue;
     const fs::path top = memory ? root / "memory" : root;
     const char* const file = memory ? "memory.limit_in_bytes" : "memory.max";
