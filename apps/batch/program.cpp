@@ -42,13 +42,6 @@ void hideOtherOptions(const Command& command, CLI::App& app) {
       ++hidden;
     }
   }
-  for (CLI::App* group : app.get_subcommands([](const CLI::App* sub) { return sub->get_name().empty(); }))
-    for (CLI::Option* option : group->get_options()) {
-      if (std::ranges::any_of(option->get_lnames(), [&](const auto& n) { return isAmong(command.mainOptions, n); }))
-        continue;
-      option->group("");
-      ++hidden;
-    }
   app.footer(fmt::format("--help-all shows details and {} more options.", hidden));
 }
 

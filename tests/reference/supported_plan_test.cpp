@@ -102,6 +102,13 @@ TEST_CASE("a plan that the renderer was not made for shows its background, far, 
     };
     CHECK(isPlain(picture(bad), {255, 0, 128, 255}));
     CHECK_FALSE(isPlain(picture(good), {0, 0, 0, 255}));  // later supported plans are drawn
+    const VkFormat other = format == VK_FORMAT_R8G8B8A8_UNORM ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
+    FramePlan plain = good;
+    plain.settings.background = bad.settings.background;
+    Offscreen undeclared(testDevice(), kExtent, other);
+    CHECK(isPlain(
+        undeclared.render([&](VkCommandBuffer commands) { renderer.record(commands, plain, undeclared.target()); }),
+        {255, 0, 128, 255}));
     OffscreenBuffers floats(testDevice(), kExtent);
     const FrameBuffers buffers =
         floats.render([&](VkCommandBuffer commands) { renderer.recordBuffers(commands, bad, 0, floats.targets()); });

@@ -89,8 +89,8 @@ class Renderer {
   /// a render pass. A view's image has its target's extent, at most RendererOptions::maxExtent. Targets go from
   /// `initialUse` to `finalUse`. Bound pipelines, descriptor sets, viewport and scissor are undefined afterwards.
   /// Submits, waits for and allocates nothing; the command buffer need not be submitted. Frames must be submitted in
-  /// order on the device's queue. A plan that supports() rejects clears the targets to the plan's background. `timer`
-  /// gets a scope for each pass.
+  /// order on the device's queue. A plan that supports() rejects, or a target that the
+  /// options do not declare, clears the targets to the background. `timer` gets a scope for each pass.
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
               ScopeTimer* timer = nullptr) const noexcept;
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {

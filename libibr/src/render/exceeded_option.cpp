@@ -47,4 +47,10 @@ const char* exceededOption(const FramePlan& plan, const RendererOptions& options
   return nullptr;
 }
 
+const char* exceededOption(const Target& target, const RendererOptions& options) noexcept {
+  if (!contains(options.formats, target.format)) return "formats";
+  if (target.depth && !options.depth) return "depth";
+  return nullptr;
+}
+
 }  // namespace ibr

@@ -217,7 +217,9 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const PlanDraws& draws
 void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
                       ScopeTimer* timer) const noexcept {
   const State& s = *state_;
-  if (!supports(plan)) {
+  const bool areTargetsDeclared =
+      std::ranges::none_of(targets, [&](const Target& target) { return exceededOption(target, s.options) != nullptr; });
+  if (!supports(plan) || !areTargetsDeclared) {
     for (const Target& target : targets) clearTarget(commandBuffer, target, plan.settings.background);
     return;
   }
