@@ -4,7 +4,7 @@
 
 check_includes.py [ROOT]: a room is a folder of sources. Its row `| room | holds | may include | papers |` names, in
 backquotes, the rooms and the guarded libraries that its files may include and its CMake target may link. Exit code 1
-where an include or a link is not allowed, a room has no row or a row no room, rows form a cycle, a folder has too many
+where an include or a link is not allowed, a program's row names a room that is internal to the library, a room has no row or a row no room, rows form a cycle, a folder has too many
 sources, or CGAL is in two rooms.
 """
 import pathlib
@@ -15,6 +15,7 @@ PAGE = "libibr/ARCHITECTURE.md"
 INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "apps", "shaders")  # in the order of the compiler's search
 GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui")
 ONLY_ONE_ROOM = "<CGAL>"  # whoever links it is under the GPL
+OF_PROGRAMS = ("ibr", "ibr/author", "base", "base/vulkan", "io", "shaders")  # rooms of the library in rows of programs
 MOST_SOURCES = 45  # of a folder
 SUFFIXES = (".h", ".cpp", ".c")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
@@ -123,6 +124,11 @@ def check(root):
         for other in sorted(may):
             if other not in allowed and other.strip("<>") not in GUARDED:
                 faults.append(f"{PAGE}: the row of {room} names {other}, which is neither a room nor a guarded library")
+        if room.startswith("apps/"):
+            for other in sorted(may):
+                if other in allowed and not other.startswith("apps/") and other not in OF_PROGRAMS:
+                    faults.append(f"{PAGE}: the row of {room} names {other}; programs use the public headers, and only "
+                                  f"{', '.join(OF_PROGRAMS)}")
     holders = sorted(room for room, may in allowed.items() if ONLY_ONE_ROOM in may)
     if len(holders) > 1:
         faults.append(f"{PAGE}: {ONLY_ONE_ROOM} is allowed in {', '.join(holders)}; only one room may have it")

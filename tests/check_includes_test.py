@@ -57,6 +57,13 @@ class ForbiddenIncludes(unittest.TestCase):
             self.assertEqual(code, 1)
             self.assertIn(f"{MATCH}:{line}: author/match may not include {library}", faults)
 
+    def test_programs_that_look_inside(self):
+        row = next(l for l in (self.root / PAGE).read_text(encoding="utf-8").splitlines() if "`apps/viewer/open` |" in l)
+        self.edit(PAGE, row, row.replace("`ibr`, ", "`ibr`, `render/plan`, ", 1))
+        code, faults = self.check()
+        self.assertEqual(code, 1)
+        self.assertIn(f"{PAGE}: the row of apps/viewer/open names render/plan; programs use the public headers", faults)
+
     def test_programs_have_rows_too(self):
         line = self.plant("apps/viewer/control/viewer.cpp", '"author/poses/read_poses.h"')
         code, faults = self.check()

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "viewer/control/controls.h"
 
 namespace ibr::app {

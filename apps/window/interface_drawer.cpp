@@ -8,7 +8,7 @@
 #include <array>
 
 #include "base/check.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 
 namespace ibr::app {
 

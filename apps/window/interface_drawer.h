@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "window/raw_copy.h"
 

@@ -16,9 +16,9 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/frame_slot.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/frame_slot.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 #include "window/window.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/device/vulkan.h"
+#include "base/vulkan/vulkan.h"
 
 namespace ibr::app {
 namespace {

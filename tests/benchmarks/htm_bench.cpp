@@ -14,9 +14,9 @@
 #include <numbers>
 #include <vector>
 
-#include "gpu/draw/scope.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
+#include "ibr/scope_timer.h"
 #include "support/bumpy_model.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstdio>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "ibr/htm.h"
 #include "ibr/optimiser.h"
 #include "ibr/template_search_pass.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_target.h"
-#include "image/ktx2.h"
-#include "image/mips.h"
+#include "ibr/texture.h"
 
 using namespace ibr;
 using namespace ibr::test;

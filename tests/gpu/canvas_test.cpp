@@ -6,12 +6,12 @@
 #include <cstring>
 #include <numeric>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/submit.h"
 #include "command_buffers.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"

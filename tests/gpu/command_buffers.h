@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 
 namespace ibr::test {

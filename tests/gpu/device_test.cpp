@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/submit.h"
 #include "gpu/device/device_choice.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/submit.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
 #include "support/handmade_device.h"

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "gpu/device/vulkan.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/vulkan.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
 #include "support/vulkan_faults.h"

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <stdexcept>
 
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/device/pipeline_cache.h"
+#include "base/vulkan/pipeline_cache.h"
 
 #include <catch2/catch.hpp>
 #include <string>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/draw/scope.h"
+#include "ibr/scope_timer.h"
 
 #include <catch2/catch.hpp>
 
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/submit.h"
 #include "support/gpu.h"
 #include "support/skipped.h"
 #include "test_picture.h"

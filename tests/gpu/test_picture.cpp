@@ -3,10 +3,10 @@
 
 #include <span>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_coloured_frag.h"

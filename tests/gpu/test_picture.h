@@ -7,9 +7,9 @@
 #include <array>
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "gpu/draw/canvas.h"
-#include "gpu/transfer/buffer.h"
 #include "ibr/image.h"
 #include "ibr/target.h"
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "base/vulkan/barrier.h"
 #include "command_buffers.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/upload.h"
 #include "support/gpu.h"

@@ -5,10 +5,10 @@
 #include <new>
 #include <string>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/submit.h"
 #include "command_buffers.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/submit.h"
 #include "support/gpu.h"
 
 using namespace ibr;

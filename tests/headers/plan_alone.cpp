@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "ibr/frame_plan.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 #ifdef VULKAN_CORE_H_
 #error planning includes Vulkan

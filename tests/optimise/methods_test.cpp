@@ -2,7 +2,7 @@
 // The optimiser on a device against the CPU method: equal meshes, sums and counts, bit for bit.
 #include <catch2/catch.hpp>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "ibr/ecc_pass.h"
 #include "ibr/optimiser.h"
 #include "optimise/mover.h"

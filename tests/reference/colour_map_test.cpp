@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
 #include "image/blue_noise.h"
 #include "reference/colour_reference.h"

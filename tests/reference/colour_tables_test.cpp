@@ -8,10 +8,10 @@
 #include <cstring>
 #include <random>
 
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "gpu/transfer/upload.h"
 #include "image/blue_noise.h"
 #include "reference/colour_reference.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "gpu/transfer/readback.h"
 #include "reference/stage.h"
 #include "support/gpu.h"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <glm/exponential.hpp>
 
-#include "image/srgb.h"
+#include "base/srgb.h"
 #include "reference/compare_pictures.h"
 
 using namespace ibr;

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <random>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
 #include "reference/gather_device.h"
 #include "shared/gather.h"

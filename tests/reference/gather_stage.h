@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "ibr/renderer.h"
-#include "image/mips.h"
+#include "ibr/texture.h"
+#include "lab/generate/synthetic.h"
 #include "reference/composer.h"
 #include "reference/stage.h"
-#include "scene/synth/synthetic.h"
 
 namespace ibr::test {
 

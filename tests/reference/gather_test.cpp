@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/srgb.h"
 #include "ibr/metrics.h"
-#include "image/srgb.h"
 #include "reference/gather_stage.h"
 #include "support/error_of.h"
 

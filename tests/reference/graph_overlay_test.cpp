@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
 #include "shared/overlay.h"

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/vulkan/gpu_image.h"
 #include "gpu/draw/multiview.h"
-#include "gpu/transfer/gpu_image.h"
 #include "gpu/transfer/readback.h"
 #include "ibr/error.h"
 #include "reference/stage.h"

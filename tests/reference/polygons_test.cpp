@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "reference/stage.h"
 #include "shaders/composite_vert.h"
 #include "shaders/test_white_frag.h"

@@ -7,9 +7,9 @@
 
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/mips.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 namespace ibr::test {
 

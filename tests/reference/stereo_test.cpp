@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 #include "gpu/draw/multiview.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/gpu_image.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
 #include "reference/compare_pictures.h"
 #include "reference/stage.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
 #include "render/resident/gpu_scene_state.h"

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
+#include "ibr/memory_demand.h"
 #include "ibr/metrics.h"
 #include "reference/compare_pictures.h"
 #include "reference/stage.h"
 #include "render/resident/pages.h"
 #include "render/resident/photograph_stream.h"
-#include "scene/memory_demand.h"
 #include "support/gpu.h"
 
 using namespace ibr;

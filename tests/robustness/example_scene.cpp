@@ -3,11 +3,10 @@
 
 #include <utility>
 
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/ktx2.h"
-#include "image/mips.h"
 #include "io/image_file.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "ibr/scene.h"
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 #include "spoilt_scene.h"
 
 namespace fs = std::filesystem;

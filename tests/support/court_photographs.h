@@ -10,7 +10,7 @@
 
 #include "ibr/author/build.h"
 #include "io/image_file.h"
-#include "scene/synth/court.h"
+#include "lab/generate/court.h"
 #include "support/temporary_folder.h"
 
 namespace ibr::test {

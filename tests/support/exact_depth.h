@@ -11,7 +11,7 @@
 #include "author/backdrop/complete_depth.h"
 #include "author/depth/depth_views.h"
 #include "author/depth/photograph_depth.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 namespace ibr::test {
 

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "gpu/device/validation.h"
+#include "base/vulkan/validation.h"
 #include "ibr/device.h"
 
 namespace ibr::test {

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <utility>
 
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"
 #include "support/gpu.h"

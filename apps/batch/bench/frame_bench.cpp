@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/check.h"
-#include "gpu/draw/scope.h"
 #include "ibr/offscreen.h"
+#include "ibr/scope_timer.h"
 #include "shared/draw/scene_renderer.h"
 
 namespace ibr::app {

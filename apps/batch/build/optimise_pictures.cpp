@@ -10,9 +10,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/bilinear.h"
 #include "base/file.h"
-#include "image/bilinear.h"
-#include "image/raster.h"
+#include "base/raster.h"
 #include "io/image_file.h"
 #include "shared/draw/pictures.h"
 

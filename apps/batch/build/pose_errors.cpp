@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "author/geometry/similarity.h"
+#include "ibr/author/poses.h"
 
 namespace ibr::app {
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "author/pixels/resize.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/usage.h"
-#include "image/sharpness.h"
+#include "ibr/author/photographs.h"
+#include "ibr/metrics.h"
 #include "shared/cli/progress.h"
 #include "shared/report/table.h"
 

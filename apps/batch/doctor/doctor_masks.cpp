@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "author/photographs/masks.h"
-#include "author/photographs/picture_folder.h"
 #include "base/check.h"
 #include "batch/doctor/doctor_look.h"
 #include "batch/doctor/findings.h"
+#include "ibr/author/photographs.h"
 
 namespace fs = std::filesystem;
 

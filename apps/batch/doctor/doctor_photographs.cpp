@@ -6,13 +6,13 @@
 #include <set>
 #include <tuple>
 
-#include "author/photographs/picture_folder.h"
-#include "author/poses/read_poses.h"
 #include "base/check.h"
 #include "base/median.h"
 #include "batch/build/build_options.h"
 #include "batch/doctor/doctor_look.h"
 #include "batch/doctor/findings.h"
+#include "ibr/author/build.h"
+#include "ibr/author/photographs.h"
 
 namespace fs = std::filesystem;
 

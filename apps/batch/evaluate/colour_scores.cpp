@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/median.h"
+#include "base/srgb.h"
 #include "ibr/metrics.h"
-#include "image/srgb.h"
 
 namespace ibr::app {
 namespace {

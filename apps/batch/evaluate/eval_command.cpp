@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "author/photographs/masks.h"
 #include "base/check.h"
 #include "batch/build/build_options.h"
 #include "batch/command.h"
@@ -14,6 +13,7 @@
 #include "batch/evaluate/leave_one_out.h"
 #include "batch/files/poses.h"
 #include "batch/files/truth.h"
+#include "ibr/author/photographs.h"
 #include "io/image_file.h"
 #include "shared/cli/options.h"
 #include "shared/cli/presets.h"

@@ -12,7 +12,6 @@
 #include "batch/files/poses.h"
 #include "batch/files/truth.h"
 #include "io/image_file.h"
-#include "render/plan/cell_alignment.h"
 #include "shared/cli/settings.h"
 #include "shared/draw/pictures.h"
 #include "shared/report/statistics.h"
@@ -181,7 +180,7 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
 
 Scores Evaluator::gathered(const View& view, const Image8& truth, const Image8& used) {
   const auto begin = std::chrono::steady_clock::now();
-  const reference::Composed composed = reference_->compose(view.camera, options_.settings.exposure);
+  const ReferenceView composed = reference_->compose(view.camera, options_.settings.exposure);
   Scores scores = score(composed.picture, truth, options_.fitGain, used);
   scores.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   scores.guessed = 1 - scores.coverageTier0;

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "batch/evaluate/reference_views.h"
 #include "batch/evaluate/scores.h"
 #include "ibr/author/baselines.h"
+#include "ibr/author/reference.h"
 #include "shared/camera/camera_path.h"
 #include "shared/cli/context.h"
 #include "shared/draw/scene_renderer.h"

@@ -5,13 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "author/poses/read_poses.h"
-#include "author/poses/resect.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/files/file_hash.h"
 #include "batch/files/poses.h"
 #include "ibr/author/build.h"
+#include "ibr/author/poses.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"

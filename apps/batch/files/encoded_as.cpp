@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/files/encoded_as.h"
 
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 
 namespace ibr::app {
 

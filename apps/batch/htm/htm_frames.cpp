@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "author/htm/htm_settings.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
@@ -11,6 +10,7 @@
 #include "batch/files/poses.h"
 #include "batch/htm/htm_report.h"
 #include "ibr/asset.h"
+#include "ibr/author/htm.h"
 #include "ibr/error.h"
 
 namespace fs = std::filesystem;

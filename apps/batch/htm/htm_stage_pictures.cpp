@@ -6,11 +6,13 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_precision.hpp>
+#include <optional>
+#include <vector>
 
-#include "author/htm/htm_views.h"
-#include "author/surface/triangle_mesh_file.h"
 #include "base/file.h"
+#include "base/raster.h"
 #include "io/image_file.h"
 #include "shared/draw/pictures.h"
 #include "shared/report/statistics.h"
@@ -18,14 +20,45 @@
 namespace ibr::app {
 namespace {
 
+constexpr std::uint32_t kNone = ~std::uint32_t(0);
+
+// Index of the nearest face at each pixel's centre. Faces with a corner that is not in front of the camera are left
+// out.
+Image<std::uint32_t> nearestFaces(const TriangleMesh& mesh, const Camera& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  struct Corner {
+    std::optional<glm::dvec2> pixel;
+    double inverseDepth;
+  };
+  std::vector<Corner> corners;
+  for (const glm::dvec3& position : mesh.positions) {
+    const glm::dvec3 at = glm::conjugate(camera.pose.rotation) * (position - camera.pose.position);
+    corners.push_back({project(k, at), -1 / at.z});
+  }
+  Image<std::uint32_t> faces(k.width, k.height, 1, kNone);
+  ImageF nearest(k.width, k.height, 1, 0.0f);  // inverse depth
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    const Corner &a = corners[t.x], &b = corners[t.y], &c = corners[t.z];
+    if (!a.pixel || !b.pixel || !c.pixel) continue;
+    forPixelsIn(*a.pixel, *b.pixel, *c.pixel, k.width, k.height, [&](int x, int y, const glm::dvec3& share) {
+      const auto inverse = float(glm::dot(share, glm::dvec3(a.inverseDepth, b.inverseDepth, c.inverseDepth)));
+      if (!(inverse > nearest.pixel(x, y)[0])) return;
+      nearest.pixel(x, y)[0] = inverse;
+      faces.pixel(x, y)[0] = std::uint32_t(f);
+    });
+  }
+  return faces;
+}
+
 Image8 pictureOf(const HtmResult::Stage& stage, const Camera& camera, double most) {
-  const MeshRaster raster = rasterised(stage.mesh, camera);
-  Image8 picture(raster.face.width, raster.face.height, 3, 255);
+  const Image<std::uint32_t> faces = nearestFaces(stage.mesh, camera);
+  Image8 picture(faces.width, faces.height, 3, 255);
   const glm::dvec3 axis = viewAxis(camera.pose);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const std::uint32_t face = raster.face.pixel(x, y)[0];
-      if (face == MeshRaster::kNone) continue;
+      const std::uint32_t face = faces.pixel(x, y)[0];
+      if (face == kNone) continue;
       const glm::uvec3 t = stage.mesh.triangles[face];
       const glm::dvec3& a = stage.mesh.positions[t.x];
       const glm::dvec3 normal = glm::cross(stage.mesh.positions[t.y] - a, stage.mesh.positions[t.z] - a);

@@ -18,7 +18,7 @@
 #include "batch/tradeoff/tradeoff_html.h"
 #include "batch/tradeoff/tradeoff_measure.h"
 #include "ibr/metrics.h"
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"
 #include "shared/cli/presets.h"

@@ -6,10 +6,13 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "render/plan/colour_table.h"
+#include "ibr/author/reference.h"
 
 namespace ibr::app {
 namespace {
+
+using LevelHistogram = std::array<std::uint32_t, 256>;  // number of pixels by level
+using LevelTable = std::array<std::uint8_t, 256>;
 
 constexpr int kDraws = 8;
 constexpr double kGain = 0.85, kGamma = 1.2;  // of the known colour change
@@ -64,8 +67,8 @@ std::vector<MapError> mapErrors(const Image8& photograph, std::uint64_t seed) {
       for (int draw = 0; draw < kDraws; ++draw) {
         const Histograms one = counted(photograph, change, samples, random),
                          other = counted(photograph, change, samples, random);
-        error.same += errorOf(levelTable(one.changed, one.plain, shader::kMapPreserving, 1), change, all) / kDraws;
-        error.apart += errorOf(levelTable(other.changed, one.plain, shader::kMapPreserving, 1), change, all) / kDraws;
+        error.same += errorOf(colourTable(one.plain, one.changed), change, all) / kDraws;
+        error.apart += errorOf(colourTable(one.plain, other.changed), change, all) / kDraws;
       }
       errors.push_back(error);
     }

@@ -12,9 +12,9 @@
 #include "batch/bench/frame_bench.h"
 #include "batch/evaluate/eye_agreement.h"
 #include "batch/tradeoff/tradeoff_settings.h"
-#include "gpu/draw/scope.h"
+#include "ibr/memory_demand.h"
 #include "ibr/offscreen.h"
-#include "scene/memory_demand.h"
+#include "ibr/scope_timer.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {
@@ -54,7 +54,7 @@ class TradeoffStage {
 
   Renderer::Counters count(const TradeoffWay& way, const FramePlan& plan);
   GpuScene::Memory memory(const TradeoffWay& way);
-  /// Predicts the memory by [T] eq. 21 (scene/memory_demand.h).
+  /// Predicts the memory by [T] eq. 21 (ibr/memory_demand.h).
   MemoryDemand predicted(const TradeoffWay& way) const;
 
   const Device& device() const { return device_; }

@@ -7,18 +7,14 @@
 #include <vector>
 
 #include "batch/tradeoff/tradeoff_stage.h"
+#include "ibr/author/reference.h"
 #include "shared/camera/camera_path.h"
 
 namespace ibr::app {
 
-/// Statistics over the pixels that show one tier of one cell with all their neighbours, and lie on no triangle's edge:
-/// on other pixels rasterisation may differ (reference::isCertain).
-struct ImplementationError {
-  std::string name;       // of the view
-  double compared = 0;    // share of the image's pixels
-  double meanLevels = 0;  // over R, G, B, 8-bit levels; NaN if nothing is compared
-  double largestLevels = 0;
-  double beyondBound = 0;  // share of the values with errors above the bound from the texture filter's precision
+/// The error of one view.
+struct ImplementationError : DeviceError {
+  std::string name;  // of the view
 };
 
 /// Measures errors with default-constructed RenderSettings and trilinear filters, as the reference implementation has.

@@ -7,12 +7,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "author/jobs/shared_file.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/command.h"
 #include "batch/files/poses.h"
 #include "batch/files/truth.h"
+#include "ibr/scene.h"
 #include "io/image_file.h"
 #include "lab/lab_commands.h"
 #include "shared/cli/options.h"

@@ -6,9 +6,9 @@
 #include "base/check.h"
 #include "batch/bench/bench_report.h"
 #include "batch/command.h"
-#include "image/mips.h"
+#include "ibr/texture.h"
+#include "lab/generate/bench_scene.h"
 #include "lab/lab_commands.h"
-#include "scene/synth/bench_scene.h"
 #include "shared/cli/progress.h"
 #include "shared/draw/scene_renderer.h"
 

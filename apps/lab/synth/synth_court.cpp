@@ -9,7 +9,7 @@
 #include "batch/files/colmap_views.h"
 #include "ibr/author/poses.h"
 #include "io/image_file.h"
-#include "scene/synth/court.h"
+#include "lab/generate/court.h"
 #include "shared/cli/progress.h"
 
 namespace fs = std::filesystem;

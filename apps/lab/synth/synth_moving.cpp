@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "author/surface/triangle_mesh_file.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/files/colmap_views.h"
+#include "ibr/author/htm.h"
 #include "io/image_file.h"
-#include "scene/synth/moving_figure.h"
+#include "lab/generate/moving_figure.h"
 #include "shared/cli/progress.h"
 
 namespace fs = std::filesystem;

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <random>
 
-#include "author/features/tracks.h"
 #include "base/check.h"
 #include "batch/build/pose_errors.h"
 #include "ibr/author/poses.h"

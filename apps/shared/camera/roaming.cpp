@@ -40,11 +40,6 @@ glm::dvec3 nearestPoint(const RoamingBounds& bounds, glm::dvec3 p) {
   return nearest;
 }
 
-double angleBetween(const glm::dquat& a, const glm::dquat& b) {
-  const glm::dquat turn = glm::conjugate(a) * b;
-  return 2 * std::atan2(std::hypot(turn.x, turn.y, turn.z), std::abs(turn.w));
-}
-
 double largestCoordinate(const std::vector<Pose>& cameras) {
   double largest = 0;
   for (const Pose& camera : cameras)

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "gpu/draw/scope.h"
 #include "ibr/graph_overlay.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
+#include "ibr/scope_timer.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 namespace ibr::app {
 

@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "base/check.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "shared/draw/graph_lines.h"
 
 namespace ibr::app {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/draw/scope.h"
+#include "ibr/scope_timer.h"
 
 namespace ibr::app {
 

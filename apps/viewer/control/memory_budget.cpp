@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "gpu/device/vulkan.h"
+#include "base/vulkan/vulkan.h"
 
 namespace ibr::app {
 namespace {

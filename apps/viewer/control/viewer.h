@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "gpu/draw/scope.h"
 #include "ibr/log.h"
+#include "ibr/scope_timer.h"
 #include "viewer/control/frame_times.h"
 #include "viewer/control/job.h"
 #include "viewer/open/open_item.h"

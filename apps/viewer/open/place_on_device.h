@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "gpu/draw/scope.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/image.h"
+#include "ibr/scope_timer.h"
 #include "viewer/open/open_item.h"
 
 namespace ibr::app {

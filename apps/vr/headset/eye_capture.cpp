@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vr/headset/eye_capture.h"
 
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 
 namespace ibr::app {
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
 #include "ibr/image.h"
 #include "ibr/target.h"
 #include "vr/headset/eye_images.h"

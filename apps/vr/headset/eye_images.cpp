@@ -7,8 +7,8 @@
 #include <algorithm>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/format.h"
 
 namespace ibr::app {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "ibr/log.h"
 #include "ibr/target.h"
 #include "vr/headset/xr_session.h"

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "gpu/draw/scope.h"
-#include "gpu/transfer/frame_slot.h"
+#include "base/vulkan/frame_slot.h"
 #include "ibr/device.h"
+#include "ibr/scope_timer.h"
 
 namespace ibr::app {
 

@@ -11,8 +11,7 @@
 #include <string_view>
 
 #include "base/check.h"
-#include "gpu/device/device_choice.h"
-#include "gpu/device/vulkan.h"
+#include "base/vulkan/vulkan.h"
 
 namespace ibr::app {
 namespace {
@@ -163,17 +162,16 @@ void Headset::makeVulkanDevice(const HeadsetOptions& options) {
   xr(xrFunction<PFN_xrGetVulkanGraphicsDevice2KHR>(instance(), "xrGetVulkanGraphicsDevice2KHR")(instance(), &whichInfo,
                                                                                                 &physicalDevice_),
      "xrGetVulkanGraphicsDevice2KHR");
-  const DeviceDescription description = describe(physicalDevice_);
+  const DeviceDescription description = Device::describe(physicalDevice_);
   check(description.lacking.empty(), ErrorCode::unsupported, "{}, which the headset is connected to, lacks {}",
         description.name, fmt::join(description.lacking, ", "));
-  queueFamily_ = ibr::queueFamily(physicalDevice_).value();
+  queueFamily_ = description.queueFamily.value();
   const DeviceRequirements needs = Device::requirements();
   std::vector<std::string> names = needs.deviceExtensions;
   hasExtensions_ = deviceHas(physicalDevice_, options.deviceExtensions);
   if (hasExtensions_) names.insert(names.end(), options.deviceExtensions.begin(), options.deviceExtensions.end());
   const std::vector<const char*> extensions = pointers(names);
-  DeviceFeatures features = needs.features;
-  addOptionalFeatures(physicalDevice_, features);
+  DeviceFeatures features = Device::featuresFor(physicalDevice_);
   optionalFeatures_ = features;
   const float priority = 1;
   const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "gpu/device/pipeline_cache.h"
-#include "gpu/device/validation.h"
+#include "base/vulkan/pipeline_cache.h"
+#include "base/vulkan/validation.h"
 #include "ibr/device.h"
 #include "vr/headset/openxr.h"
 

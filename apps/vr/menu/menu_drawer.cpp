@@ -2,7 +2,7 @@
 #include "vr/menu/menu_drawer.h"
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "vr/menu/menu_sheet.h"
 #include "window/raw_copy.h"
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "vr/menu/menu_panel.h"
 #include "window/interface_drawer.h"
 

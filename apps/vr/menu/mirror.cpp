@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "window/raw_copy.h"
 
 namespace ibr::app {

@@ -2,7 +2,7 @@
 // Mirrors one eye's image in a window.
 #pragma once
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 #include "window/swapchain.h"

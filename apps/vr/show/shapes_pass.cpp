@@ -8,10 +8,10 @@
 #include <glm/mat4x4.hpp>
 #include <span>
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/format.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "shaders/shapes_frag.h"
 #include "shaders/shapes_vert.h"
 

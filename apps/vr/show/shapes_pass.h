@@ -6,8 +6,8 @@
 #include <array>
 #include <cstdint>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "ibr/target.h"
 #include "vr/walk/shapes.h"
 

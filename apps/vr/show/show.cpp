@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "base/stopwatch.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "shared/cli/signals.h"
 
 namespace ibr::app {

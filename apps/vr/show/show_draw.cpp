@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Show: draws both eyes' images, the runtime's layers and the mirror.
 #include "base/stopwatch.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/rendering.h"
 #include "ibr/error.h"
 #include "vr/show/show.h"
 

@@ -51,6 +51,9 @@ std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dvec3 direc
 /// Returns the camera's viewing axis in world axes; unit if the rotation is.
 glm::dvec3 viewAxis(const Pose& pose);
 
+/// Angle between two rotations, radians.
+double angleBetween(const glm::dquat& a, const glm::dquat& b);
+
 /// Returns the intrinsics for the image scaled to width × height, in the same pixel convention. Throws
 /// Error{invalidInput} unless all sizes are >= 1.
 Intrinsics resized(const Intrinsics& intrinsics, int width, int height);

@@ -83,9 +83,10 @@ struct DeviceDescription {
   std::string name, driver;
   std::uint32_t apiVersion = 0;
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
-  std::uint64_t memoryBytes = 0;      // device-local
-  std::vector<std::string> features;  // its optional features (Device::optionalFeatureNames()), disabled or not
-  std::vector<std::string> lacking;   // missing requirements; empty: libibr can use the device
+  std::uint64_t memoryBytes = 0;             // device-local
+  std::vector<std::string> features;         // its optional features (Device::optionalFeatureNames()), disabled or not
+  std::vector<std::string> lacking;          // missing requirements; empty: libibr can use the device
+  std::optional<std::uint32_t> queueFamily;  // first one that meets the requirements
 };
 
 class Device {
@@ -100,6 +101,10 @@ class Device {
 
   static DeviceRequirements requirements();
   static std::vector<DeviceDescription> list();  // empty where no driver is installed
+  static DeviceDescription describe(VkPhysicalDevice device);
+  /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
+  /// IBR_DISABLE_FEATURES does not name.
+  static DeviceFeatures featuresFor(VkPhysicalDevice device);
   /// The device of list() that create() takes if DeviceOptions::device is `wish`; none where create() would throw.
   static std::optional<DeviceDescription> preferred(const std::string& wish = {});
 

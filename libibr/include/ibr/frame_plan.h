@@ -184,4 +184,10 @@ struct FramePlan {
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
+/// Distances in pixels of a view between common anchors of the plan's cells. One value for each
+/// pair of cells and each common anchor that both show inside the image. `corrected`: with the plan's corrections,
+/// otherwise without. Points that other cells hide count too.
+std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
+                                  std::size_t view, bool corrected);
+
 }  // namespace ibr

@@ -54,6 +54,12 @@ Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 /// view from elsewhere. NaN if no neighbouring pixels differ. Precondition: 3 channels or more.
 double sampledDetail(const Image8& picture);
 
+/// Relative sharpness among images of the same subject: mean squared second difference, divided by the value of the
+/// same image at an eighth of its size (`eighth`). Uses the direction of the smallest ratio, since a moving hand blurs
+/// in one direction. The ratio falls with every blur of a pixel or more, and depends less on the subject than either
+/// value. Uses the green or only channel. NaN if `eighth` has less than 8 px on a side.
+double sharpness(const Image8& picture, const Image8& eighth);
+
 /// Share of torn tiles among the image's 32 × 32 px tiles (smaller at the right and lower edge). A tile is torn if its
 /// mean gradient energy exceeds three times the truth's by more than 4 (8-bit levels)². Gradient energy: squared luma
 /// differences to the right and lower neighbours. NaN for empty images.

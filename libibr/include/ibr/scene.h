@@ -150,4 +150,8 @@ std::vector<Fault> validateSceneFiles(const std::filesystem::path& path, std::si
 /// folder.
 void saveScene(const Scene& scene, const std::filesystem::path& folder);
 
+/// Writes a scene to another folder than its own. Photographs, masks and textures become hard links, or copies if the
+/// file system has no links. Throws Error, as saveScene and Error{io} that names the file.
+void shareScene(const Scene& scene, const std::filesystem::path& folder);
+
 }  // namespace ibr

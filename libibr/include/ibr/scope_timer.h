@@ -45,4 +45,22 @@ class ScopeTimer {
   std::unique_ptr<State> state_;
 };
 
+/// Times a scope from its construction to its destruction. Has no effect without a timer.
+class GpuScope {
+ public:
+  GpuScope(VkCommandBuffer commands, ScopeTimer* timer, const char* name) noexcept
+      : commands_(commands), timer_(timer) {
+    if (timer_) timer_->begin(commands_, name);
+  }
+  GpuScope(const GpuScope&) = delete;
+  GpuScope& operator=(const GpuScope&) = delete;
+  ~GpuScope() {
+    if (timer_) timer_->end(commands_);
+  }
+
+ private:
+  VkCommandBuffer commands_;
+  ScopeTimer* timer_;
+};
+
 }  // namespace ibr

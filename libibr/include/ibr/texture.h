@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "ibr/image.h"
@@ -51,5 +52,39 @@ Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format);
 /// Error{unsupported} for rg16f and for BC7 blocks of other modes than 6, and Error{invalidInput} for levels whose
 /// number of bytes does not match their size.
 std::vector<Image8> decodeTexture(const Texture& texture);
+
+/// RGBA8 levels from the image itself (alpha 255 for RGB) down to 1×1, each max(1, ⌊side / 2⌋) of the previous. Each
+/// level is the exact box filter of the previous one in linear light, also for odd sizes. Deterministic. Throws
+/// Error{invalidInput} unless the image has 3 or 4 channels and at least one pixel.
+std::vector<Image8> buildMips(const Image8& rgbOrRgba);
+
+/// KTX 2.0 files (Khronos specification 2.0.4) of one image with its levels. Photographs are stated as _SRGB formats,
+/// since their values are display-encoded; _UNORM files are read, too. rg16f is stated as VK_FORMAT_R16G16_SFLOAT.
+struct Ktx2Info {
+  std::uint32_t vkFormat = 0;  // VkFormat as stated in the file
+  TextureFormat format = TextureFormat::rgba8;
+  int width = 0, height = 0;  // of level 0
+  int levels = 0;
+};
+
+/// The levels may end before 1×1. Throws Error (io; invalidInput if levels and sizes do not match).
+void writeKtx2(const std::filesystem::path& path, const Texture& texture);
+
+/// Reads no pixels, but makes all checks of readKtx2. Throws as readKtx2.
+Ktx2Info probeKtx2(const std::filesystem::path& path);
+
+/// Reads level `firstLevel` and the smaller ones, which are contiguous, and nothing else. Throws Error (io,
+/// invalidInput; unsupported for other formats, cubes, arrays and supercompression) with file and field.
+Texture readKtx2(const std::filesystem::path& path, int firstLevel = 0);
+
+/// Depth of a photograph: two maps of one size, one channel each, that cover the photograph.
+struct DepthMaps {
+  ImageF inverseDepth;  // ρ, 1 / world unit, >= 0
+  ImageF consensus;     // a, 0 to 1 (MorphMesh::consensus)
+};
+
+/// Decodes an rg16f texture; `scale`: Node::depthScale. Throws Error{invalidInput} for another format, more than one
+/// level, a scale that is not finite and positive, or values that are negative or not finite.
+DepthMaps readDepthTexture(const Texture& texture, double scale);
 
 }  // namespace ibr

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "shaders/htm_colours_comp.h"
 #include "shaders/htm_harmonise_comp.h"
 #include "shaders/htm_rank_comp.h"

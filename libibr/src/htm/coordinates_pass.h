@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <limits>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "htm/frame_set.h"
 
 namespace ibr {

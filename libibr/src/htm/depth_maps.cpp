@@ -3,11 +3,11 @@
 
 #include <array>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
+#include "base/vulkan/submit.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/submit.h"
 #include "htm/gpu_model.h"
 #include "htm/projection.h"
 #include "shaders/htm_depth_frag.h"

@@ -2,7 +2,7 @@
 // Depth maps of the mesh from each camera of a harmonised model, for visibility tests.
 #pragma once
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/htm.h"
 
 namespace ibr {

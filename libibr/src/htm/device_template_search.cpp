@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "ibr/template_search_pass.h"
 #include "image/template_tasks.h"
 

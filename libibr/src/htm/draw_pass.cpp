@@ -6,12 +6,12 @@
 #include <cstddef>
 
 #include "base/check.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
+#include "base/srgb.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/format.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "htm/coordinates_pass.h"
-#include "image/srgb.h"
 #include "shaders/htm_colours_frag.h"
 #include "shaders/htm_colours_vert.h"
 #include "shaders/htm_depth_vert.h"

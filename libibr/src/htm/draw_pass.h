@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "htm/frame_set.h"
 
 namespace ibr {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "htm/projection.h"
 
 namespace ibr {

@@ -2,8 +2,8 @@
 // Descriptor set that all passes of a frame share: the model's buffers and images, and the frame's own buffers.
 #pragma once
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "htm/gpu_model.h"
 #include "shared/htm.h"
 

@@ -11,7 +11,7 @@
 #include "base/check.h"
 #include "gpu/transfer/upload.h"
 #include "htm/projection.h"
-#include "image/mips.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "htm/depth_maps.h"
 #include "ibr/htm.h"
 

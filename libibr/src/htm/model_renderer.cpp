@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
 
-#include "gpu/draw/scope.h"
 #include "htm/coordinates_pass.h"
 #include "htm/draw_pass.h"
 #include "htm/frame_set.h"
 #include "ibr/htm.h"
+#include "ibr/scope_timer.h"
 
 namespace ibr {
 

@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "base/check.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
 #include "gpu/transfer/upload.h"
 #include "image/template_tasks.h"
 #include "shaders/template_search_comp.h"

@@ -10,12 +10,6 @@
 
 namespace ibr {
 
-/// Depth of a photograph: two maps of one size, one channel each, that cover the photograph.
-struct DepthMaps {
-  ImageF inverseDepth;  // ρ, 1 / world unit, >= 0
-  ImageF consensus;     // a, 0 to 1 (MorphMesh::consensus)
-};
-
 struct DepthTexture {
   Texture texture;   // TextureFormat::rg16f, one level
   double scale = 1;  // Node::depthScale: the largest ρ of the maps; 1 if everything is at infinity
@@ -31,9 +25,5 @@ glm::ivec2 depthTextureSize(glm::ivec2 mapSize, int photographWidth);
 /// in row order among equals). Rounds to the nearest half float, ties to even. Throws Error{invalidInput} for maps that
 /// are empty, of different sizes, not finite, or out of range.
 DepthTexture depthTexture(const DepthMaps& maps, int photographWidth);
-
-/// The inverse of depthTexture, at the texture's size. Throws Error{invalidInput} for another format, more than one
-/// level, a scale that is not finite and positive, or values that are negative or not finite.
-DepthMaps readDepthTexture(const Texture& texture, double scale);
 
 }  // namespace ibr

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/srgb.h"
 #include "ibr/metrics.h"
-#include "image/srgb.h"
 
 namespace ibr {
 namespace {

@@ -7,7 +7,7 @@
 //    80  per level, from the largest: offset, length, length when not supercompressed (64 bits each)
 //        data format descriptor, key/value data
 //        levels from the smallest, each aligned to lcm(size of a texel block, 4)
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 
 #include <algorithm>
 #include <array>

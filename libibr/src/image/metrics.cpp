@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/srgb.h"
 #include "image/comparable.h"
 #include "image/luma.h"
-#include "image/srgb.h"
 
 namespace ibr {
 namespace {

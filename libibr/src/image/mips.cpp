@@ -4,7 +4,7 @@
 // photograph of a camera with fewer pixels, and a camera adds up light. Averages of encoded values would darken fine
 // bright detail (foliage against the sky, lattices) with distance by up to 28 % of the range. Colour stays linear in 16
 // bits from level to level, so rounding does not add up; alpha is averaged unchanged.
-#include "image/mips.h"
+#include "ibr/texture.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "base/check.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 namespace ibr {
 namespace {

@@ -1,5 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image/sharpness.h"
+//
+// Relative to the median of four neighbours; 105 photographs of six sets at 1600 px or less (every second one
+// blurred); share in % below a threshold of
+//                             .3    .35   .4    .5
+//   source images             0.0   1.9   2.9   4.8   (the first three look soft)
+//   Gaussian blur, 1 px        72    80    81    89
+//   Gaussian blur, 2 px        98   100   100   100
+//   motion along x, 2 px        6    13    17    37
+//   motion along x, 4 px       72    74    85    94
+//   motion along x, 8 px       83    91    96    98
+//   motion along x, 16 px      81    85    89    93
+#include "ibr/metrics.h"
 
 #include <algorithm>
 #include <array>

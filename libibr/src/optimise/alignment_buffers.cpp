@@ -4,9 +4,9 @@
 #include <array>
 
 #include "base/check.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/upload.h"
 
 namespace ibr {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "optimise/star_mesh.h"
 #include "optimise/texels.h"
 #include "shared/alignment.h"

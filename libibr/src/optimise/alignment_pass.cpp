@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "optimise/alignment_pass.h"
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "shaders/ecc_judge_comp.h"
 #include "shaders/ecc_move_comp.h"
 

@@ -2,7 +2,7 @@
 // Method `compute`: submits all classes of a image at once, or one class at a time with a guard to call in between.
 #include <vector>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "optimise/alignment_pass.h"
 #include "optimise/mover.h"
 

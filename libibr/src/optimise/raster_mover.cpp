@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/submit.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/gpu_image.h"
-#include "gpu/transfer/submit.h"
 #include "gpu/transfer/upload.h"
 #include "optimise/alignment_buffers.h"
 #include "optimise/processor.h"

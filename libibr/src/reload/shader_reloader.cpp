@@ -3,7 +3,7 @@
 
 #include "base/check.h"
 #include "base/child_process.h"
-#include "gpu/device/shader_replacements.h"
+#include "base/vulkan/shader_replacements.h"
 #include "gpu/draw/spirv_interface.h"
 #include "ibr/shader_reload.h"
 #include "reload/embedded_shaders.h"

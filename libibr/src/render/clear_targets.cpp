@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/rendering.h"
 
 namespace ibr {
 namespace {

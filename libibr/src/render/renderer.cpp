@@ -7,11 +7,11 @@
 #include <string>
 
 #include "base/check.h"
+#include "base/vulkan/submit.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/multiview.h"
-#include "gpu/draw/scope.h"
-#include "gpu/transfer/submit.h"
 #include "ibr/renderer.h"
+#include "ibr/scope_timer.h"
 #include "render/clear_targets.h"
 #include "render/exceeded_option.h"
 #include "render/passes/buffer_pass.h"

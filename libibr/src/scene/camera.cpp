@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
 #include "base/check.h"
@@ -83,6 +84,11 @@ std::optional<glm::dvec2> project(const Intrinsics& k, glm::dvec3 d) {
 
 glm::dvec3 viewAxis(const Pose& pose) {
   return pose.rotation * glm::dvec3(0.0, 0.0, -1.0);
+}
+
+double angleBetween(const glm::dquat& a, const glm::dquat& b) {
+  const glm::dquat turn = glm::conjugate(a) * b;
+  return 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w));
 }
 
 Intrinsics resized(const Intrinsics& k, int width, int height) {

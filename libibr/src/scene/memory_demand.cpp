@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/memory_demand.h"
+#include "ibr/memory_demand.h"
 
 #include <algorithm>
 #include <cassert>
 
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 namespace {

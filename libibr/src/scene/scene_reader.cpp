@@ -10,7 +10,7 @@
 
 #include "base/check.h"
 #include "ibr/scene.h"
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_values.h"
 #include "scene/mesh_buffer.h"

@@ -7,8 +7,8 @@
 
 #include "base/file.h"
 #include "io/image_file.h"
+#include "lab/generate/synthetic.h"
 #include "run_program.h"
-#include "scene/synth/synthetic.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;

@@ -12,7 +12,7 @@
 
 #include "apps/support/virtual_display.h"
 #include "apps/support/x11_window.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
 #include "support/gpu.h"
 
 using namespace ibr;

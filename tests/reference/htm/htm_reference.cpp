@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "image/mips.h"
+#include "ibr/texture.h"
 #include "support/bumpy_model.h"
 
 namespace ibr::test::reference {

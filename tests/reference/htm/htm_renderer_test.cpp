@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "htm/coordinates_pass.h"
 #include "htm/frame_set.h"
 #include "reference/htm/htm_reference.h"

@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "gpu/draw/scope.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
+#include "ibr/scope_timer.h"
 #include "support/bumpy_model.h"
 #include "support/gpu.h"
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <thread>
 
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/submit.h"
 #include "ibr/template_search_pass.h"
 #include "support/error_of.h"
 #include "support/gpu.h"

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "ibr/error.h"
+#include "ibr/texture.h"
 #include "image/half_float.h"
-#include "image/ktx2.h"
 #include "support/error_of.h"
 #include "support/temporary_folder.h"
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image/ktx2.h"
 
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -7,7 +6,7 @@
 
 #include "base/file.h"
 #include "ibr/error.h"
-#include "image/mips.h"
+#include "ibr/texture.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image/mips.h"
+#include "ibr/texture.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "image/sharpness.h"
+#include "ibr/metrics.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "image/mips.h"
+#include "ibr/texture.h"
 
 using namespace ibr;
 

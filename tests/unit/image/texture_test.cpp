@@ -6,7 +6,6 @@
 
 #include "ibr/error.h"
 #include "ibr/metrics.h"
-#include "image/mips.h"
 #include "io/image_file.h"
 
 #include "support/error_of.h"

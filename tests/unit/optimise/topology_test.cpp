@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
-#include "image/bilinear.h"
-#include "image/raster.h"
+#include "base/bilinear.h"
+#include "base/raster.h"
 #include "optimise/star_mesh.h"
 #include "shared/ecc.h"
 #include "support/error_of.h"

@@ -11,7 +11,7 @@
 
 #include "ibr/metrics.h"
 #include "ibr/scene.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/error_of.h"
 
 using namespace ibr;

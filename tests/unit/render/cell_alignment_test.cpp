@@ -8,12 +8,12 @@
 #include <random>
 
 #include "ibr/frame_plan.h"
+#include "lab/generate/synthetic.h"
 #include "render/plan/alignment_fit.h"
 #include "render/plan/anchors.h"
 #include "render/plan/cell_alignment.h"
 #include "render/plan/correction.h"
 #include "render/plan/culling.h"
-#include "scene/synth/synthetic.h"
 
 using namespace ibr;
 

@@ -7,9 +7,9 @@
 #include <glm/exponential.hpp>
 #include <numbers>
 
+#include "base/srgb.h"
 #include "ibr/frame_plan.h"
-#include "image/srgb.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "shared/cell.h"
 
 using namespace ibr;

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "scene/synth/bench_scene.h"
+#include "lab/generate/bench_scene.h"
 
 using namespace ibr;
 

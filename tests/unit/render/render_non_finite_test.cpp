@@ -10,7 +10,7 @@
 
 #include "ibr/error.h"
 #include "ibr/frame_plan.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/extremes.h"
 
 using namespace ibr;

@@ -10,9 +10,8 @@
 #include <set>
 
 #include "base/file.h"
-#include "image/ktx2.h"
-#include "image/mips.h"
-#include "scene/synth/synthetic.h"
+#include "ibr/texture.h"
+#include "lab/generate/synthetic.h"
 #include "support/error_of.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"

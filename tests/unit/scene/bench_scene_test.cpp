@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/synth/bench_scene.h"
+#include "lab/generate/bench_scene.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/synth/court.h"
+#include "lab/generate/court.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

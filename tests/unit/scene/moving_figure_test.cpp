@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/synth/moving_figure.h"
+#include "lab/generate/moving_figure.h"
 
 #include <catch2/catch.hpp>
 #include <glm/gtc/quaternion.hpp>

@@ -9,10 +9,10 @@
 
 #include "base/file.h"
 #include "ibr/error.h"
+#include "ibr/memory_demand.h"
 #include "ibr/scene.h"
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/ktx2.h"
-#include "scene/memory_demand.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
 #include "support/error_of.h"

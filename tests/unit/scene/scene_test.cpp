@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 using namespace ibr;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

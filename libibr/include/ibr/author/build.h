@@ -169,6 +169,12 @@ struct BuildReport {
   double memory = 0;  // peak of the process, bytes
 };
 
+/// Returns the file or folder of the poses. Throws Error{invalidInput} if the options name several.
+std::filesystem::path posesFile(const BuildOptions& options);
+
+/// Reads the poses from that file or folder.
+PosedModel readPoses(const BuildOptions& options, const LogCallback& log);
+
 /// Builds a scene folder. Each depth map, cell and mesh is cached once finished: a stopped build that is called again
 /// with the same options resumes. A build with more photographs recomputes depth and cells only for photographs with
 /// changed neighbours. No cell has both panoramas and pinholes. While a build runs, OpenCV uses one thread in the whole

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <glm/gtc/type_precision.hpp>
 #include <span>
 #include <string>
 #include <utility>
@@ -130,6 +131,9 @@ struct HtmBuildOptions {
   HtmOptions optimise;
 };
 
+/// Options that change the model, as JSON text: HtmModel::settings.
+std::string htmSettingsText(const HtmBuildOptions& options);
+
 /// Reads the mesh, photographs and masks. Distorted photographs are undistorted, with their cameras and masks. A mask's
 /// file must have the size of its photograph's file. Throws Error (io, invalidInput, unsupported) that names the file.
 std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
@@ -139,5 +143,21 @@ std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildO
 /// an input. The folder is untouched until the model is computed. If writing fails (Error{io}), the folder may have new
 /// photographs and the previous model.
 HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
+
+/// Reads PLY (text and binary, both byte orders), OBJ, or the triangles of a glTF document (.gltf, .glb) placed by its
+/// nodes; the extension decides. Polygons become fans around their first corner. Positions keep the file's axes and
+/// unit. Throws Error{io} if the file cannot be read, Error{unsupported} for another extension, and
+/// Error{invalidInput} that names the file and the fault: truncated, no face, a face index without a vertex, a
+/// coordinate that is not finite.
+TriangleMesh readTriangleMesh(const std::filesystem::path& path);
+
+/// Display-encoded colours: one per vertex or per face, or none.
+struct MeshColours {
+  std::vector<glm::u8vec3> vertices, faces;
+};
+
+/// Writes binary little-endian PLY with positions as doubles, which reads back bit-identical. Throws Error{io}, or
+/// Error{invalidInput} if the number of colours does not match.
+void writePly(const std::filesystem::path& path, const TriangleMesh& mesh, const MeshColours& colours = {});
 
 }  // namespace ibr

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/gtc/quaternion.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -102,5 +104,28 @@ struct PoseReport {
 /// `folder` has other files, or photographs cannot be read (all are named, before the program runs); cancelled.
 PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {},
                          const LogCallback& log = {});
+
+/// Returns the camera of the photograph `name` of `given` that best fits its observations of the tracks of `given` that
+/// `others` see, too. The others are fixed; photographs that share their intrinsics in `given` pass theirs on. nullopt
+/// for panoramas, and for fewer than 20 shared points. Precondition: `given` contains the photograph.
+std::optional<Camera> resected(const PosedModel& given, const std::string& name, const PosedModel& others);
+
+/// World point with the least sum of squared reprojection errors, px; nullopt if behind a camera or at infinity.
+std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
+
+/// x → scale · rotation · x + shift.
+struct Similarity {
+  double scale = 1;
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
+  glm::dvec3 shift{0.0};
+
+  glm::dvec3 operator()(const glm::dvec3& point) const { return scale * (rotation * point) + shift; }
+  Pose operator()(const Pose& pose) const { return {(*this)(pose.position), glm::normalize(rotation * pose.rotation)}; }
+};
+
+/// Similarity that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations together, each
+/// weighted by its residual, so that the more accurate one counts more. Collinear positions take the rotation from the
+/// rotations; coincident positions keep scale 1. No poses: identity.
+Similarity aligned(std::span<const Pose> from, std::span<const Pose> to);
 
 }  // namespace ibr

@@ -16,7 +16,7 @@
 #include "author/mesh/label.h"
 #include "author/mesh/uncertainty.h"
 #include "author/photographs/masks.h"
-#include "author/pixels/resize.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace aligning {

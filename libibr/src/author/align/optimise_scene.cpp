@@ -9,12 +9,12 @@
 
 #include "author/align/aligned_cache.h"
 #include "author/jobs/kept_file.h"
-#include "author/jobs/shared_file.h"
 #include "author/photographs/masks.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "ibr/scene.h"
 #include "io/image_file.h"
 
 namespace ibr {

@@ -11,11 +11,11 @@
 #include "author/build/depth_matcher.h"
 #include "author/geometry/posed_model.h"
 #include "author/geometry/simplex.h"
-#include "author/pixels/resize.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
+#include "ibr/author/photographs.h"
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/ktx2.h"
 #include "scene/capture_spacing.h"
 
 namespace ibr {

@@ -15,10 +15,10 @@
 #include "author/geometry/posed_model.h"
 #include "author/graph/cells.h"
 #include "author/photographs/masks.h"
-#include "author/photographs/picture_folder.h"
-#include "author/poses/read_poses.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "ibr/author/build.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace fs = std::filesystem;

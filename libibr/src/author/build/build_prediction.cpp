@@ -18,11 +18,11 @@
 #include "author/depth/depth_views.h"
 #include "author/depth/photograph_sweep.h"
 #include "author/geometry/posed_model.h"
-#include "author/photographs/picture_folder.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/usage.h"
+#include "ibr/author/photographs.h"
 #include "image/depth_texture.h"
 #include "io/image_file.h"
 

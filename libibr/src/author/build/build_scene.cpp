@@ -30,13 +30,12 @@
 #include "author/photographs/border.h"
 #include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
-#include "author/photographs/picture_folder.h"
-#include "author/poses/read_poses.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
 #include "base/usage.h"
 #include "ibr/author/build.h"
+#include "ibr/author/photographs.h"
 #include "io/image_file.h"
 
 namespace ibr {

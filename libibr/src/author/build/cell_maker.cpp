@@ -13,12 +13,12 @@
 #include "author/match/vertices.h"
 #include "author/panorama/panorama_cell.h"
 #include "author/photographs/masks.h"
-#include "author/pixels/resize.h"
 #include "author/poses/local_adjust.h"
 #include "author/sweep/sweep_levels.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
 #include "base/usage.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

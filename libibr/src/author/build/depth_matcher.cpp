@@ -17,8 +17,8 @@
 #include "author/jobs/kept_file.h"
 #include "author/jobs/kept_values.h"
 #include "author/photographs/masks.h"
-#include "author/pixels/resize.h"
 #include "ibr/author/panorama.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

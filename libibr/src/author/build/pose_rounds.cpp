@@ -10,9 +10,9 @@
 
 #include "author/build/dense_tracks.h"
 #include "author/geometry/posed_model.h"
-#include "author/geometry/similarity.h"
 #include "author/poses/bundle_adjust.h"
 #include "author/poses/cross_validation.h"
+#include "ibr/author/poses.h"
 
 namespace ibr {
 namespace {

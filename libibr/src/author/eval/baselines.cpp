@@ -14,10 +14,10 @@
 #include "author/eval/exposed_picture.h"
 #include "author/eval/lumigraph.h"
 #include "author/geometry/posed_model.h"
+#include "base/bilinear.h"
 #include "base/check.h"
-#include "image/bilinear.h"
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/ktx2.h"
 #include "io/image_file.h"
 #include "scene/reprojection.h"
 

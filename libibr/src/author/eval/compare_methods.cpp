@@ -13,13 +13,13 @@
 #include "author/match/matcher_choice.h"
 #include "author/match/plane_labels.h"
 #include "author/mesh/mesh.h"
-#include "author/pixels/resize.h"
+#include "base/bilinear.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/raster.h"
 #include "ibr/author/accuracy.h"
 #include "ibr/author/matchers.h"
-#include "image/bilinear.h"
-#include "image/raster.h"
+#include "ibr/author/photographs.h"
 #include "io/image_file.h"
 
 namespace fs = std::filesystem;

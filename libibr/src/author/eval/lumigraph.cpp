@@ -9,9 +9,9 @@
 
 #include "author/backdrop/complete_depth.h"
 #include "author/geometry/posed_model.h"
+#include "base/bilinear.h"
 #include "base/parallel.h"
-#include "image/bilinear.h"
-#include "image/raster.h"
+#include "base/raster.h"
 #include "scene/reprojection.h"
 
 namespace ibr {

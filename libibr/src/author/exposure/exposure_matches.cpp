@@ -13,7 +13,7 @@
 #include "author/exposure/vignetting.h"
 #include "author/geometry/disjoint_sets.h"
 #include "author/photographs/masks.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 
 namespace ibr {
 namespace {

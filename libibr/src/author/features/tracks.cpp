@@ -15,9 +15,9 @@
 
 #include "author/features/feature_cache.h"
 #include "author/jobs/kept_file.h"
-#include "author/pixels/resize.h"
 #include "base/check.h"
 #include "base/hash.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace fs = std::filesystem;

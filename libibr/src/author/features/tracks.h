@@ -36,9 +36,6 @@ struct PairOptions {
 /// Pairs of pinholes that may overlap and share fewer of the model's tracks than `enough`; sorted.
 std::vector<ImagePair> pairsWithoutTracks(const PosedModel& model, const PairOptions& options = {});
 
-/// World point with the least sum of squared reprojection errors, px; nullopt if behind a camera or at infinity.
-std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
-
 inline constexpr double kFeaturePixels = 2e6;         // max px of an image in which features are searched
 inline constexpr double kFeatureBytesPerPixel = 300;  // memory of the feature search
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/geometry/similarity.h"
+#include "ibr/author/poses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,11 +67,6 @@ Similarity aligned(std::span<const Pose> from, std::span<const Pose> to) {
   Similarity similarity{scale, glm::normalize(glm::quat_cast(rotation)), {}};
   similarity.shift = middleTo - similarity.scale * (similarity.rotation * middleFrom);
   return similarity;
-}
-
-double angleBetween(const glm::dquat& a, const glm::dquat& b) {
-  const glm::dquat turn = glm::conjugate(a) * b;
-  return 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w));
 }
 
 }  // namespace ibr

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/bilinear.h"
 #include "base/parallel.h"
-#include "image/bilinear.h"
 
 namespace ibr {
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <set>
 
-#include "author/htm/htm_settings.h"
 #include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
 #include "author/surface/triangle_mesh_file.h"

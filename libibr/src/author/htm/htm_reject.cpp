@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include "author/htm/htm_shape.h"
+#include "base/bilinear.h"
 #include "base/parallel.h"
-#include "image/bilinear.h"
 
 namespace ibr {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "image/bilinear.h"
+#include "base/bilinear.h"
 
 namespace ibr {
 

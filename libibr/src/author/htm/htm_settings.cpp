@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/htm/htm_settings.h"
+#include "ibr/author/htm.h"
 
 #include <nlohmann/json.hpp>
 #include <type_traits>

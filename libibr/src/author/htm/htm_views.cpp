@@ -9,7 +9,7 @@
 
 #include "author/pixels/cv_view.h"
 #include "base/parallel.h"
-#include "image/raster.h"
+#include "base/raster.h"
 
 namespace ibr {
 

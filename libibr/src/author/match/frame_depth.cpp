@@ -10,7 +10,7 @@
 
 #include "author/geometry/match_view.h"
 #include "base/check.h"
-#include "image/raster.h"
+#include "base/raster.h"
 
 namespace ibr {
 namespace {

@@ -9,7 +9,6 @@
 #include "author/geometry/mean_frame.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/depth_clean.h"
 #include "author/sweep/depth_edges.h"
 #include "author/sweep/dominant_planes.h"
@@ -18,6 +17,7 @@
 #include "author/sweep/visibility.h"
 #include "author/sweep/window_agreement.h"
 #include "base/check.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

@@ -12,8 +12,8 @@
 #include "author/match/position_depth.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/window_agreement.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

@@ -15,9 +15,9 @@
 #include "author/match/vertices.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/homographies.h"
 #include "author/sweep/window_agreement.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "author/cgal/delaunay.h"
 #include "author/match/vertices.h"
-#include "image/raster.h"
+#include "base/raster.h"
 
 namespace ibr {
 namespace {

@@ -9,7 +9,7 @@
 #include "author/cgal/delaunay.h"
 #include "author/match/plane_labels.h"
 #include "author/match/vertices.h"
-#include "image/raster.h"
+#include "base/raster.h"
 
 namespace ibr {
 namespace {

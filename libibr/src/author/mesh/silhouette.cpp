@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/photographs/masks.h"
-#include "image/bilinear.h"
+#include "base/bilinear.h"
 
 namespace ibr {
 namespace {

@@ -13,9 +13,9 @@
 #include "author/movers/familiar.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/window_agreement.h"
 #include "base/check.h"
+#include "ibr/author/photographs.h"
 
 namespace ibr {
 namespace {

@@ -15,13 +15,11 @@
 #include <vector>
 
 #include "author/photographs/photographs.h"
+#include "ibr/author/photographs.h"
 #include "ibr/author/poses.h"
 #include "ibr/image.h"
 
 namespace ibr {
-
-/// nullopt if there is none.
-std::optional<std::filesystem::path> maskFileOf(const std::filesystem::path& folder, const std::string& photograph);
 
 /// Path of a stored mask in a scene: where COLMAP looks below "masks".
 std::filesystem::path storedMaskFile(const std::string& photograph);

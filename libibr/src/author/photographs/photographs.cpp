@@ -9,12 +9,11 @@
 #include <span>
 
 #include "author/photographs/masks.h"
-#include "author/pixels/resize.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "image/ktx2.h"
-#include "image/mips.h"
+#include "ibr/author/photographs.h"
+#include "ibr/texture.h"
 #include "io/image_file.h"
 
 namespace ibr {

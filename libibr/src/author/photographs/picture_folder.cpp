@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/photographs/picture_folder.h"
+#include "ibr/author/photographs.h"
 
 #include <fmt/format.h>
 

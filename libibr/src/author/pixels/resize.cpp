@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/pixels/resize.h"
+#include "ibr/author/photographs.h"
 
 #include <opencv2/imgproc.hpp>
 

@@ -9,12 +9,12 @@
 
 #include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
-#include "author/photographs/picture_folder.h"
 #include "author/poses/colmap_program.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "ibr/author/photographs.h"
 #include "ibr/author/poses.h"
 #include "io/image_file.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/poses/read_poses.h"
+#include "ibr/author/build.h"
 
 #include "base/check.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/poses/resect.h"
+#include "ibr/author/poses.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

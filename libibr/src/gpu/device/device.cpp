@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/vulkan/pipeline_cache.h"
+#include "base/vulkan/shader_replacements.h"
+#include "base/vulkan/vulkan.h"
 #include "gpu/device/device_choice.h"
 #include "gpu/device/instance.h"
-#include "gpu/device/pipeline_cache.h"
-#include "gpu/device/shader_replacements.h"
-#include "gpu/device/vulkan.h"
 
 namespace ibr {
 
@@ -31,7 +31,7 @@ struct Device::State {
   void describeDevice() {
     vkGetPhysicalDeviceProperties(physicalDevice, &properties);
     vkGetPhysicalDeviceMemoryProperties(physicalDevice, &memory);
-    const DeviceDescription description = describe(physicalDevice);
+    const DeviceDescription description = ibr::describe(physicalDevice);
     name = fmt::format("{}, {}", description.name, description.driver);
   }
 
@@ -62,7 +62,7 @@ Device Device::create(const DeviceOptions& options) {
   auto state = std::make_unique<State>(options, instanceExtensions);
   const std::vector<VkPhysicalDevice> devices = physicalDevices(state->instance);
   std::vector<DeviceDescription> descriptions;
-  for (const VkPhysicalDevice device : devices) descriptions.push_back(describe(device, options.deviceExtensions));
+  for (const VkPhysicalDevice device : devices) descriptions.push_back(ibr::describe(device, options.deviceExtensions));
   state->physicalDevice = devices[choose(descriptions, options.device)];
   state->queueFamily = ibr::queueFamily(state->physicalDevice).value();
   state->describeDevice();
@@ -99,7 +99,7 @@ Device Device::adopt(const DeviceHandles& handles) {
         : !handles.physicalDevice ? "physicalDevice"
         : !handles.device         ? "device"
                                   : "queue");
-  DeviceDescription description = describe(handles.physicalDevice);
+  DeviceDescription description = ibr::describe(handles.physicalDevice);
   for (std::string& lack : lackingOfQueueFamily(handles.physicalDevice, handles.queueFamily))
     description.lacking.push_back(std::move(lack));
   // Vulkan cannot report enabled features, but a device created for an older version lacks this function.
@@ -129,7 +129,7 @@ std::vector<DeviceDescription> Device::list() {
   try {
     const Instance instance({}, false, messages);
     std::vector<DeviceDescription> descriptions;
-    for (const VkPhysicalDevice device : physicalDevices(instance.get())) descriptions.push_back(describe(device));
+    for (const VkPhysicalDevice device : physicalDevices(instance.get())) descriptions.push_back(ibr::describe(device));
     return descriptions;
   } catch (const Error& error) {
     if (error.code() == ErrorCode::unsupported) return {};  // no driver

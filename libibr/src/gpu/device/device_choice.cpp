@@ -10,7 +10,7 @@
 
 #include "base/check.h"
 #include "base/parse.h"
-#include "gpu/device/vulkan.h"
+#include "base/vulkan/vulkan.h"
 
 namespace ibr {
 namespace {
@@ -174,6 +174,16 @@ void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, cons
     if (feature.of(has)) feature.of(features) = VK_TRUE;
 }
 
+DeviceDescription Device::describe(VkPhysicalDevice device) {
+  return ibr::describe(device);
+}
+
+DeviceFeatures Device::featuresFor(VkPhysicalDevice device) {
+  DeviceFeatures features = requirements().features;
+  addOptionalFeatures(device, features);
+  return features;
+}
+
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
   std::uint32_t count = 0;
   const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr);
@@ -209,7 +219,8 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
     if (feature.of(has)) description.features.emplace_back(feature.name);
   lacking = lackingFeatures(device);
   for (std::string& name : lackingExtensions(device, extensions)) lacking.push_back(std::move(name));
-  if (!queueFamily(device)) lacking.push_back("a queue for graphics and compute");
+  description.queueFamily = queueFamily(device);
+  if (!description.queueFamily) lacking.push_back("a queue for graphics and compute");
   return description;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "gpu/device/vulkan.h"
+#include "base/vulkan/vulkan.h"
 
 namespace ibr {
 

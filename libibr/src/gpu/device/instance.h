@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "gpu/device/validation.h"
+#include "base/vulkan/validation.h"
 
 namespace ibr {
 
@@ -17,9 +17,9 @@ class Instance {
  public:
   /// Null, for a borrowed device.
   Instance() = default;
-  /// Enables debug utils if available. With validation (gpu/device/validation.h), errors and warnings go to `messages`,
-  /// which must outlive the instance. Throws Error{unsupported} with the missing part: a driver, the layer, an
-  /// extension.
+  /// Enables debug utils if available. With validation (base/vulkan/validation.h), errors and warnings go to
+  /// `messages`, which must outlive the instance. Throws Error{unsupported} with the missing part: a driver, the layer,
+  /// an extension.
   Instance(std::span<const std::string> extensions, bool validation, Messages& messages);
 
   VkInstance get() const noexcept { return instance_.get(); }

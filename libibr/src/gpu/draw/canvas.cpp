@@ -3,7 +3,7 @@
 
 #include <cassert>
 
-#include "gpu/device/debug.h"
+#include "base/vulkan/debug.h"
 
 namespace ibr {
 namespace {

@@ -10,8 +10,8 @@
 #include <array>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 
 namespace ibr {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 
 namespace ibr {

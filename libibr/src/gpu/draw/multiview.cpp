@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/draw/multiview.h"
 
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
+#include "base/vulkan/submit.h"
 #include "gpu/draw/canvas.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/submit.h"
 #include "shaders/multiview_probe_frag.h"
 #include "shaders/multiview_probe_vert.h"
 

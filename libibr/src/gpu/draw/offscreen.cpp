@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/gpu_image.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 
 namespace ibr {
 namespace {

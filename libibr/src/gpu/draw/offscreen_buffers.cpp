@@ -3,11 +3,11 @@
 #include <cstring>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/format.h"
-#include "gpu/transfer/gpu_image.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/format.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 #include "ibr/offscreen.h"
 
 namespace ibr {

@@ -3,8 +3,8 @@
 
 #include <cassert>
 
-#include "gpu/device/debug.h"
-#include "gpu/device/handle.h"
+#include "base/vulkan/debug.h"
+#include "base/vulkan/handle.h"
 
 namespace ibr {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cassert>
 
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/submit.h"
 
 namespace ibr {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 

@@ -8,7 +8,7 @@
 #include <deque>
 #include <span>
 
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
 #include "ibr/device.h"
 
 namespace ibr {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <utility>
 
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/format.h"
 
 namespace ibr {
 namespace {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/gpu_image.h"
-#include "gpu/transfer/submit.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/submit.h"
 #include "ibr/device.h"
 
 namespace ibr {

@@ -5,9 +5,9 @@
 #include <cassert>
 #include <limits>
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "shaders/buffers_frag.h"
 
 namespace ibr {

@@ -9,8 +9,8 @@
 
 #include <map>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/passes/cell_pipeline.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "gpu/draw/pipeline.h"
+#include "base/vulkan/pipeline.h"
 #include "render/resident/gpu_scene_state.h"
 #include "shaders/buffers_vert.h"
 #include "shaders/cell_multiview_vert.h"

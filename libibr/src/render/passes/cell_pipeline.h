@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "render/passes/draw_list.h"
 

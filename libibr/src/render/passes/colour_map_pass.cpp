@@ -6,9 +6,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "render/plan/colour_plan.h"
 #include "render/resident/gpu_scene_state.h"
 #include "shaders/colour_apply_comp.h"

@@ -14,9 +14,9 @@
 #include <map>
 #include <optional>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "gpu/draw/canvas.h"
-#include "gpu/transfer/gpu_image.h"
 #include "ibr/renderer.h"
 #include "render/passes/cell_pass.h"
 #include "render/passes/colour_tables.h"

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/upload.h"
 #include "image/blue_noise.h"
 #include "shaders/colour_count_comp.h"

@@ -10,8 +10,8 @@
 
 #include <cstdint>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/renderer.h"
 #include "shared/colour_map.h"

@@ -5,11 +5,11 @@
 #include <cassert>
 
 #include "base/check.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/format.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
 #include "render/passes/canvas_source.h"
 #include "render/passes/floor_plane.h"
 #include "shaders/composite_frag.h"

@@ -5,7 +5,7 @@
 #include <compare>
 #include <map>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "gpu/draw/canvas.h"
 #include "ibr/renderer.h"
 #include "render/passes/fill_pass.h"

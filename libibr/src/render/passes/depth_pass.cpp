@@ -7,10 +7,10 @@
 #include <cmath>
 #include <span>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
-#include "gpu/transfer/barrier.h"
 #include "render/passes/cell_pass.h"
 #include "shaders/composite_vert.h"
 #include "shaders/depth_frag.h"

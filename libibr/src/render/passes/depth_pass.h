@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 #include "render/passes/canvas_source.h"

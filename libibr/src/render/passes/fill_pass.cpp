@@ -3,9 +3,9 @@
 
 #include <array>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "shaders/fill_pull_comp.h"
 #include "shaders/fill_push_comp.h"
 #include "shared/fill.h"

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 
 namespace ibr {

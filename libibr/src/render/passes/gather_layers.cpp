@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "gpu/device/debug.h"
-#include "gpu/draw/pipeline.h"
+#include "base/vulkan/debug.h"
+#include "base/vulkan/pipeline.h"
 #include "shaders/gather_layer_frag.h"
 #include "shaders/gather_layer_vert.h"
 

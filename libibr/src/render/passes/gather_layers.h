@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/renderer.h"
 #include "render/resident/gpu_scene_state.h"

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <span>
 
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/transfer/barrier.h"
 #include "render/passes/cell_pass.h"
 #include "render/passes/gather_parameters.h"
 #include "shaders/composite_vert.h"

@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/gpu_image.h"
+#include "base/vulkan/handle.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/passes/fill_pass.h"

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "base/check.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
+#include "base/vulkan/pipeline.h"
+#include "base/vulkan/rendering.h"
 #include "gpu/transfer/upload.h"
 #include "shaders/hidden_area_frag.h"
 #include "shaders/hidden_area_multiview_vert.h"

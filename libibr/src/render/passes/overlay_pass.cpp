@@ -7,8 +7,8 @@
 #include <array>
 
 #include "base/check.h"
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
 #include "shaders/overlay_frag.h"
 #include "shared/cell.h"
 #include "shared/overlay.h"

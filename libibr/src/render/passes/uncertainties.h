@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
 #include "render/resident/gpu_scene_state.h"
 
 namespace ibr {

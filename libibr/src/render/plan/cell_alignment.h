@@ -30,10 +30,4 @@ struct CellToAlign {
 /// Returns one correction per cell, about the midpoint of the views.
 std::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle);
 
-/// Distances in pixels of a view between common anchors of the plan's cells, for tests and reports. One value for each
-/// pair of cells and each common anchor that both show inside the image. `corrected`: with the plan's corrections,
-/// otherwise without. Points that other cells hide count too.
-std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
-                                  std::size_t view, bool corrected);
-
 }  // namespace ibr

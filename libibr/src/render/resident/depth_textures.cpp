@@ -8,7 +8,7 @@
 
 #include "base/check.h"
 #include "gpu/transfer/upload.h"
-#include "image/ktx2.h"
+#include "ibr/texture.h"
 #include "render/resident/pages.h"
 
 namespace ibr {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "ibr/gpu_scene.h"
 
 namespace ibr {

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/renderer.h"
 #include "render/resident/depth_textures.h"

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/device/handle.h"
-#include "gpu/transfer/buffer.h"
+#include "base/vulkan/buffer.h"
+#include "base/vulkan/handle.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/resident/depth_textures.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "ibr/texture.h"
 
 namespace ibr {

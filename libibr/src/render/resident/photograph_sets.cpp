@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/draw/pipeline.h"
 
 namespace ibr {
 namespace {

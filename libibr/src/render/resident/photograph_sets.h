@@ -12,7 +12,7 @@
 #include <map>
 #include <vector>
 
-#include "gpu/device/handle.h"
+#include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/gpu_scene.h"
 #include "shared/cell.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/transfer/gpu_image.h"
+#include "base/vulkan/gpu_image.h"
 #include "gpu/transfer/staging_ring.h"
 #include "ibr/texture.h"
 

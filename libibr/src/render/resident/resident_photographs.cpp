@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/submit.h"
-#include "image/ktx2.h"
+#include "base/vulkan/barrier.h"
+#include "base/vulkan/submit.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "base/median.h"
 #include "ibr/error.h"
-#include "image/ktx2.h"
-#include "image/sharpness.h"
+#include "ibr/metrics.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "author/build/dense_tracks.h"
 #include "author/geometry/posed_model.h"
-#include "author/geometry/similarity.h"
-#include "scene/synth/synthetic.h"
+#include "ibr/author/poses.h"
+#include "lab/generate/synthetic.h"
 #include "support/pose_noise.h"
 #include "support/posed_rig.h"
 

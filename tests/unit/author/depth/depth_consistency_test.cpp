@@ -7,7 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "author/backdrop/complete_depth.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 using namespace ibr;
 

@@ -12,7 +12,7 @@
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/error_of.h"
 #include "support/exact_depth.h"
 

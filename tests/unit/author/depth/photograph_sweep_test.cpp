@@ -8,7 +8,7 @@
 
 #include "author/backdrop/complete_depth.h"
 #include "base/wide.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "ibr/error.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

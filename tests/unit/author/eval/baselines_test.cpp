@@ -10,13 +10,13 @@
 
 #include "author/backdrop/complete_depth.h"
 #include "author/eval/lumigraph.h"
+#include "base/srgb.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
+#include "ibr/texture.h"
 #include "image/depth_texture.h"
-#include "image/ktx2.h"
-#include "image/srgb.h"
 #include "io/image_file.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/exact_depth.h"
 #include "support/temporary_folder.h"
 

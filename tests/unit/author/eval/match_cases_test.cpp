@@ -5,7 +5,7 @@
 #include "ibr/author/matchers.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
 

@@ -11,9 +11,9 @@
 #include "author/exposure/exposure.h"
 #include "author/exposure/exposure_overlap.h"
 #include "author/exposure/vignetting.h"
-#include "image/srgb.h"
+#include "base/srgb.h"
 #include "io/image_file.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/exact_depth.h"
 #include "support/temporary_folder.h"
 

@@ -15,7 +15,7 @@
 #include "author/geometry/posed_model.h"
 #include "base/file.h"
 #include "ibr/error.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
 

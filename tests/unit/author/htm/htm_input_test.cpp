@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "author/htm/htm_settings.h"
 #include "ibr/author/htm.h"
 #include "io/image_file.h"
 #include "support/contents_below.h"

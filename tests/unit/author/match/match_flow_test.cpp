@@ -9,7 +9,7 @@
 #include "author/features/features.h"
 #include "author/match/mesh_warp.h"
 #include "author/mesh/mesh.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

@@ -11,7 +11,7 @@
 #include "author/match/track_mesh.h"
 #include "author/mesh/mesh.h"
 #include "author/sweep/homographies.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

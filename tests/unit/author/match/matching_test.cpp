@@ -15,7 +15,7 @@
 #include "author/sweep/sgm.h"
 #include "author/sweep/visibility.h"
 #include "ibr/error.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

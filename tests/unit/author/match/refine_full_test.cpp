@@ -9,8 +9,8 @@
 
 #include "author/geometry/posed_model.h"
 #include "author/match/vertices.h"
-#include "author/pixels/resize.h"
-#include "scene/synth/synthetic.h"
+#include "ibr/author/photographs.h"
+#include "lab/generate/synthetic.h"
 
 using namespace ibr;
 

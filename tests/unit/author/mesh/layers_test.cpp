@@ -12,7 +12,7 @@
 #include "author/geometry/orientation.h"
 #include "author/match/match.h"
 #include "author/mesh/mesh.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

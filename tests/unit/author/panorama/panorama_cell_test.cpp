@@ -14,7 +14,7 @@
 #include "author/cgal/delaunay.h"
 #include "author/panorama/panorama_faces.h"
 #include "ibr/metrics.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 
 using namespace ibr;
 

@@ -6,9 +6,9 @@
 
 #include "author/build/build_input.h"
 #include "author/photographs/photographs.h"
-#include "author/photographs/picture_folder.h"
 #include "base/file.h"
 #include "ibr/author/build.h"
+#include "ibr/author/photographs.h"
 #include "io/image_file.h"
 #include "support/court_photographs.h"
 #include "support/error_of.h"

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "author/geometry/similarity.h"
 #include "author/poses/bundle_residual.h"
+#include "ibr/author/poses.h"
 #include "support/pose_noise.h"
 #include "support/posed_rig.h"
 

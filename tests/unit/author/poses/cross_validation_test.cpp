@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "author/geometry/similarity.h"
+#include "ibr/author/poses.h"
 #include "support/pose_noise.h"
 #include "support/posed_rig.h"
 

@@ -12,7 +12,7 @@
 #include "author/geometry/posed_model.h"
 #include "author/match/match.h"
 #include "author/match/ranges.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

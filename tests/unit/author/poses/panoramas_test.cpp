@@ -10,7 +10,7 @@
 #include "ibr/author/build.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/poses/resect.h"
+#include "ibr/author/poses.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
 
-#include "author/geometry/similarity.h"
 #include "support/pose_noise.h"
 #include "support/posed_rig.h"
 

@@ -8,7 +8,7 @@
 #include "author/sweep/dominant_planes.h"
 #include "author/sweep/plane_sweep.h"
 #include "author/sweep/sgm.h"
-#include "scene/synth/synthetic.h"
+#include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/vulkan/buffer.h"
+
+#include <cassert>
+
+#include "base/check.h"
+#include "base/vulkan/debug.h"
+
+namespace ibr {
+namespace {
+
+VkDeviceSize largestBuffer(const Device& device) {
+  VkPhysicalDeviceVulkan13Properties properties13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                         .pNext = &properties13};
+  vkGetPhysicalDeviceProperties2(device.physicalDevice(), &properties);
+  return properties13.maxBufferSize;
+}
+
+}  // namespace
+
+Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage, MemoryKind kind,
+               std::string_view name)
+    : size_(size) {
+  assert(size > 0);
+  const VkDeviceSize largest = largestBuffer(device);
+  check(size <= largest, ErrorCode::outOfMemory, "{}: {} bytes, more than the {} that a buffer of {} can have", name,
+        size, largest, device.name());
+  const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+  buffer_ = make<BufferHandle>(device, vkCreateBuffer, info, "vkCreateBuffer");
+  nameObject(device, VK_OBJECT_TYPE_BUFFER, buffer_.get(), name);
+
+  VkMemoryRequirements requirements;
+  vkGetBufferMemoryRequirements(device.handle(), buffer_.get(), &requirements);
+  memory_ = allocate(device, requirements, kind, name);
+  allocated_ = requirements.size;
+  vk(vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0), "vkBindBufferMemory");
+  if (kind == MemoryKind::device) return;
+  void* data = nullptr;
+  vk(vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &data), "vkMapMemory");
+  mapped_ = {static_cast<std::byte*>(data), size};
+}
+
+}  // namespace ibr

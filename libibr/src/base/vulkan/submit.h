@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Submits work and waits for it.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <functional>
+#include <mutex>
+
+#include "base/vulkan/handle.h"
+#include "ibr/device.h"
+
+namespace ibr {
+
+/// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this
+/// lock.
+[[nodiscard]] std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex);
+
+/// vkDeviceWaitIdle, which uses the queue. Marks the device lost if the call reports that (Device::isLost).
+VkResult waitIdle(const Device& device);
+
+/// A reusable command buffer. The device must outlive the object.
+class Submission {
+ public:
+  explicit Submission(const Device& device);
+
+  /// Calls `record`, submits to the device's queue and waits for the end. Throws the exceptions of `record` (nothing is
+  /// submitted) and Error (deviceLost, outOfMemory); run() may be called again after either.
+  void run(const std::function<void(VkCommandBuffer)>& record);
+
+ private:
+  const Device* device_;
+  CommandPoolHandle pool_;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // allocated from pool_
+  FenceHandle fence_;
+};
+
+/// As Submission::run, once.
+void submitAndWait(const Device& device, const std::function<void(VkCommandBuffer)>& record);
+
+}  // namespace ibr
