@@ -65,7 +65,7 @@ class ForbiddenIncludes(unittest.TestCase):
         self.assertIn(f"{PAGE}: the row of apps/viewer/open names render/plan; programs use the public headers", faults)
 
     def test_programs_have_rows_too(self):
-        line = self.plant("apps/viewer/control/viewer.cpp", '"author/poses/read_poses.h"')
+        line = self.plant("apps/viewer/control/viewer.cpp", '"author/poses/colmap_program.h"')
         code, faults = self.check()
         self.assertEqual(code, 1)
         self.assertIn(f"apps/viewer/control/viewer.cpp:{line}: apps/viewer/control may not include author/poses", faults)

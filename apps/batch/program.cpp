@@ -111,8 +111,8 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
     const Declared* sub = chosen();
     const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
     return complain(name,
-                    fmt::format("{}\n{}: {} {}--help shows what there is",
-                                unknown ? fmt::format("'{}' is no command", argv[1]) : std::string(e.what()), name,
+                    fmt::format("{}\n{}: {} {}--help lists commands and options",
+                                unknown ? fmt::format("'{}' is not a command", argv[1]) : std::string(e.what()), name,
                                 name, sub ? sub->words + ' ' : std::string()),
                     kExitCommandLine);
   }

@@ -82,12 +82,12 @@ void showPlaces(Window& window, Interface& interface, Viewer& viewer, const Sess
       Session session(window, interface, viewer, options);
       session.run();
       if (session.validationMessages() > 0)
-        fail(ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages", session.validationMessages());
+        fail(ErrorCode::vulkan, "Vulkan's validation layers reported {} messages", session.validationMessages());
       return;
     } catch (const Error& e) {
       losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
       if (e.code() != ErrorCode::deviceLost || losses > 3) throw;
-      viewer.say(LogLevel::warning, std::string("The device was lost; everything is put there again. ") + e.what());
+      viewer.say(LogLevel::warning, std::string("the device was lost; the session restarts: ") + e.what());
     }
   }
 }

@@ -43,20 +43,20 @@ void Session::paste() {
   if (!place) return;
   const std::string text = window_.clipboard();
   if (text.find('{') == std::string::npos)
-    return viewer_.say(LogLevel::warning, "The clipboard holds no view; ctrl C copies one");
+    return viewer_.say(LogLevel::warning, "the clipboard contains no view; ctrl C copies one");
   try {
     const TextView view = viewOf(text);
     flyTo(place->walk, view.pose, view.fovY, 0);
     place->changed = true;
   } catch (const Error& e) {
-    viewer_.say(LogLevel::warning, std::string("The clipboard holds no view: ") + e.what());
+    viewer_.say(LogLevel::warning, std::string("the clipboard contains no view: ") + e.what());
   }
 }
 
 fs::path Session::saveRoute() {
   OpenItem* place = viewer_.place();
   if (!place || place->route.keys.empty()) {
-    viewer_.show("There is no path yet: K puts a key of it where the view is");
+    viewer_.show("the camera path has no keys; K adds one at the current view");
     return {};
   }
   place->route.width = int(picture_->target().extent.width);
@@ -76,7 +76,7 @@ void Session::makeVideo() {
 
 void Session::takeScreenshot(const fs::path& file) {
   OpenItem* place = viewer_.place();
-  check(place && picture_, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
+  check(place && picture_, ErrorCode::invalidInput, "{}: no screenshot: no scene is open", file.string());
   vkDeviceWaitIdle(device_.handle());
   const VkExtent2D extent = picture_->target().extent;
   const Image8 image = drawnPlace()->picture(extent, frame_);
@@ -95,8 +95,8 @@ void Session::findOut() {
     if (const auto point = drawn->pointAt(extent, *pixel))
       place->walk.centre = point;
     else
-      viewer_.show(place->walk.centre ? "Nothing is known there: it goes round the point of before"
-                                      : "Nothing is known there to go round");
+      viewer_.show(place->walk.centre ? "no depth at this pixel: the orbit keeps its centre"
+                                      : "no depth at this pixel to orbit around");
   }
   if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent, device_.kind());
   if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {

@@ -218,7 +218,7 @@ bool Session::draw() {
   ++frame_;
   ++viewer_.frames;
   try {
-    check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "(for a test)");
+    check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "--lose-device");
     if (viewer_.frames == options_.loseSurfaceAtFrame) swapchain_.loseSurface();
     if (auto times = timers_[frame->slot]->read(); !times.empty()) {
       viewer_.history.addDevice(timed_[frame->slot], times);

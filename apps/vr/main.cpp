@@ -119,8 +119,7 @@ std::unique_ptr<Show> makeShow(Visit& visit) {
     } catch (const Error& e) {
       const bool waits = visit.losses > 0 && mayComeBack(e.code()) && Clock::now() - begun < kPatience;
       if (!waits || interrupted() || (visit.window && visit.window->closing())) throw;
-      if (!std::exchange(told, true))
-        visit.context.say(LogLevel::warning, "Waiting for the headset to come back. {}", e.what());
+      if (!std::exchange(told, true)) visit.context.say(LogLevel::warning, "waiting for the headset: {}", e.what());
       std::this_thread::sleep_for(std::chrono::seconds(1));
       if (visit.window) visit.window->handleEvents(0);
     }
@@ -140,7 +139,7 @@ void visitAll(Visit& visit) {
       losses = Clock::now() - begun < kLasting ? losses + 1 : 1;
       if (losses > kMostLosses) throw;
       ++visit.losses;
-      visit.context.say(LogLevel::warning, "The headset was lost; everything is set up again. {}", e.what());
+      visit.context.say(LogLevel::warning, "the headset was lost; the session restarts: {}", e.what());
     }
   }
 }
@@ -150,7 +149,7 @@ std::unique_ptr<Window> mirrorWindow(const Context& context) try {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return nullptr;
   return std::make_unique<Window>("ibr-vr", 800, 600);
 } catch (const Error& e) {
-  context.say(LogLevel::warning, "there is no mirror: {}", e.what());
+  context.say(LogLevel::warning, "no mirror window: {}", e.what());
   return nullptr;
 }
 
@@ -188,7 +187,7 @@ ExitCode run(int argc, char** argv) {
   const auto ends = parsed(app, argc, argv, [&] {
     checkOverlays(o.vr.settings);
     if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");
-    if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot wants --frames");
+    if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot requires --frames");
   });
   if (ends) return *ends;
   take(o);
@@ -212,11 +211,10 @@ ExitCode run(int argc, char** argv) {
     log.finish();
     throw;
   }
-  check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
+  check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers reported {} messages",
         visit.validationMessages.load());
   if (visit.keepScale())
-    context.say(LogLevel::info, "the scale came to --scale {:.4g}, which is kept for the next time",
-                unitsPerMetre(visit));
+    context.say(LogLevel::info, "the scale is now --scale {:.4g}, saved for the next run", unitsPerMetre(visit));
   context.report(report(visit, log.finish()));
   log.check();
   return interrupted() ? kExitInterrupted : kExitOk;

@@ -70,7 +70,7 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, VkFormat format, std::uin
   info.ImageCount = kept;
   info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   info.CheckVkResultFn = [](VkResult result) { vk(result, "drawing the interface"); };
-  check(ImGui_ImplVulkan_Init(&info, renderPass_.get()), ErrorCode::vulkan, "the interface cannot be drawn");
+  check(ImGui_ImplVulkan_Init(&info, renderPass_.get()), ErrorCode::vulkan, "cannot start Dear ImGui's Vulkan backend");
   submitAndWait(device, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
   ImGui_ImplVulkan_DestroyFontUploadObjects();
 }

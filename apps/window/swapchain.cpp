@@ -104,8 +104,7 @@ Swapchain::Format Swapchain::chosenFormat() const {
         if (format.format == shown && (anySpace || format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) &&
             (!options_.onlySrgb || isSrgb(shown)))
           return {rawFormat(shown), format};
-  fail(ErrorCode::unsupported, "the window takes none of the formats that pictures can be shown in, but {} others",
-       formats.size());
+  fail(ErrorCode::unsupported, "none of the window's {} surface formats is supported", formats.size());
 }
 
 // FIFO is the only mode that every surface supports.
@@ -125,7 +124,7 @@ void Swapchain::makeSurface() {
   VkBool32 shows = VK_FALSE;
   vk(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physicalDevice(), device_.queueFamily(), surface_->get(), &shows),
      "vkGetPhysicalDeviceSurfaceSupportKHR");
-  check(shows, ErrorCode::unsupported, "{} cannot show pictures in this window", device_.name());
+  check(shows, ErrorCode::unsupported, "{} cannot present to this window", device_.name());
   format_ = chosenFormat();
   lost_ = false;
 }
@@ -134,7 +133,7 @@ void Swapchain::makeSurface() {
 void Swapchain::replaceSurface() try {
   const VkFormat before = format_.drawn;
   makeSurface();
-  check(before == format_.drawn, ErrorCode::deviceLost, "the window has another format now");
+  check(before == format_.drawn, ErrorCode::deviceLost, "the window's surface format has changed");
 } catch (const Error& e) {
   fail(ErrorCode::deviceLost, "the window's surface was lost: {}", e.what());
 }
@@ -148,7 +147,7 @@ void Swapchain::drop() noexcept {
 // Returns true if `call` succeeded. Lost surfaces and outdated images are replaced by the next frame.
 bool Swapchain::goesOn(VkResult result, const char* call) {
   if (result == VK_ERROR_SURFACE_LOST_KHR) {
-    check(++losses_ <= kMostLosses, ErrorCode::deviceLost, "{}: the window's surface is lost again and again", call);
+    check(++losses_ <= kMostLosses, ErrorCode::deviceLost, "{}: the window's surface was lost repeatedly", call);
     lost_ = true;
   }
   outdated_ |= lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
@@ -168,7 +167,7 @@ void Swapchain::makeImages() {
   extent_ = extentOf(can, madeFor_);
   if (extent_.width == 0 || extent_.height == 0) return;
   check(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT, ErrorCode::unsupported,
-        "{} cannot copy pictures into this window", device_.name());
+        "{} cannot copy images to this window", device_.name());
   const std::uint32_t most = can.maxImageCount > 0 ? can.maxImageCount : std::numeric_limits<std::uint32_t>::max();
   const VkSwapchainCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
                                       .surface = surface_->get(),
@@ -196,7 +195,7 @@ void Swapchain::makeImages() {
                      .extent = extent_,
                      .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                               VK_IMAGE_USAGE_TRANSFER_DST_BIT},
-                    "the window's picture");
+                    "the window's image");
   images_ = std::move(images);
   outdated_ = false;
 }

@@ -16,7 +16,7 @@ namespace {
 std::string lastError() {
   const char* text = nullptr;
   glfwGetError(&text);
-  return text ? text : "for no reason that it gives";
+  return text ? text : "GLFW gives no reason";
 }
 
 Window& of(GLFWwindow* window) {
@@ -27,12 +27,12 @@ Window& of(GLFWwindow* window) {
 
 Window::Window(const std::string& title, int width, int height) {
   const bool begun = glfwInit() == GLFW_TRUE;  // first: the evaluation order of arguments is unspecified
-  check(begun, ErrorCode::unsupported, "no window can be opened: {}", lastError());
+  check(begun, ErrorCode::unsupported, "cannot open a window: {}", lastError());
   try {
-    check(glfwVulkanSupported() == GLFW_TRUE, ErrorCode::unsupported, "Vulkan cannot draw into windows here");
+    check(glfwVulkanSupported() == GLFW_TRUE, ErrorCode::unsupported, "Vulkan cannot draw to windows on this display");
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
-    check(window_, ErrorCode::unsupported, "no window can be opened: {}", lastError());
+    check(window_, ErrorCode::unsupported, "cannot open a window: {}", lastError());
   } catch (...) {
     glfwTerminate();
     throw;
@@ -76,7 +76,7 @@ Window::~Window() {
 std::vector<std::string> Window::instanceExtensions() {
   std::uint32_t count = 0;
   const char** names = glfwGetRequiredInstanceExtensions(&count);
-  check(names, ErrorCode::unsupported, "Vulkan cannot draw into windows here: {}", lastError());
+  check(names, ErrorCode::unsupported, "Vulkan cannot draw to windows on this display: {}", lastError());
   return {names, names + count};
 }
 

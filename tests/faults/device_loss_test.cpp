@@ -33,7 +33,7 @@ void expectLost(const char* what, Call call) {
 
 }  // namespace
 
-TEST_CASE("lost at any time, a device stays so for every call, and the scene comes back on a new one") {
+TEST_CASE("a device lost at any call stays lost, and the scene renders again on a new device") {
   const SmallPlace place;
   const DeviceOptions options{.validation = true, .log = testLog()};
   const FramePlan plan = place.plan({});

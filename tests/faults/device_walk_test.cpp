@@ -25,7 +25,7 @@ Device newDevice() {
 
 /// Prints the number of failed calls (libibr/docs/faults.md); shown with --success.
 void tell(const char* what, WalkedFaults walked) {
-  std::printf("%s: %d calls failed, %d made good\n", what, walked.failures, walked.madeGood);
+  std::printf("%s: %d calls failed, %d recovered\n", what, walked.failures, walked.madeGood);
 }
 
 template <class Call>
@@ -81,7 +81,7 @@ std::vector<Look> looks() {
 
 }  // namespace
 
-TEST_CASE("a scene is opened and shown, whichever call fails", "[P10]") {
+TEST_CASE("a scene can be opened and rendered after a failure of any Vulkan call", "[P10]") {
   const SmallPlace place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
@@ -92,7 +92,7 @@ TEST_CASE("a scene is opened and shown, whichever call fails", "[P10]") {
   CHECK(walked.failures > 60);
 }
 
-TEST_CASE("every pass is made and drawn, whichever call fails, and the scene stays") {
+TEST_CASE("every pass can be created and drawn after a failure of any Vulkan call") {
   const SmallPlace place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
@@ -105,7 +105,7 @@ TEST_CASE("every pass is made and drawn, whichever call fails, and the scene sta
   CHECK(walked.failures > 4);
 }
 
-TEST_CASE("buffers of a picture are made and read, whichever call fails") {
+TEST_CASE("buffers can be rendered and read after a failure of any Vulkan call") {
   const SmallPlace place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
@@ -125,7 +125,7 @@ TEST_CASE("buffers of a picture are made and read, whichever call fails") {
             .failures > 4);
 }
 
-TEST_CASE("a picture that cannot become larger stays as it was") {
+TEST_CASE("a failed resize leaves the previous renderer unchanged") {
   const SmallPlace place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
@@ -158,7 +158,7 @@ TEST_CASE("a picture that cannot become larger stays as it was") {
   CHECK(walked.failures > 8);
 }
 
-TEST_CASE("photographs are streamed, whichever call fails, and arrive in the end") {
+TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
   const SmallPlace place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
@@ -189,7 +189,7 @@ TEST_CASE("photographs are streamed, whichever call fails, and arrive in the end
   CHECK(walked.failures > 30);
 }
 
-TEST_CASE("a budget holds in bytes that are allocated, staging apart", "[P10]") {
+TEST_CASE("allocated bytes stay within the budget, staging excluded", "[P10]") {
   const SmallPlace place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
@@ -210,7 +210,7 @@ TEST_CASE("a budget holds in bytes that are allocated, staging apart", "[P10]") 
   CHECK(deviceMemory().bytes == before);
 }
 
-TEST_CASE("matches are aligned on a device, whichever call fails, or stay as they were") {
+TEST_CASE("matches are aligned on a device, or stay unchanged if any Vulkan call fails") {
   const auto method = GENERATE(AlignmentMethod::compute, AlignmentMethod::raster);
   const Device device = newDevice();
   if (!(method == AlignmentMethod::compute ? device.supportsInt64() : device.supportsInt64Atomics())) return;
@@ -234,7 +234,7 @@ TEST_CASE("matches are aligned on a device, whichever call fails, or stay as the
   CHECK(walked.failures > 8);
 }
 
-TEST_CASE("a harmonised model is opened, shown and replaced, whichever call fails") {
+TEST_CASE("a harmonised model can be opened, rendered and replaced after a failure of any Vulkan call") {
   const auto method = GENERATE(HtmMethod::harmonised, HtmMethod::vertexColours);
   Device device = newDevice();
   const BumpyModel bumpy = bumpyModel({.cameras = 3, .width = 40, .height = 30, .longitudes = 8, .latitudes = 6});
@@ -260,7 +260,7 @@ TEST_CASE("a harmonised model is opened, shown and replaced, whichever call fail
             .failures > 20);
 }
 
-TEST_CASE("templates are searched, whichever call fails", "[P10]") {
+TEST_CASE("templates can be searched after a failure of any Vulkan call", "[P10]") {
   const Device device = newDevice();
   const Image8 picture = planted(2, 40, 2, 2.0, 11).pictures[0];
   std::vector<TemplateSample> samples;
@@ -277,12 +277,12 @@ TEST_CASE("templates are searched, whichever call fails", "[P10]") {
   CHECK(walked.failures > 20);
 }
 
-TEST_CASE("a device with a cache of pipelines is made whole or not at all") {
+TEST_CASE("a device with a pipeline cache is created completely or not at all") {
   const WalkedFaults walked = outOfMemory("device", [] { newDevice(); });
   CHECK(walked.failures >= 4);
 }
 
-TEST_CASE("an unknown fault of any call is Error{vulkan}, which names it") {
+TEST_CASE("an unknown fault of any Vulkan call throws Error{vulkan} that names the call") {
   const SmallPlace place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});

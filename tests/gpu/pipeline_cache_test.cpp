@@ -48,19 +48,19 @@ bool isWhole(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("compiled pipelines are kept in a file for the next device") {
+TEST_CASE("compiled pipelines are cached in a file for the next device") {
   const test::TemporaryFolder folder;
   const auto file = folder / "pipelines";
   const Told first = drawWith(file), second = drawWith(file);
-  CHECK_THAT(first.debug, !Contains("compiled pipelines"));
-  CHECK_THAT(second.debug, Contains(file.string()) && Contains("bytes of compiled pipelines"));
+  CHECK_THAT(first.debug, !Contains(file.string()));
+  CHECK_THAT(second.debug, Contains(file.string()));
   CHECK((first.warnings + second.warnings).empty());
   CHECK(isWhole(file));
   // Only the cache file remains.
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("a broken file of pipelines is ignored, told of and replaced") {
+TEST_CASE("a damaged pipeline cache file is reported, ignored and replaced") {
   const test::TemporaryFolder folder;
   const auto file = folder / "pipelines";
   drawWith(file);
@@ -78,13 +78,13 @@ TEST_CASE("a broken file of pipelines is ignored, told of and replaced") {
     writeFile(file, bytes);
     const Told told = drawWith(file);
     INFO(bytes.size() << " bytes");
-    CHECK_THAT(told.warnings, Contains(file.string()) && Contains("ignored"));
-    CHECK_THAT(told.debug, !Contains("compiled pipelines"));
+    CHECK_THAT(told.warnings, Contains(file.string()));
+    CHECK_THAT(told.debug, !Contains(file.string()));
     CHECK(isWhole(file));
   }
 }
 
-TEST_CASE("another device's pipelines are ignored") {
+TEST_CASE("a pipeline cache of another device is ignored") {
   const test::TemporaryFolder folder;
   const auto file = folder / "pipelines";
   drawWith(file);
@@ -96,18 +96,18 @@ TEST_CASE("another device's pipelines are ignored") {
     writeFile(file, packedPipelineCache(data));
     const Told told = drawWith(file);
     INFO("byte " << at);
-    CHECK_THAT(told.info, Contains("another device or driver"));
-    CHECK_THAT(told.debug, !Contains("compiled pipelines"));
+    CHECK_THAT(told.info, Contains(file.string()));
+    CHECK_THAT(told.debug, !Contains(file.string()));
     CHECK(told.warnings.empty());
-    CHECK_THAT(drawWith(file).debug, Contains("compiled pipelines"));
+    CHECK_THAT(drawWith(file).debug, Contains(file.string()));
   }
 }
 
-TEST_CASE("a place where no pipelines can be kept is told of") {
+TEST_CASE("a pipeline cache file that cannot be written is reported") {
   const test::TemporaryFolder folder;
-  CHECK_THAT(drawWith(folder / "none" / "pipelines").warnings, Contains("cannot be written"));
+  CHECK_THAT(drawWith(folder / "none" / "pipelines").warnings, Contains((folder / "none").string()));
   CHECK_FALSE(std::filesystem::exists(folder / "none"));
-  CHECK_THAT(drawWith(folder.path()).warnings, Contains("is not a regular file"));
+  CHECK_THAT(drawWith(folder.path()).warnings, Contains(folder.path().string()));
   // An exception from the log callback during destruction of the device is ignored.
   const Device device = Device::create({.log =
                                             [](LogLevel level, std::string_view) {
@@ -116,7 +116,7 @@ TEST_CASE("a place where no pipelines can be kept is told of") {
                                         .pipelineCache = folder / "none" / "pipelines"});
 }
 
-TEST_CASE("an adopted device makes pipelines with its maker's cache, or with none") {
+TEST_CASE("an adopted device uses the pipeline cache of its creator, or none") {
   const test::HandmadeDevice handmade;
   DeviceHandles handles = handmade.handles();
   CHECK(Device::adopt(handles).pipelineCache() == VK_NULL_HANDLE);

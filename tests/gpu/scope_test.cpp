@@ -21,7 +21,7 @@ bool hasTimestamps() {
 
 }  // namespace
 
-TEST_CASE("scopes nest, and none lasts longer than the one around it") {
+TEST_CASE("scopes nest, and no scope lasts longer than its parent") {
   if (!hasTimestamps()) return;
   const Buffer buffer(testDevice(), 1 << 20, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "filled");
   ScopeTimer timer(testDevice(), 8);
@@ -74,7 +74,7 @@ TEST_CASE("scopes work inside the canvas' pass") {
   CHECK(times[1].milliseconds <= times[0].milliseconds + 1e-6);
 }
 
-TEST_CASE("scopes beyond the room there is are not timed, and disturb none that is") {
+TEST_CASE("scopes beyond the capacity are not timed and leave the other times correct") {
   if (!hasTimestamps()) return;
   ScopeTimer timer(testDevice(), 2);
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
@@ -90,14 +90,14 @@ TEST_CASE("scopes beyond the room there is are not timed, and disturb none that 
   CHECK(times[1].name == "b");
 }
 
-TEST_CASE("what was not submitted has no time") {
+TEST_CASE("scopes that were not submitted have no time") {
   ScopeTimer timer(testDevice(), 2);
   CHECK(timer.read().empty());
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) { timer.reset(commands); });
   CHECK(timer.read().empty());
 }
 
-TEST_CASE("without room, without a timer, moved: scopes still record") {
+TEST_CASE("scopes record with a moved timer of capacity 0 and without a timer") {
   ScopeTimer labels(testDevice(), 0);
   ScopeTimer moved = std::move(labels);
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) {

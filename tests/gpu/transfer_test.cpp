@@ -53,7 +53,7 @@ Bytes read(const GpuImage& image, VkExtent2D extent, std::uint32_t bytesPerPixel
 
 }  // namespace
 
-TEST_CASE("mapped buffers hold what is written, others are not mapped") {
+TEST_CASE("host buffers are mapped and keep written bytes, device buffers are not mapped") {
   const auto size = GENERATE(VkDeviceSize(1), 3, 4096, 100001);
   const Buffer upload(testDevice(), size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload, "upload");
   const Buffer readback(testDevice(), size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "readback");
@@ -75,7 +75,7 @@ TEST_CASE("mapped buffers hold what is written, others are not mapped") {
   CHECK(Bytes(readback.mapped().begin(), readback.mapped().end()) == bytes);
 }
 
-TEST_CASE("a part of a buffer is replaced, the rest stays") {
+TEST_CASE("replacing a part of a buffer keeps the rest") {
   const Buffer buffer = deviceBuffer(1000);
   Bytes expected = pattern(1000, 1);
   uploadBuffer(testDevice(), buffer, 0, expected);
@@ -86,7 +86,7 @@ TEST_CASE("a part of a buffer is replaced, the rest stays") {
   CHECK(readBuffer(testDevice(), buffer) == expected);
 }
 
-TEST_CASE("uploads larger than the staging buffer arrive whole") {
+TEST_CASE("uploads larger than the staging buffer arrive completely") {
   const Bytes bytes = pattern((std::size_t(5) << 20) + 13, 3);
   const Buffer buffer = deviceBuffer(bytes.size());
   const VkExtent2D extent{701, 1001};  // 2.7 MiB: three pieces, none of a divisor's size
@@ -100,7 +100,7 @@ TEST_CASE("uploads larger than the staging buffer arrive whole") {
   CHECK(read(image, extent, 4) == pixels);
 }
 
-TEST_CASE("images of odd sizes and formats come back as they were") {
+TEST_CASE("images of odd sizes and formats are unchanged after upload and readback") {
   struct Case {
     VkFormat format;
     std::uint32_t bytesPerPixel;
@@ -119,7 +119,7 @@ TEST_CASE("images of odd sizes and formats come back as they were") {
   CHECK(read(image, {1, 1}, bytesPerPixel) == Bytes(bytes.begin(), bytes.begin() + bytesPerPixel));
 }
 
-TEST_CASE("every level of every layer is its own") {
+TEST_CASE("every mip level of every layer is stored separately") {
   const VkExtent2D extent{13, 6};
   const std::uint32_t layers = 3, levels = 4;
   const GpuImage image = texture(VK_FORMAT_R8G8B8A8_UNORM, extent, layers, levels);
@@ -140,7 +140,7 @@ TEST_CASE("every level of every layer is its own") {
       for (std::uint32_t level = 0; level < levels; ++level)
         CHECK(read(image, levelExtent(level), 4, layer, level) == levelBytes(layer, level, 0));
   }
-  SECTION("one replaced, twice in a batch: the last counts, the others stay") {
+  SECTION("a mip level replaced twice in a batch has the last content") {
     uploader.image(image, 1, 0, levelExtent(0), levelBytes(1, 0, 100));
     uploader.image(image, 1, 0, levelExtent(0), levelBytes(1, 0, 200));
     uploader.flush();
@@ -150,7 +150,7 @@ TEST_CASE("every level of every layer is its own") {
   }
 }
 
-TEST_CASE("levels that were never uploaded need no preparation") {
+TEST_CASE("one layer can be uploaded without its other layers and mip levels") {
   const GpuImage image = texture(VK_FORMAT_R8_UNORM, {4, 4}, 8, 3);
   const Bytes bytes = pattern(16, 6);
   Uploader uploader(testDevice());
@@ -159,7 +159,7 @@ TEST_CASE("levels that were never uploaded need no preparation") {
   CHECK(read(image, {4, 4}, 1, 5) == bytes);
 }
 
-TEST_CASE("overlapping pieces of one batch are written in order") {
+TEST_CASE("overlapping uploads of one batch are written in order") {
   const Buffer buffer = deviceBuffer(64);
   Uploader uploader(testDevice());
   Bytes expected(64);
@@ -198,14 +198,14 @@ TEST_CASE("uploads wait for reads that were submitted earlier") {
   CHECK(read(image, {64, 64}, 1) == after);
 }
 
-TEST_CASE("nothing to upload is nothing to do") {
+TEST_CASE("an empty upload is allowed") {
   Uploader uploader(testDevice());
   uploader.flush();
   uploader.buffer(deviceBuffer(4), 4, {});
   uploader.flush();
 }
 
-TEST_CASE("buffers and images move") {
+TEST_CASE("buffers and images can be moved") {
   const Bytes bytes = pattern(64, 7);
   Buffer a = deviceBuffer(64);
   uploadBuffer(testDevice(), a, 0, bytes);

@@ -72,7 +72,7 @@ const SyntheticScene& richPlace() {
 
 }  // namespace
 
-TEST_CASE("buffers are the twin's") {
+TEST_CASE("buffers equal the reference implementation") {
   const Stage stage(testDevice(), richPlace());
   const Recorder recorder(stage);
   for (const BlendMode blend : {BlendMode::blend, BlendMode::dither}) {
@@ -115,7 +115,7 @@ TEST_CASE("buffers are the twin's") {
   }
 }
 
-TEST_CASE("nothing that is not finite reaches a target, wherever one stands and however it is drawn", "[P4]") {
+TEST_CASE("targets receive finite values from any position and with any settings", "[P4]") {
   const Stage stage(testDevice(), richPlace());
   const Recorder recorder(stage);
   std::vector<Camera> views = {cameraAt({0.6, 0.4, 0.2}, 0.1),
@@ -140,7 +140,7 @@ TEST_CASE("nothing that is not finite reaches a target, wherever one stands and 
   CHECK(drawn > views.size() * 320);  // a sixth of all pixels
 }
 
-TEST_CASE("at a photograph's pose: its mesh's depth, its weight alone, no spread") {
+TEST_CASE("at a photograph's pose buffers have its depth, its weight of 1 and no spread") {
   const Stage stage(testDevice(), richPlace());
   const Recorder recorder(stage);
   for (std::size_t i : {0u, 1u, 3u}) {
@@ -172,7 +172,7 @@ TEST_CASE("at a photograph's pose: its mesh's depth, its weight alone, no spread
   }
 }
 
-TEST_CASE("tiers are those of the picture's alpha, in either order, dissolving cells included") {
+TEST_CASE("tiers equal the image's alpha in both draw orders, dissolving cells included") {
   const Stage stage(testDevice(), richPlace());
   const Recorder recorder(stage);
   for (const DrawOrder order : {DrawOrder::ours, DrawOrder::paper})
@@ -194,7 +194,7 @@ TEST_CASE("tiers are those of the picture's alpha, in either order, dissolving c
     }
 }
 
-TEST_CASE("buffers leave the picture alone, may share its command buffer, and know a point at infinity") {
+TEST_CASE("buffers do not change the image of the same command buffer and have infinite depth") {
   SyntheticOptions options = place(2);
   options.atInfinity = true;
   const Stage stage(testDevice(), makeScene(options));
@@ -218,7 +218,7 @@ TEST_CASE("buffers leave the picture alone, may share its command buffer, and kn
   }
 }
 
-TEST_CASE("buffers have their targets' size, whatever size the cells are drawn in") {
+TEST_CASE("buffers have the size of their targets at any render scale") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings;
   settings.renderScale = 0.5;
@@ -240,7 +240,7 @@ TEST_CASE("buffers have their targets' size, whatever size the cells are drawn i
             .surface);
 }
 
-TEST_CASE("who does not ask pays nothing; who asks is told") {
+TEST_CASE("buffers and overlays are counted only if requested") {
   const Stage stage(testDevice(), richPlace());
   const FramePlan plan = stage.plan(cameraAt({0.6, 0.4, 0.2}, 0.1), withTiers());
   const auto counters = [&](RendererOptions options) {

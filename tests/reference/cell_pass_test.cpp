@@ -7,7 +7,7 @@
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("the cell pass shows what its twin computes", "[P9]") {
+TEST_CASE("the cell pass equals the reference implementation", "[P9]") {
   for (std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), makeScene(place(members)));
     for (BlendMode blend : {BlendMode::blend, BlendMode::dither})
@@ -22,7 +22,7 @@ TEST_CASE("the cell pass shows what its twin computes", "[P9]") {
   }
 }
 
-TEST_CASE("views with odd sizes, wide angles and off-centre principal points", "[N6][P9]") {
+TEST_CASE("the cell pass draws odd sizes, wide angles and off-centre principal points", "[N6][P9]") {
   const Stage stage(testDevice(), makeScene(place(3)));
   Camera view = cameraAt({0.4, 0.3, 0}, 0, 0, 333, 201, 1.9);
   compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
@@ -31,7 +31,7 @@ TEST_CASE("views with odd sizes, wide angles and off-centre principal points", "
   compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
 }
 
-TEST_CASE("several cells with rejected triangles: rank decides between cells, depth inside one") {
+TEST_CASE("cells with rejected triangles: rank decides between cells, depth within a cell") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   SyntheticScene place = makeScene(options);
@@ -46,7 +46,7 @@ TEST_CASE("several cells with rejected triangles: rank decides between cells, de
   compareWithTwin(stage, stage.plan(view, withTiers()));
 }
 
-TEST_CASE("cells that dissolve, mixed blending") {
+TEST_CASE("dissolving cells with mixed blending equal the reference implementation") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {0, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -64,7 +64,7 @@ TEST_CASE("cells that dissolve, mixed blending") {
   CHECK(stage.render(plan) != stage.render(view, settings));
 }
 
-TEST_CASE("cells that are moved so that they agree") {
+TEST_CASE("aligned cells equal the reference implementation") {
   SyntheticScene place = twoCells();
   glm::dquat& rotation = place.scene.nodes[3].camera.pose.rotation;
   rotation = glm::angleAxis(0.02, glm::normalize(glm::dvec3(0.3, 1, 0.2))) * rotation;
@@ -79,7 +79,7 @@ TEST_CASE("cells that are moved so that they agree") {
   CHECK_FALSE((stage.render(plan).values == stage.render(view, withTiers()).values));
 }
 
-TEST_CASE("a cell that fades lets what is behind it through") {
+TEST_CASE("a half transparent cell shows half of the pixels behind it") {
   SyntheticScene place = twoCells();
   for (std::uint8_t& level : place.photographs[0].values) level = std::uint8_t(level / 2);  // of the first cell only
   const Stage stage(testDevice(), place);
@@ -109,7 +109,7 @@ TEST_CASE("a cell that fades lets what is behind it through") {
   CHECK(double(fromFront) / double(differ) == Approx(0.5).margin(0.1));
 }
 
-TEST_CASE("while a switch is mixed both orders show") {
+TEST_CASE("a cross-fade of a switch shows both draw orders") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -122,7 +122,7 @@ TEST_CASE("while a switch is mixed both orders show") {
   compareWithTwin(stage, plan);
 }
 
-TEST_CASE("where the order before a switch shows nothing, the new one is there at once") {
+TEST_CASE("the new draw order is shown at once where the previous order shows nothing") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -135,7 +135,7 @@ TEST_CASE("where the order before a switch shows nothing, the new one is there a
   compareWithTwin(stage, mixing);
 }
 
-TEST_CASE("cells that leave are drawn where they were") {
+TEST_CASE("cells that fade out are drawn at their previous rank") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -149,7 +149,7 @@ TEST_CASE("cells that leave are drawn where they were") {
   CHECK(stage.render(plan) != stage.render(without));
 }
 
-TEST_CASE("a renderer without room for the order before a switch cuts") {
+TEST_CASE("a renderer without a second canvas does not cross-fade") {
   const Stage stage(testDevice(), makeScene(place(3)));  // one cell, so that no main cell switch can occur
   const SceneBounds bounds = sceneBounds(stage.scene());
   const PlanState state = planFrame(stage.scene(), bounds, {{cameraAt({0.3, 0.2, 0.0})}, withTiers(), 0.05}).next;
@@ -160,7 +160,7 @@ TEST_CASE("a renderer without room for the order before a switch cuts") {
   CHECK(picture.pixel(160, 60)[3] == 0);
 }
 
-TEST_CASE("both views of a stereo plan show what the twin computes, and what each would show alone") {
+TEST_CASE("both views of a stereo plan equal their single views") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera left = cameraAt({0.37, 0.25, 0.1}), right = cameraAt({0.43, 0.25, 0.1});
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {{left, right}, withTiers()});

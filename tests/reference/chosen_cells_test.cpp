@@ -38,7 +38,7 @@ Camera view() {
 
 }  // namespace
 
-TEST_CASE("muting a cell shows what a scene without it shows") {
+TEST_CASE("a scene with a muted cell equals the scene without the cell") {
   const Stage whole(testDevice(), threeCells());
   for (const ColourMapping mapping : {ColourMapping::off, ColourMapping::ours}) {
     RenderSettings settings = withTiers();
@@ -56,7 +56,7 @@ TEST_CASE("muting a cell shows what a scene without it shows") {
   }
 }
 
-TEST_CASE("cells drawn alone are a scene of these") {
+TEST_CASE("solo cells equal a scene of only these cells") {
   const Stage whole(testDevice(), threeCells());
   const RenderSettings settings = withTiers();
   const auto soloed = [&](std::vector<std::uint32_t> cells, std::vector<std::uint32_t> muted = {}) {

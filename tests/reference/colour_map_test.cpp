@@ -187,7 +187,7 @@ std::vector<reference::CellTable> identities(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped back", "[N9]") {
+TEST_CASE("tables of the proxy equal the reference implementation and undo planted exposures", "[N9]") {
   Passes passes(exposures(kPlanted));
   for (int proxy : {1, 2, 4})
     for (ColourTable method : {ColourTable::naive, ColourTable::strict, ColourTable::preserving})
@@ -210,7 +210,7 @@ TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped b
       }
 }
 
-TEST_CASE("a proxy is sampled at the picture's detail") {
+TEST_CASE("the proxy samples texture at the detail of the full image") {
   // Decimated pixels keep the spread of levels; averaged pixels would not.
   Passes passes(exposures({{1, 1}}));
   RenderSettings settings = mapped(ColourMapping::ours);
@@ -236,7 +236,7 @@ TEST_CASE("a proxy is sampled at the picture's detail") {
   CHECK(spread(8) == Approx(spread(1)).epsilon(0.1));
 }
 
-TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, and the same picture", "[N9][T17]") {
+TEST_CASE("our colour mapping and the paper's two methods give the same tables and image", "[N9][T17]") {
   Passes passes(exposures(kPlanted), 64);
   for (double samples : {1.0, 0.5})
     for (ColourTable method : {ColourTable::naive, ColourTable::preserving}) {
@@ -263,7 +263,7 @@ TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, an
     }
 }
 
-TEST_CASE("rejected triangles are neither drawn nor counted, in all three ways") {
+TEST_CASE("rejected triangles are neither drawn nor counted by any mapping method") {
   SyntheticScene place = exposures(kPlanted), without = place;
   for (std::size_t c = 0; c < place.scene.cells.size(); ++c) {
     MorphMesh &mesh = place.scene.cells[c].mesh, &rest = without.scene.cells[c].mesh;
@@ -285,7 +285,7 @@ TEST_CASE("rejected triangles are neither drawn nor counted, in all three ways")
   }
 }
 
-TEST_CASE("cells without any agreeing triangle keep the identity, and pictures too small for tiles are drawn") {
+TEST_CASE("cells without an accepted triangle keep the identity table, and tiny images are drawn") {
   SyntheticScene place = exposures(kPlanted);
   for (std::uint8_t& tier : place.scene.cells[1].mesh.tier) tier = kTierRejected;
   Passes passes(place);
@@ -300,7 +300,7 @@ TEST_CASE("cells without any agreeing triangle keep the identity, and pictures t
   }
 }
 
-TEST_CASE("whole frames: the seam goes, the main cell stays, a photograph comes back") {
+TEST_CASE("colour mapping removes seams between cells and keeps photographs of the main cell") {
   const Stage stage(testDevice(), exposures(kPlanted));
   RenderSettings settings = mapped(ColourMapping::ours);
   settings.colourProxy = 2;
@@ -322,7 +322,7 @@ TEST_CASE("whole frames: the seam goes, the main cell stays, a photograph comes 
   }
 }
 
-TEST_CASE("a still camera shows the same picture again and again, once tables have come to rest", "[P3]") {
+TEST_CASE("a still camera repeats the same image once colour tables have converged", "[P3]") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
@@ -352,7 +352,7 @@ TEST_CASE("a still camera shows the same picture again and again, once tables ha
   }
 }
 
-TEST_CASE("on a switch of the main cell no picture differs much from the one before") {
+TEST_CASE("a switch of the main cell changes the mean colour of an image only a little") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
@@ -395,7 +395,7 @@ TEST_CASE("on a switch of the main cell no picture differs much from the one bef
   CHECK(largest < 1.5);
 }
 
-TEST_CASE("two views share one table, whichever way") {
+TEST_CASE("two views share colour tables in all mapping methods") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
@@ -412,7 +412,7 @@ TEST_CASE("two views share one table, whichever way") {
   }
 }
 
-TEST_CASE("where all photographs agree, mapping changes next to nothing") {
+TEST_CASE("colour mapping barely changes photographs of equal exposure") {
   const Stage stage(testDevice(), exposures({{1, 1}, {1, 1}, {1, 1}}));
   const Camera view = middle(320, 240);
   RenderSettings settings = mapped(ColourMapping::ours);
@@ -420,7 +420,7 @@ TEST_CASE("where all photographs agree, mapping changes next to nothing") {
   CHECK(difference(stage.render(view, settings), stage.render(view), 2).meanAbsolute < 0.25);
 }
 
-TEST_CASE("colour mapping costs what it declares, and nothing where there is nothing to adapt to") {
+TEST_CASE("colour mapping has the counted cost, and none for a single cell") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});

@@ -140,7 +140,7 @@ reference::CellTable identity() {
 
 }  // namespace
 
-TEST_CASE("the device's tables are the twin's, bit for bit", "[N9][T16][P7]") {
+TEST_CASE("colour tables of the device equal the reference bit for bit", "[N9][T16][P7]") {
   for (int count : {1, 2, 3, 7, 12}) {
     Bench bench{std::uint32_t(count)};
     for (std::uint32_t method : {shader::kMapNaive, shader::kMapStrict, shader::kMapPreserving})
@@ -156,7 +156,7 @@ TEST_CASE("the device's tables are the twin's, bit for bit", "[N9][T16][P7]") {
   }
 }
 
-TEST_CASE("tables at the extremes: cells that miss each other, one level, no pixel, everything white", "[N9]") {
+TEST_CASE("colour tables are exact without overlap, with one level, no pixels, and all white", "[N9]") {
   Bench bench(4);
   std::vector<Image8> pictures = cellPictures(4, 3);
   pictures[1].values.assign(pictures[1].values.size(), 0);
@@ -173,7 +173,7 @@ TEST_CASE("tables at the extremes: cells that miss each other, one level, no pix
   }
 }
 
-TEST_CASE("all 64 cells, and nothing is written beside the histograms") {
+TEST_CASE("64 cells are counted, and nothing is written outside the histograms") {
   Bench bench(64);
   const std::vector<Image8> pictures = cellPictures(64, 21);
   shader::ColourFrame frame = frameOf(64);
@@ -191,7 +191,7 @@ TEST_CASE("all 64 cells, and nothing is written beside the histograms") {
   CHECK_FALSE(std::equal(before.begin(), before.begin() + std::ptrdiff_t(used), after.begin()));
 }
 
-TEST_CASE("a table goes to its target step by step, within the bound, and rests there") {
+TEST_CASE("a table approaches its target in bounded steps and stays there") {
   Bench bench(3);
   const std::vector<Image8> before = cellPictures(3, 31), after = cellPictures(3, 32);
   shader::ColourFrame frame = frameOf(3);
@@ -214,15 +214,15 @@ TEST_CASE("a table goes to its target step by step, within the bound, and rests 
   CHECK(shown == target);
   CHECK(frames > 4);
 
-  SECTION("a frame that is not measured stays on its way") {
+  SECTION("a frame without measurement keeps its target") {
     frame.measured = 0;
     CHECK(bench.run(before, frame) == target);
   }
-  SECTION("time that stands still moves nothing") {
+  SECTION("zero time step keeps tables") {
     frame.share = 0;
     CHECK(bench.run(before, frame) == target);
   }
-  SECTION("a frame recorded for other cells and never submitted leaves nothing behind") {
+  SECTION("an unsubmitted frame of other cells has no effect") {
     shader::ColourFrame other = frame;
     for (std::uint32_t k = 0; k < 3; ++k) other.owner[k] = 200 + k;
     const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
@@ -245,7 +245,7 @@ TEST_CASE("a table goes to its target step by step, within the bound, and rests 
   }
 }
 
-TEST_CASE("the main cell's table goes to the identity in equal steps from what is shown") {
+TEST_CASE("the main cell's table approaches the identity in equal steps") {
   Bench bench(2);
   const std::vector<Image8> pictures = cellPictures(2, 41);
   shader::ColourFrame frame = frameOf(2);

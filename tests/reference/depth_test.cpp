@@ -44,7 +44,7 @@ std::vector<float> depthOf(const Stage& stage, const FramePlan& plan, DepthTarge
 
 }  // namespace
 
-TEST_CASE("depth is that of the scene, in the caller's convention; what is empty is far") {
+TEST_CASE("depth equals the scene's in the caller's convention, and empty pixels are far") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -82,7 +82,7 @@ TEST_CASE("depth is that of the scene, in the caller's convention; what is empty
   }
 }
 
-TEST_CASE("a scene at infinity is far, and so is the paper's order") {
+TEST_CASE("a scene at infinity and the paper's draw order have far depth") {
   SyntheticOptions options = place(2);
   options.atInfinity = true;
   const Stage stage(testDevice(), makeScene(options));
@@ -94,7 +94,7 @@ TEST_CASE("a scene at infinity is far, and so is the paper's order") {
   }
 }
 
-TEST_CASE("overlays leave the caller's depth as it is, but where overlaps are counted all is far") {
+TEST_CASE("overlays keep the caller's depth, but counted overlaps have far depth") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera view = cameraAt({0.45, 0.3, 0.2}, 0.05);
   RenderSettings settings = withTiers();

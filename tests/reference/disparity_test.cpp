@@ -178,7 +178,7 @@ SyntheticOptions corridor(glm::dvec3 origin) {
 
 }  // namespace
 
-TEST_CASE("what both eyes see is displaced as its depth demands, to half a pixel, everywhere") {
+TEST_CASE("stereo disparity of both eyes matches depth to half a pixel") {
   struct Row {
     const char* name;
     glm::dvec3 head;

@@ -41,7 +41,7 @@ double meanDifference(const Image8& a, const Image8& b) {
 
 }  // namespace
 
-TEST_CASE("photographs with gains show what the twin computes") {
+TEST_CASE("photographs with gains equal the reference implementation") {
   for (const std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), withGains(makeScene(place(members))));
     for (const BlendMode blend : {BlendMode::blend, BlendMode::dither, BlendMode::mixed})
@@ -55,7 +55,7 @@ TEST_CASE("photographs with gains show what the twin computes") {
   }
 }
 
-TEST_CASE("photographs of several cells have their gains too") {
+TEST_CASE("photographs with gains in several cells equal the reference implementation") {
   SyntheticScene made = withGains(twoCells());
   for (Cell& cell : made.scene.cells) {  // holes that show the second cell
     MorphMesh& mesh = cell.mesh;
@@ -67,7 +67,7 @@ TEST_CASE("photographs of several cells have their gains too") {
   compareWithTwin(stage, stage.plan(cameraAt({0.45, 0.3, 0.2}, 0.02), settings));
 }
 
-TEST_CASE("gains of 1 and gains that are not shown change no bit") {
+TEST_CASE("gains of 1 and disabled gains do not change the image") {
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
   const Stage plain(testDevice(), makeScene(place(3))), gained(testDevice(), withGains(makeScene(place(3))));
   RenderSettings off = withTiers();
@@ -82,7 +82,7 @@ TEST_CASE("gains of 1 and gains that are not shown change no bit") {
   CHECK(gained.render(view, off) == picture);  // rendered by the shader variant that applies gains
 }
 
-TEST_CASE("at a photograph's pose the adapted picture is the photograph, whatever its gain") {
+TEST_CASE("at a photograph's pose the adapted image equals the photograph for any gain") {
   const Stage plain(testDevice(), makeScene(place(3))), gained(testDevice(), withGains(makeScene(place(3))));
   RenderSettings settings = withTiers();
   settings.exposure = Exposure::adapted;
@@ -92,7 +92,7 @@ TEST_CASE("at a photograph's pose the adapted picture is the photograph, whateve
           plain.render(plain.scene().nodes[n].camera, settings));
 }
 
-TEST_CASE("photographs of several exposures, with their gains, show what photographs of one exposure show") {
+TEST_CASE("photographs of several exposures with gains look like photographs of one exposure") {
   SyntheticScene one = makeScene(place(3));
   for (Image8& photograph : one.photographs) develop(photograph, glm::dvec3(0.4));  // leaves headroom for gains
   SyntheticScene several = one;
@@ -110,7 +110,7 @@ TEST_CASE("photographs of several exposures, with their gains, show what photogr
   CHECK(meanDifference(stageOfSeveral.render(view, off), right) > 2);
 }
 
-TEST_CASE("at a photograph's pose the scene's exposure is the mean one of its photographs: nothing is tinted") {
+TEST_CASE("at a photograph's pose the scene's exposure is the photographs' mean, without a colour cast") {
   // Exposures of the photographs. The solver's gains are their inverse, with a mean logarithm of 0.
   const glm::dvec3 taken[]{{0.4, 0.3, 0.5}, {0.2, 0.35, 0.3}, {0.3, 0.2, 0.25}};
   glm::dvec3 mean(0.0);

@@ -30,7 +30,7 @@ FillLevel<glm::dvec3> filled(const Image8& canvas) {
 
 }  // namespace
 
-TEST_CASE("empty pixels are filled as the twin fills them, and no others are touched") {
+TEST_CASE("holes are filled like in the reference implementation, and other pixels are unchanged") {
   const Stage stage(testDevice(), makeScene(place(3)));
   for (const Camera& view : {cameraAt({0.4, 0.25, 0.1}), cameraAt({0.4, 0.25, 0.1}, 0.4, 0, 333, 201),
                              cameraAt({0.2, 0.1, 0}, 0, 0, 64, 1), cameraAt({0.2, 0.1, 0}, 0, 0, 1, 64)}) {
@@ -56,7 +56,7 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
   }
 }
 
-TEST_CASE("nothing is filled where everything is known, or nothing") {
+TEST_CASE("filling an image without holes or without known pixels does nothing") {
   FillLevel<double> level(5, 3);
   CHECK_FALSE(ibr::reference::fill(level));
   CHECK(std::ranges::all_of(level.value, [](double value) { return value == 0; }));
@@ -69,7 +69,7 @@ TEST_CASE("nothing is filled where everything is known, or nothing") {
   CHECK(level.value[1] == 3);
 }
 
-TEST_CASE("what is hidden is filled with nothing and gives nothing to what is filled") {
+TEST_CASE("pixels of the hidden area are not filled and do not contribute to filled pixels") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.4);
   const auto rendered = [&](int maxTier) {
@@ -101,7 +101,7 @@ TEST_CASE("what is hidden is filled with nothing and gives nothing to what is fi
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a picture with nothing in it shows the background") {
+TEST_CASE("an empty image shows the background") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings = withTiers();
   settings.maxTier = kTierFilled;
@@ -112,7 +112,7 @@ TEST_CASE("a picture with nothing in it shows the background") {
   CHECK(picture.pixel(10, 10)[3] == 0);
 }
 
-TEST_CASE("a frame costs what it declares") {
+TEST_CASE("a frame has the counted cost") {
   SyntheticOptions two = place(3);
   two.cells = {{0, 1, 2}, {2, 1, 0}};
   const Stage stage(testDevice(), makeScene(two));

@@ -38,7 +38,7 @@ double supersampled(const Floor& plane, const Camera& view, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("the floor is a grid at its height, filtered, faded, and the same from either eye") {
+TEST_CASE("the floor is a filtered, faded grid at its height from any eye position") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings;
   settings.floor = Floor{.height = -1.5, .spacing = 0.75, .fadeRadius = 9};
@@ -65,7 +65,7 @@ TEST_CASE("the floor is a grid at its height, filtered, faded, and the same from
   }
 }
 
-TEST_CASE("the floor is drawn where nothing was photographed, over background and fill, and only when asked for") {
+TEST_CASE("the floor is drawn over background and filled holes, but not over photographs") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({0.4, 0.1, 0}, 0, -0.3);
   for (const int tiers : {int(kTierCompleted), int(kTierFilled)}) {

@@ -79,17 +79,17 @@ double largestDifference(const Image8& a, const Image8& b) {
 
 }  // namespace
 
-TEST_CASE("gather pass: a device draws what the reference implementation does", "[P9]") {
+TEST_CASE("gather pass: a device agrees with the reference implementation", "[P9]") {
   const OnDevice device(wall());
-  SECTION("as the defaults have it") {
+  SECTION("with default settings") {
     checkAgainstReference(wall(), device, wall().plan(kBetween));
   }
-  SECTION("from beside, behind and before the photographs") {
+  SECTION("from beside, behind and in front of the photographs") {
     for (const Camera& view : {cameraAt({-0.3, 0.1, 0.2}, -0.1, 0, 120, 96), cameraAt({0.2, 0.2, 0.8}, 0, 0, 120, 96),
                                cameraAt({0.3, 0, -1}, 0.1, 0, 120, 96, 1.4)})
       checkAgainstReference(wall(), device, wall().plan(view));
   }
-  SECTION("with other numbers of colours and surfaces, and other sizes of the vote") {
+  SECTION("with other gatherColours, gatherLayers and voteScale") {
     for (const std::uint32_t colours : {1u, 2u, 8u})
       for (const std::uint32_t layers : {1u, 2u})
         for (const double scale : {0.3, 1.0}) {
@@ -100,7 +100,7 @@ TEST_CASE("gather pass: a device draws what the reference implementation does", 
           checkAgainstReference(wall(), device, wall().plan(std::vector{kBetween}, settings));
         }
   }
-  SECTION("with photographs of little weight") {
+  SECTION("with photographs of small weight") {
     FramePlan plan = wall().plan(kBetween);
     plan.photographs[0].weight = 0.2;
     plan.photographs[2].weight = 0;
@@ -113,7 +113,7 @@ TEST_CASE("gather pass: a device draws what the reference implementation does", 
   }
 }
 
-TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown as the reference shows them", "[P9]") {
+TEST_CASE("gather pass: uncertain, disagreeing hypotheses agree with the reference implementation", "[P9]") {
   // Depths wave about the wall, inside the tolerance of about 0.05 and beyond. No vertex is opaque.
   for (const double wave : {0.03, 0.08}) {
     GatherOptions options = wallOptions();
@@ -138,7 +138,7 @@ TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown 
   }
 }
 
-TEST_CASE("gather pass: photographs of uncertain surfaces are read as coarsely as the reference reads them", "[P9]") {
+TEST_CASE("gather pass: mip levels of photographs for uncertain surfaces agree with the reference", "[P9]") {
   for (const float consensus : {0.0f, 0.1f, 0.3f}) {
     GatherOptions options = wallOptions();
     options.evidence = [&](std::size_t node, glm::dvec2 pixel) {
@@ -156,7 +156,7 @@ void invert(GatherStage& stage, std::size_t node) {
   stage.setPhotograph(node, std::move(negative));
 }
 
-TEST_CASE("gather pass: two surfaces are as certain, and hide as much, as the reference has it", "[P9]") {
+TEST_CASE("gather pass: certainty and occlusion of two surfaces agree with the reference implementation", "[P9]") {
   // One photograph with other colours has its own surface in front of or behind the surface of the others.
   const auto check = [](const Camera& view, double off, float consensus) {
     CAPTURE(view.pose.position.x, off, consensus);
@@ -190,7 +190,7 @@ TEST_CASE("gather pass: shares of the photographs that show a pixel sum to 1") {
   CHECK(shared > 1000);
 }
 
-TEST_CASE("gather pass: a vote's code keeps what it is made of") {
+TEST_CASE("gather pass: a vote's code preserves its components") {
   CHECK(shader::gatherIsHole(0));
   for (const bool first : {false, true})
     for (const bool second : {false, true})
@@ -208,7 +208,7 @@ TEST_CASE("gather pass: a vote's code keeps what it is made of") {
         }
 }
 
-TEST_CASE("gather pass: a vote's code keeps the spread to an eighth, from a thousandth on") {
+TEST_CASE("gather pass: a vote's code preserves spreads above a thousandth to an eighth") {
   const auto kept = [](float spread) {
     return shader::gatherSpread(std::uint32_t(shader::gatherCode(true, 1.0f, true, 1.0f, spread)));
   };
@@ -218,7 +218,7 @@ TEST_CASE("gather pass: a vote's code keeps the spread to an eighth, from a thou
   for (float spread = 0.001f; spread < 1; spread *= 1.01f) CHECK(kept(spread) == Approx(spread).epsilon(0.125));
 }
 
-TEST_CASE("gather pass: the deviation of a depth grows with the step, the spread and the colours'") {
+TEST_CASE("gather pass: the deviation of depth grows with step, spread and colour variance") {
   const float rho = 0.1f, step = 0.02f;
   const auto of = [&](float spread, float variance) { return shader::gatherSigma(0, rho, step, spread, variance); };
   CHECK(of(0, 0) == Approx(0.18f * step));
@@ -230,7 +230,7 @@ TEST_CASE("gather pass: the deviation of a depth grows with the step, the spread
   for (const int tier : {2, 3}) CHECK(shader::gatherSigma(tier, rho, step, 0, 0) == rho);
 }
 
-TEST_CASE("gather pass: deviations are those of the reference", "[P9]") {
+TEST_CASE("gather pass: deviations agree with the reference implementation", "[P9]") {
   GatherOptions options = wallOptions();
   options.inverseDepth = [](std::size_t node, glm::dvec2 pixel, double rho) {
     return rho * (1 + 0.2 * std::sin(pixel.x / 40 + 2.1 * double(node)));
@@ -277,7 +277,7 @@ TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9
   checkAgainstReference(stage, OnDevice(stage), plan);
 }
 
-TEST_CASE("gather pass: magnified photographs are filtered bicubically as the reference filters them", "[P9]") {
+TEST_CASE("gather pass: bicubic filtering of magnified photographs agrees with the reference", "[P9]") {
   for (const GatherOptions& options : {wallOptions(), roomOptions()}) {
     GatherStage stage = gatherStage(options);
     std::mt19937 random(5);
@@ -314,7 +314,7 @@ TEST_CASE("gather pass: gains and masks agree with the reference implementation"
   checkAgainstReference(stage, device, plan);
 }
 
-TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
+TEST_CASE("gather pass: at a photograph's pose the image equals the photograph, border included") {
   GatherOptions uncertain = wallOptions();
   uncertain.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
   for (const GatherStage& stage : {wall(), gatherStage(uncertain)}) {
@@ -327,7 +327,7 @@ TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
   }
 }
 
-TEST_CASE("gather pass: a photograph in blocks comes back within 1 dB of what its codec left") {
+TEST_CASE("gather pass: a compressed photograph is shown within 1 dB of its codec's quality") {
   if (!testDevice().supportsBlockCompression()) return;
   for (const TextureFormat format : {TextureFormat::bc7, TextureFormat::bc1}) {
     CAPTURE(textureFormatName(format));
@@ -342,7 +342,7 @@ TEST_CASE("gather pass: a photograph in blocks comes back within 1 dB of what it
   }
 }
 
-TEST_CASE("gather pass: two views at once are the same as one by one") {
+TEST_CASE("gather pass: two views at once equal two single views") {
   const OnDevice device(wall());
   const FramePlan both =
       wall().plan({cameraAt({0.2, 0.1, 0}, 0, 0, 120, 96), cameraAt({0.264, 0.1, 0}, 0, 0, 120, 96)});
@@ -358,7 +358,7 @@ TEST_CASE("gather pass: two views at once are the same as one by one") {
   CHECK(device.render(both, device.renderer(both, single)) == together);
 }
 
-TEST_CASE("gather pass: the order of the photographs changes no image") {
+TEST_CASE("gather pass: the order of the photographs does not change the image") {
   const OnDevice device(wall());
   FramePlan plan = wall().plan(kBetween);
   const Image8 image = device.image(plan);
@@ -366,7 +366,7 @@ TEST_CASE("gather pass: the order of the photographs changes no image") {
   CHECK(largestDifference(image, device.image(plan)) <= 1);
 }
 
-TEST_CASE("gather pass: a frame that is recorded again is the same, whatever was drawn between") {
+TEST_CASE("gather pass: a frame recorded again is the same after other frames") {
   const OnDevice device(wall());
   const FramePlan plan = wall().plan(kBetween), other = wall().plan(cameraAt({0.4, 0, 0.3}, 0.3, 0, 100, 100));
   RendererOptions wanted = optionsFor(plan.settings, {160, 120});
@@ -376,7 +376,7 @@ TEST_CASE("gather pass: a frame that is recorded again is the same, whatever was
   CHECK(device.render(plan, renderer) == first);
 }
 
-TEST_CASE("gather pass: under a budget the image is the same as soon as its photographs are there") {
+TEST_CASE("gather pass: with a budget the image is the same once its photographs are loaded") {
   const OnDevice whole(wall());
   const FramePlan plan = wall().plan(kBetween);
   const std::uint64_t all = whole.memory().sum();
@@ -397,7 +397,7 @@ TEST_CASE("gather pass: under a budget the image is the same as soon as its phot
   CHECK(psnr(image, whole.image(plan)) > 25);
 }
 
-TEST_CASE("gather pass: what a renderer counts is what it allocates for the gather, and nothing without it") {
+TEST_CASE("gather pass: memory of the gather is counted only with a gather") {
   const OnDevice device(wall());
   const FramePlan plan = wall().plan(kBetween);
   const Renderer gathers = device.renderer(plan);
@@ -411,7 +411,7 @@ TEST_CASE("gather pass: what a renderer counts is what it allocates for the gath
   CHECK(device.renderer(cells).count(cells).bytes.gather == 0);
 }
 
-TEST_CASE("gather pass: tiers beyond the lowest are not drawn") {
+TEST_CASE("gather pass: tiers beyond maxTier are not drawn") {
   GatherOptions options = wallOptions();
   options.evidence = [](std::size_t, glm::dvec2 pixel) { return pixel.x < 60 ? Evidence{0, 0.1f} : Evidence{}; };
   const GatherStage stage = gatherStage(options);
@@ -429,7 +429,7 @@ TEST_CASE("gather pass: tiers beyond the lowest are not drawn") {
   CHECK(left > 100);
 }
 
-TEST_CASE("gather pass: depth of a target is that of the nearest surface that hides what is behind") {
+TEST_CASE("gather pass: depth of a target is that of the nearest opaque surface") {
   const OnDevice device(wall());
   FramePlan plan = wall().plan(kBetween);
   plan.nearDistance = 0.5;
@@ -468,7 +468,7 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
   CHECK(depthOfTarget() == bytes);
 }
 
-TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as without it") {
+TEST_CASE("gather pass: the hidden area is not drawn, and other pixels are unchanged") {
   const OnDevice device(wall());
   const FramePlan plan = wall().plan(kBetween);
   RendererOptions wanted = optionsFor(plan.settings, {1, 1});
@@ -484,7 +484,7 @@ TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as wi
     }
 }
 
-TEST_CASE("gather pass: a view that moves by a thousandth of the spacing changes no tile by much") {
+TEST_CASE("gather pass: a camera step of a thousandth of the spacing changes each tile little") {
   const OnDevice device(wall());
   const double step = 0.0005;  // camera step relative to a spacing of half a unit
   const auto at = [&](int i) {
@@ -517,7 +517,7 @@ TEST_CASE("gather pass: a view that moves by a thousandth of the spacing changes
   CHECK(largest <= 8);
 }
 
-TEST_CASE("gather pass: a hybrid shows the cells, and gathers the rest") {
+TEST_CASE("gather pass: a hybrid shows cells and gathers the other pixels") {
   const Scene& scene = wallWithCell().made.scene;
   const OnDevice device(wallWithCell());
   const SceneBounds bounds = sceneBounds(scene);
@@ -540,7 +540,7 @@ TEST_CASE("gather pass: a hybrid shows the cells, and gathers the rest") {
   CHECK(gatheredPixels > 100);
 }
 
-TEST_CASE("gather pass: overlaps are those of cells, for which nothing is gathered; other overlays are gathered") {
+TEST_CASE("gather pass: the overlap overlay draws cells, and other overlays are gathered") {
   const Scene& scene = wallWithCell().made.scene;
   const SceneBounds bounds = sceneBounds(scene);
   const OnDevice device(wallWithCell());
@@ -567,7 +567,7 @@ TEST_CASE("gather pass: overlaps are those of cells, for which nothing is gather
   }
 }
 
-TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
+TEST_CASE("gather pass: a scene without evidence is drawn with its cells") {
   GatherStage stage = wallWithCell();
   for (Cell& backdrop : stage.made.scene.backdrops) {
     backdrop.mesh.confirmations.clear();
@@ -587,7 +587,7 @@ TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
   CHECK(drawn > 1000);
 }
 
-TEST_CASE("gather pass: settings that do not go with the gather are refused by name") {
+TEST_CASE("gather pass: settings that the gather does not support are refused by name") {
   const Scene& scene = wall().made.scene;
   const SceneBounds bounds = sceneBounds(scene);
   const auto refused = [&](auto change, const char* field) {

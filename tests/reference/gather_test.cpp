@@ -74,7 +74,7 @@ Image8 withMasked(const Image8& rgb, const Block& block, std::array<std::uint8_t
 
 }  // namespace
 
-TEST_CASE("generated scenes to gather from are valid") {
+TEST_CASE("synthetic scenes for the gather are valid") {
   for (const GatherStage* stage : {&wall(), &room()}) {
     CHECK(validate(stage->made.scene).empty());
     for (const Cell& backdrop : stage->made.scene.backdrops) {
@@ -85,7 +85,7 @@ TEST_CASE("generated scenes to gather from are valid") {
   CHECK(wall().made.scene.backdrops[0].mesh.tier0Count() < wall().made.scene.backdrops[0].mesh.triangles.size());
 }
 
-TEST_CASE("gathered: a photograph's own pose gives it back, whatever its depth is") {
+TEST_CASE("gathered: at a photograph's pose the image equals the photograph for any depth") {
   GatherOptions options = wallOptions();
   const bool wrong = GENERATE(false, true), completed = GENERATE(false, true);
   if (completed) options.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
@@ -99,7 +99,7 @@ TEST_CASE("gathered: a photograph's own pose gives it back, whatever its depth i
   }
 }
 
-TEST_CASE("gathered: the less certain a surface is, the more coarsely photographs beside the view are read") {
+TEST_CASE("gathered: photographs beside the view are sampled more coarsely for uncertain surfaces") {
   double sharper = 1e9;
   for (const float consensus : {1.0f, 0.5f, 0.25f, 0.0f}) {
     CAPTURE(consensus);
@@ -129,7 +129,7 @@ TEST_CASE("gathered: with exact depth a view between photographs is near the tru
   CHECK(double(right) / double(depth.values.size()) > 0.95);
 }
 
-TEST_CASE("gathered: the order of the photographs changes nothing") {
+TEST_CASE("gathered: the order of the photographs does not change the image") {
   for (const GatherStage* stage : {&wall(), &room()}) {
     FramePlan plan = stage->plan(kBetween);
     const Composed before = stage->compose(plan);
@@ -140,13 +140,13 @@ TEST_CASE("gathered: the order of the photographs changes nothing") {
   }
 }
 
-TEST_CASE("gathered: the number of threads changes nothing") {
+TEST_CASE("gathered: the number of threads does not change the image") {
   const FramePlan plan = wall().plan(kBetween);
   const Composed threaded = reference::composeGathered(wall().made.scene, plan, 0, wall().sources(), 3);
   CHECK(threaded.colour == wall().compose(plan).colour);
 }
 
-TEST_CASE("gathered: moving, turning and scaling the world changes nothing") {
+TEST_CASE("gathered: moving, turning and scaling the world does not change the image") {
   for (const GatherStage* from : {&wall(), &room()}) {
     const Composed before = from->compose(kBetween);
     const double scale = GENERATE(1.0, 1024.0);  // a power of two, so that ρ has the same mantissa
@@ -175,7 +175,7 @@ TEST_CASE("gathered: moving, turning and scaling the world changes nothing") {
   }
 }
 
-TEST_CASE("gathered: one photograph alone shows what it saw, and holes are filled from around it") {
+TEST_CASE("gathered: a single photograph is shown, and holes are filled from its surroundings") {
   FramePlan plan = wall().plan(cameraAt({0.1, 0, 0}, 0, 0, 160, 120));
   plan.photographs.resize(1);
   const Composed alone = wall().compose(plan);
@@ -212,7 +212,7 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
   CHECK(shareOf(wall().compose(plan), -1) == 1);
 }
 
-TEST_CASE("gathered: what lies at infinity is the same from everywhere") {
+TEST_CASE("gathered: content at infinity looks the same from every position") {
   GatherOptions options = wallOptions();
   options.atInfinity = true;
   options.planes = {{.origin = {0, 0, -6}, .extentU = 40, .extentV = 30, .wavelength = 0.8}};
@@ -228,7 +228,7 @@ TEST_CASE("gathered: what lies at infinity is the same from everywhere") {
   CHECK(shareOf(again, kTierAgrees) == 1);
 }
 
-TEST_CASE("gathered: a panorama votes and shows in every direction, its seam and poles too") {
+TEST_CASE("gathered: a panorama votes and is shown in every direction, seam and poles included") {
   for (const glm::dvec3 axis : {glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0)})
     for (int quarter = 0; quarter < 4; ++quarter) {
       Camera view = cameraAt({0.2, 0.1, 0.15}, 0, 0, 96, 96, kPi / 2);
@@ -242,7 +242,7 @@ TEST_CASE("gathered: a panorama votes and shows in every direction, its seam and
     CHECK(psnr(room().compose(room().made.scene.nodes[n].camera).picture, room().made.photographs[n]) > 45);
 }
 
-TEST_CASE("gathered: what is masked does not show") {
+TEST_CASE("gathered: masked pixels are not shown") {
   // A person is masked in the second photograph. Depth is that of the background, as a build completes the depth.
   const Block person{70, 40, 150, 140};
   GatherOptions options = wallOptions();
@@ -267,7 +267,7 @@ TEST_CASE("gathered: what is masked does not show") {
   CHECK(psnr(stage.compose(near).picture, truth) < 20);
 }
 
-TEST_CASE("gathered: gains make photographs of different exposures alike") {
+TEST_CASE("gathered: gains equalise photographs of different exposures") {
   constexpr std::array kGains{glm::dvec3(2.2, 1.8, 1.5), glm::dvec3(1.2, 1.4, 1.1), glm::dvec3(1.6, 1.3, 1.9)};
   GatherStage stage = wall();
   for (std::size_t n = 0; n < 3; ++n) {
@@ -291,7 +291,7 @@ TEST_CASE("gathered: gains make photographs of different exposures alike") {
   CHECK(psnr(stage.compose(plan).picture, even) < 30);
 }
 
-TEST_CASE("gathered: a photograph much finer than the view is read from its smaller levels") {
+TEST_CASE("gathered: a photograph much finer than the view is sampled from smaller mip levels") {
   GatherOptions options = wallOptions();
   options.planes[0].wavelength = 0.15;
   for (Camera& camera : options.cameras)
@@ -307,7 +307,7 @@ TEST_CASE("gathered: a photograph much finer than the view is read from its smal
   CHECK(psnr(levels.picture, truth) > 30);
 }
 
-TEST_CASE("gathered: a surface that others contradict is outvoted, unless it is confirmed") {
+TEST_CASE("gathered: a contradicted surface is outvoted unless confirmed") {
   const Block shard{30, 30, 110, 100};
   GatherOptions options = wallOptions();
   options.inverseDepth = [&](std::size_t node, glm::dvec2 pixel, double rho) {
@@ -324,7 +324,7 @@ TEST_CASE("gathered: a surface that others contradict is outvoted, unless it is 
   CHECK(believed < outvoted - 3);
 }
 
-TEST_CASE("gathered: tiers tell confirmed, completed and filled depth") {
+TEST_CASE("gathered: tiers distinguish confirmed, completed and filled depth") {
   GatherOptions options = wallOptions();
   options.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
   const GatherStage stage = gatherStage(options);
@@ -333,7 +333,7 @@ TEST_CASE("gathered: tiers tell confirmed, completed and filled depth") {
   CHECK(shareOf(wall().compose(kBetween), kTierAgrees) > 0.9);
 }
 
-TEST_CASE("gathered: both views of a stereo plan have the distances of their middle") {
+TEST_CASE("gathered: both views of a stereo plan use the photographs of their midpoint") {
   const Camera left = kBetween;
   Camera right = kBetween;
   right.pose.position.x += 0.064;
@@ -346,7 +346,7 @@ TEST_CASE("gathered: both views of a stereo plan have the distances of their mid
   }
 }
 
-TEST_CASE("gathered: the vote's size changes little") {
+TEST_CASE("gathered: the vote scale changes the image little") {
   FramePlan plan = wall().plan(kBetween);
   const Image8 half = wall().compose(plan).picture;
   plan.settings.voteScale = 1;
@@ -357,7 +357,7 @@ TEST_CASE("gathered: the vote's size changes little") {
   CHECK(shareOf(wall().compose(plan), kTierAgrees) > 0.5);
 }
 
-TEST_CASE("gathered: a step of the camera by a thousandth of the spacing changes the image little") {
+TEST_CASE("gathered: a camera step of a thousandth of the spacing changes the image little") {
   for (int i = 0; i < 6; ++i) {
     const Camera here = cameraAt({0.05 + 0.06 * i, 0.1 + 0.02 * i, 0.03 * i}, 0.02 * i, 0, 96, 72);
     Camera there = here;
@@ -366,7 +366,7 @@ TEST_CASE("gathered: a step of the camera by a thousandth of the spacing changes
   }
 }
 
-TEST_CASE("gathered: plans that cannot be composed are refused") {
+TEST_CASE("gathered: invalid plans are refused") {
   const auto refusal = [](auto&& spoil) {
     GatherStage stage = wall();
     FramePlan plan = stage.plan(kBetween);

@@ -98,7 +98,7 @@ int largestDifference(const Image8& a, const Image8& b) {
 
 }  // namespace
 
-TEST_CASE("a cell that is drawn and its photographs have its rank's colour; what is off lines stays") {
+TEST_CASE("lines of a drawn cell and its photographs have its rank's colour, and other pixels are unchanged") {
   const ImageGraph all = graph();
   const Camera view = cameraAt({0, 0, 0});
   const Image8 picture = drawn(all, view, {0});
@@ -136,7 +136,7 @@ TEST_CASE("a cell that is drawn and its photographs have its rank's colour; what
   CHECK(untouched(picture) > picture.values.size() / 4 * 8 / 10);
 }
 
-TEST_CASE("without cells that are best all lines are faint, and a panorama is a globe about its place") {
+TEST_CASE("without drawn cells all lines are faint, and a panorama is a globe") {
   ImageGraph all = graph();
   all.photographs = {all.photographs[3]};
   all.cells.clear();
@@ -159,7 +159,7 @@ TEST_CASE("without cells that are best all lines are faint, and a panorama is a 
   CHECK(furthest < 1.2 * radius + 2);
 }
 
-TEST_CASE("lines stay where they are when the world is moved, and in each format") {
+TEST_CASE("lines are the same after moving the world and in each format") {
   const ImageGraph all = graph();
   const Camera view = cameraAt({0.1, 0.05, 0.3}, 0.05);
   const Image8 picture = drawn(all, view, {0});
@@ -183,7 +183,7 @@ TEST_CASE("lines stay where they are when the world is moved, and in each format
   CHECK(on > 100);
 }
 
-TEST_CASE("lines that pass through the eye or lie behind it harm nothing") {
+TEST_CASE("lines through the eye or behind it do not fill the image") {
   const ImageGraph all = graph();
   Camera behind = cameraAt({0, 0, -9});
   CHECK(untouched(drawn(all, behind, {0})) == 320 * 240);  // everything is behind the view
@@ -194,7 +194,7 @@ TEST_CASE("lines that pass through the eye or lie behind it harm nothing") {
   CHECK(untouched(drawn(all, at, {0})) > 320 * 240 / 2);
 }
 
-TEST_CASE("of a line from behind the eye what lies before it is seen, and nothing else") {
+TEST_CASE("a line from behind the eye is clipped to its part in front") {
   ImageGraph all;
   all.photographs = {cameraAt({-0.5, -0.4, 3}), cameraAt({0.3, 0.2, -5})};
   all.cells = {{0, 1}};
@@ -221,14 +221,14 @@ TEST_CASE("of a line from behind the eye what lies before it is seen, and nothin
       if (std::min(x - end.x, end.y - y) > 25) CHECK(picture.pixel(x, y)[0] == 0);
 }
 
-TEST_CASE("graphs that cannot be drawn are refused by name") {
+TEST_CASE("invalid graphs are refused by field and index") {
   ImageGraph all = graph();
   const auto made = [&](GraphOverlayOptions options = {}) { GraphOverlay(testDevice(), all, options); };
   CHECK_NOTHROW(made());
   CHECK_THROWS_WITH(made({.frustumDepth = 0}), Catch::Contains("frustumDepth"));
   CHECK_THROWS_WITH(made({.formats = {VK_FORMAT_R16G16B16A16_SFLOAT}}), Catch::Contains("VkFormat"));
   all.cells = {{0, 1}, {2, 4}};
-  CHECK_THROWS_WITH(made(), Catch::Contains("cells[1] names photograph 4 of 4"));
+  CHECK_THROWS_WITH(made(), Catch::Contains("cells[1]") && Catch::Contains("4"));
   all = graph();
   all.photographs[2].pose.position.y = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(made(), Catch::Contains("photographs[2]"));

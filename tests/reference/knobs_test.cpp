@@ -30,7 +30,7 @@ SyntheticScene fine() {
 
 }  // namespace
 
-TEST_CASE("texture scale takes away detail, and no more than it says") {
+TEST_CASE("texture scale reduces detail") {
   const Stage stage(testDevice(), fine());
   const Camera view = cameraAt({0.4, 0.25, 0.1});
   RenderSettings settings;
@@ -49,7 +49,7 @@ TEST_CASE("texture scale takes away detail, and no more than it says") {
   }
 }
 
-TEST_CASE("photographs that are seen smaller keep the detail that the picture can show") {
+TEST_CASE("minified photographs keep the detail that the image can show") {
   // A view from farther back: one image pixel spans 2.4 px of a photograph. The truth is the mean over each pixel.
   SyntheticOptions options = place(3);
   for (TexturedPlane& plane : options.planes) plane.wavelength = 0.12;
@@ -70,7 +70,7 @@ TEST_CASE("photographs that are seen smaller keep the detail that the picture ca
   CHECK(detail(usual, truth, cover).energy > detail(coarser, truth, cover).energy + 0.1);
 }
 
-TEST_CASE("render scale: the cells are drawn at that size, and interpolated to the target's") {
+TEST_CASE("render scale draws cells at another resolution and interpolates to the target's") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera view = cameraAt({0.4, 0.25, 0.1});
   Camera half = view;
@@ -101,7 +101,7 @@ TEST_CASE("render scale: the cells are drawn at that size, and interpolated to t
   }
 }
 
-TEST_CASE("a render scale beyond 1 averages what one pixel would choose from") {
+TEST_CASE("a render scale above 1 averages several samples per pixel") {
   const Stage stage(testDevice(), fine());
   RenderSettings settings;
   settings.blend = BlendMode::dither;
@@ -124,7 +124,7 @@ TEST_CASE("a render scale beyond 1 averages what one pixel would choose from") {
   CHECK(largest <= 1);
 }
 
-TEST_CASE("scales that are none are refused by name") {
+TEST_CASE("scales that are not positive are refused by name") {
   const Stage stage(testDevice(), makeScene(place(2)));
   for (const double scale : {0.0, -1.0, std::nan("")}) {
     RenderSettings settings;
@@ -136,7 +136,7 @@ TEST_CASE("scales that are none are refused by name") {
   }
 }
 
-TEST_CASE("eyes share their colours, or each has its own") {
+TEST_CASE("both eyes share colour tables, or each eye has its own") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   SyntheticScene place = makeScene(options);
@@ -159,7 +159,7 @@ TEST_CASE("eyes share their colours, or each has its own") {
   CHECK(own[1] == pictures({right, left})[0]);
 }
 
-TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
+TEST_CASE("presets increase from fast to accurate, and renderer options fit each preset", "[P11]") {
   for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware}) {
     double pixels = 0, vote = 0;
     std::uint32_t cells = 0, photographs = 0, colours = 0;

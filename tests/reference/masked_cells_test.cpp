@@ -43,7 +43,7 @@ SyntheticScene maskedPlace(std::size_t members) {
 
 }  // namespace
 
-TEST_CASE("masked members give way to the others, and to what lies behind, as the twin says") {
+TEST_CASE("masked members equal the reference implementation") {
   for (const std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), maskedPlace(members));
     for (const BlendMode blend : {BlendMode::blend, BlendMode::dither, BlendMode::mixed})
@@ -57,7 +57,7 @@ TEST_CASE("masked members give way to the others, and to what lies behind, as th
   }
 }
 
-TEST_CASE("what masks leave out of all photographs stays empty with every preset") {
+TEST_CASE("regions masked in all photographs stay empty with every preset") {
   const Stage stage(testDevice(), maskedPlace(2)), unmasked(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
   RenderSettings settings = withTiers();
@@ -77,7 +77,7 @@ TEST_CASE("what masks leave out of all photographs stays empty with every preset
   CHECK(holes(unmasked.render(view, settings)) == 0);
 }
 
-TEST_CASE("at a masked photograph's own pose the others show, though they weigh nothing there") {
+TEST_CASE("at a masked photograph's pose other photographs of weight 0 fill the mask") {
   SyntheticScene made = makeScene(place(2));
   maskBlocks(made, 0, {{120, 90, 200, 150}});
   const Stage stage(testDevice(), made);
@@ -100,7 +100,7 @@ TEST_CASE("at a masked photograph's own pose the others show, though they weigh 
   compareWithTwin(stage, plan);
 }
 
-TEST_CASE("cells show through the masks of what stands before them") {
+TEST_CASE("cells show through masks of cells in front") {
   SyntheticScene made = twoCells();
   maskBlocks(made, 0, {{0, 0, 200, 240}});
   maskBlocks(made, 1, {{0, 0, 240, 250}});
@@ -111,7 +111,7 @@ TEST_CASE("cells show through the masks of what stands before them") {
   compareWithTwin(stage, plan);
 }
 
-TEST_CASE("a photograph that is masked altogether is as if it were not there") {
+TEST_CASE("a completely masked photograph is not shown") {
   SyntheticScene made = makeScene(place(2));
   maskBlocks(made, 1, {{0, 0, 1000, 1000}});
   const Stage stage(testDevice(), made);
@@ -124,7 +124,7 @@ TEST_CASE("a photograph that is masked altogether is as if it were not there") {
   CHECK(magenta == 0);
 }
 
-TEST_CASE("masks are sampled bicubically no further than photographs are, and along panoramas") {
+TEST_CASE("masks with bicubic filtering and of panoramas equal the reference for photographs") {
   GpuSceneOptions cubic;
   cubic.filter = TextureFilter::bicubic;
   const Stage sharp(testDevice(), maskedPlace(3), cubic);
@@ -144,7 +144,7 @@ TEST_CASE("masks are sampled bicubically no further than photographs are, and al
   compareWithTwin(round, round.plan(cameraAt({0.4, 0.1, 0.2}, 0.3, -0.9, 160, 121, 1.3), withTiers()));
 }
 
-TEST_CASE("a scene without masks asks for nothing, one with them says so") {
+TEST_CASE("requirements count photographs with masks") {
   SyntheticScene made = makeScene(place(2));
   CHECK(requirementsOf(made.scene, {}).masked == 0);
   maskBlocks(made, 1, {{0, 0, 10, 10}});

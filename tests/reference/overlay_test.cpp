@@ -129,7 +129,7 @@ shader::vec3 gatheredOverlay(Overlay overlay, shader::vec3 picture, const FrameB
 
 }  // namespace
 
-TEST_CASE("edges have their cell's rank's colour, and between them the picture is as it was") {
+TEST_CASE("wireframe edges have the colour of their cell's rank, and other pixels are unchanged") {
   SyntheticOptions options = place(3);
   options.planes.resize(1);  // no surface hides an edge
   options.gridStep = 40;
@@ -180,7 +180,7 @@ TEST_CASE("edges have their cell's rank's colour, and between them the picture i
   }
 }
 
-TEST_CASE("ranks go from light to cold, and the better cell's edges hide the others'") {
+TEST_CASE("colours of ranks darken, and edges of the better cell hide other edges") {
   const auto brightness = [](shader::vec3 c) { return c.x + c.y + c.z; };
   for (int ranks : {2, 5, 12})
     for (int r = 1; r < ranks; ++r)
@@ -198,7 +198,7 @@ TEST_CASE("ranks go from light to cold, and the better cell's edges hide the oth
   CHECK(seen[1] > 20);
 }
 
-TEST_CASE("what is measured goes from dark to light evenly, what is named differs") {
+TEST_CASE("overlay scales brighten evenly, and category colours differ") {
   const auto evenly = [](auto colour, double from, double to, double least, double most) {
     constexpr int kSteps = 64;
     for (int i = 0; i < kSteps; ++i) {
@@ -226,7 +226,7 @@ TEST_CASE("what is measured goes from dark to light evenly, what is named differ
   differ({shader::memberColour(0), shader::memberColour(1), shader::memberColour(2), shader::memberColour(3)});
 }
 
-TEST_CASE("overlays show what the twin says") {
+TEST_CASE("overlays equal the reference implementation") {
   const Stage stage(testDevice(), richPlace());
   for (const Overlay overlay :
        {Overlay::tiers, Overlay::weights, Overlay::confidence, Overlay::depth, Overlay::overlap, Overlay::agreement})
@@ -257,7 +257,7 @@ TEST_CASE("overlays show what the twin says") {
     }
 }
 
-TEST_CASE("photographs agree as they are shown: with their gains") {
+TEST_CASE("the agreement overlay compares photographs with their gains") {
   SyntheticScene made = richPlace();
   for (std::size_t n = 0; n < made.scene.nodes.size(); ++n)
     made.scene.nodes[n].gain = std::array<glm::dvec3, 3>{{{0.05, 6, 0.1}, {1, 1, 1}, {8, 0.1, 2}}}[n % 3];
@@ -279,7 +279,7 @@ TEST_CASE("photographs agree as they are shown: with their gains") {
   CHECK(double(wrong) <= 0.02 * double(compared));
 }
 
-TEST_CASE("overlays leave what is drawn where to the picture, in either order") {
+TEST_CASE("overlays keep the tiers of the image in both draw orders") {
   const Stage stage(testDevice(), richPlace());
   for (const Camera& view : {richView(), cameraAt({-1.9, 0.4, 0.2}, -0.1, 0, 240, 180)}) {  // inside, and fading out
     const Image8 plain = stage.render(view, withTiers());
@@ -302,7 +302,7 @@ TEST_CASE("overlays leave what is drawn where to the picture, in either order") 
   }
 }
 
-TEST_CASE("holes are shown and never filled, but beneath a wireframe") {
+TEST_CASE("overlays do not fill holes, except beneath a wireframe") {
   const Stage stage(testDevice(), richPlace());
   for (const Overlay overlay : kAll) {
     INFO("overlay " << int(overlay));
@@ -325,7 +325,7 @@ TEST_CASE("holes are shown and never filled, but beneath a wireframe") {
   }
 }
 
-TEST_CASE("a pixel's overlap is the number of cells that show it when each is drawn alone") {
+TEST_CASE("overlap counts the cells that cover a pixel when drawn alone") {
   const Stage stage(testDevice(), richPlace());
   const Camera view = richView();
   FramePlan plan = stage.plan(view, with(Overlay::overlap));
@@ -349,7 +349,7 @@ TEST_CASE("a pixel's overlap is the number of cells that show it when each is dr
   CHECK(wrong == 0);
 }
 
-TEST_CASE("tiers and depth are those of the buffers") {
+TEST_CASE("tiers and depth overlays equal the buffers") {
   const Stage stage(testDevice(), richPlace());
   const FramePlan plan = stage.plan(richView(), with(Overlay::depth));
   const VkExtent2D extent{240, 180};
@@ -384,7 +384,7 @@ TEST_CASE("tiers and depth are those of the buffers") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("beneath tiers is the picture, its colours mapped") {
+TEST_CASE("the tiers overlay tints the colour-mapped image") {
   const Stage stage(testDevice(), richPlace());
   RenderSettings settings = withTiers();
   settings.colourMapping = ColourMapping::ours;
@@ -402,7 +402,7 @@ TEST_CASE("beneath tiers is the picture, its colours mapped") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("photographs that are the same agree, flat ones say nothing, and others do not agree") {
+TEST_CASE("equal photographs agree, flat photographs are unknown, and different photographs disagree") {
   SyntheticOptions options;
   options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}), cameraAt({0, 1, 0})};
   options.planes = {{{0, 0, -8}, {1, 0, 0}, {0, 1, 0}, 40, 30, 1, 0.3}};
@@ -444,7 +444,7 @@ TEST_CASE("photographs that are the same agree, flat ones say nothing, and other
   CHECK(share(agreement([](auto i, auto, int value) { return std::uint8_t(i == 2 ? 128 : value); }), agrees) > 0.95);
 }
 
-TEST_CASE("what is infinitely far, of panoramas, or not there at all has a colour") {
+TEST_CASE("overlays colour content at infinity, panoramas and empty pixels") {
   SyntheticOptions options = place(2);
   options.atInfinity = true;
   const Stage far(testDevice(), makeScene(options));
@@ -487,7 +487,7 @@ TEST_CASE("what is infinitely far, of panoramas, or not there at all has a colou
   }
 }
 
-TEST_CASE("two views have each its overlay, and a previous order is mixed in") {
+TEST_CASE("each of two views has its overlay, and the previous draw order is cross-faded") {
   const Stage stage(testDevice(), richPlace());
   const Camera left = richView();
   Camera right = left;
@@ -509,7 +509,7 @@ TEST_CASE("two views have each its overlay, and a previous order is mixed in") {
   CHECK(difference(stage.render(switching), stage.render(left, with(Overlay::tiers)), 2).shareAbove < 0.3);
 }
 
-TEST_CASE("overlays of a gathered or hybrid picture show what its buffers say") {
+TEST_CASE("overlays of a gathered or hybrid image equal its buffers") {
   // No second photograph confirms the left part of each photograph.
   GatherOptions options = wallOptions();
   options.evidence = [](std::size_t, glm::dvec2 pixel) { return pixel.x < 60 ? Evidence{0, 0.1f} : Evidence{}; };
@@ -559,7 +559,7 @@ TEST_CASE("overlays of a gathered or hybrid picture show what its buffers say") 
   }
 }
 
-TEST_CASE("confidence is not shown without what it is known from") {
+TEST_CASE("the confidence overlay requires uncertaintyScene") {
   const Stage stage(testDevice(), richPlace());
   const Error error = errorOf([&] {
     Renderer(testDevice(), stage.gpuScene(), {.maxExtent = {8, 8}, .overlays = {Overlay::confidence}});

@@ -74,7 +74,7 @@ glm::dvec3 resampled(const Image8& panorama, glm::dvec2 pixel) {
 
 }  // namespace
 
-TEST_CASE("panoramas in every direction are what the twin computes, and leave no hole", "[P9]") {
+TEST_CASE("panoramas equal the reference implementation in every direction, without holes", "[P9]") {
   for (std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), makeScene(room(members)));
     for (int way = 0; way < kWays; ++way)
@@ -89,7 +89,7 @@ TEST_CASE("panoramas in every direction are what the twin computes, and leave no
   }
 }
 
-TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
+TEST_CASE("a pinhole view at a panorama's centre equals the resampled panorama") {
   const Stage stage(testDevice(), makeScene(room(3)));
   for (std::size_t i = 0; i < 3; ++i)
     for (int way = 0; way < kWays; ++way)
@@ -118,7 +118,7 @@ TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
       }
 }
 
-TEST_CASE("six colours on six axes", "[N10][T19]") {
+TEST_CASE("panoramas show six colours on six axes", "[N10][T19]") {
   // Painted pixel by pixel from the axis conventions, without use of project().
   const glm::ivec3 kForward(200, 40, 40), kBack(40, 200, 200), kRight(40, 200, 40), kLeft(200, 40, 200),
       kUp(60, 60, 220), kDown(220, 220, 60);
@@ -160,7 +160,7 @@ TEST_CASE("six colours on six axes", "[N10][T19]") {
     }
 }
 
-TEST_CASE("the seam cannot be seen: content behind the camera looks as it does in front of it", "[N10]") {
+TEST_CASE("a panorama's seam is invisible: content behind the camera looks like content in front", "[N10]") {
   // The same room with panoramas turned by a quarter: columns move by exactly a quarter of the width.
   SyntheticOptions options = room(3);
   for (Camera& camera : options.cameras) {
@@ -186,7 +186,7 @@ TEST_CASE("the seam cannot be seen: content behind the camera looks as it does i
       }
 }
 
-TEST_CASE("a pole is neither blurred nor does it sparkle") {
+TEST_CASE("poles are neither blurred nor aliased") {
   SyntheticOptions options = room(2);
   for (TexturedPlane& plane : options.planes) plane.wavelength = 0.12;
   options.samplesPerAxis = 3;
@@ -216,7 +216,7 @@ TEST_CASE("a pole is neither blurred nor does it sparkle") {
     }
 }
 
-TEST_CASE("moving and turning the world changes nothing for panoramas", "[P6]") {
+TEST_CASE("moving and turning the world does not change images of panoramas", "[P6]") {
   const SyntheticScene here = makeScene(room(3));
   const glm::dvec3 offset(1e7, -8e6, 3e6);
   const glm::dquat turn = turned(2.1, {1, -2, 0.5});
@@ -235,7 +235,7 @@ TEST_CASE("moving and turning the world changes nothing for panoramas", "[P6]") 
   }
 }
 
-TEST_CASE("ours shows the truth between panoramas and beyond; the paper's morph does not") {
+TEST_CASE("our morph is closer to the truth than the paper's between panoramas and beyond") {
   const Stage stage(testDevice(), makeScene(room(3)));
   for (const glm::dvec3 position : {glm::dvec3(0.45, 0.03, 0.3), glm::dvec3(1.4, 0.3, -0.2)})
     for (int way = 0; way < kWays; ++way) {
@@ -250,7 +250,7 @@ TEST_CASE("ours shows the truth between panoramas and beyond; the paper's morph 
     }
 }
 
-TEST_CASE("a panorama and a pinhole in one cell") {
+TEST_CASE("a cell of a panorama and a pinhole equals the reference implementation") {
   SyntheticOptions options = room(3);
   for (const std::size_t pinhole : {0u, 1u, 2u}) {
     SyntheticOptions mixed = options;
@@ -281,7 +281,7 @@ TEST_CASE("a panorama and a pinhole in one cell") {
   }
 }
 
-TEST_CASE("a cell of panoramas is never behind the camera, and no direction suits it better than another") {
+TEST_CASE("a cell of panoramas is never culled by direction and has rotational distance 0") {
   const Stage stage(testDevice(), makeScene(room(3)));
   for (int way = 0; way < kWays; ++way) {
     const FramePlan plan = stage.plan(viewAlong(way, {0.4, 0.05, 0.3}));

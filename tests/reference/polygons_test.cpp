@@ -15,7 +15,7 @@
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
+TEST_CASE("a polygon is hidden only where the scene is nearer") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   const Stage stage(testDevice(), makeScene(options));

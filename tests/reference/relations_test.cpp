@@ -47,7 +47,7 @@ double differing(const Image8& a, const Image8& b) {
 
 }  // namespace
 
-TEST_CASE("at a photograph's pose the photograph comes back, in either morph and either blend") {
+TEST_CASE("at a photograph's pose the image equals the photograph, for both morphs and blend modes") {
   for (std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), makeScene(place(members)));
     for (std::size_t i = 0; i < members; ++i)
@@ -65,7 +65,7 @@ TEST_CASE("at a photograph's pose the photograph comes back, in either morph and
   }
 }
 
-TEST_CASE("ours shows the truth inside, outside and off the span; the paper's morph does not") {
+TEST_CASE("our morph is closer to the truth than the paper's inside, outside and off the span") {
   const Stage stage(testDevice(), makeScene(place(3)));
   struct Row {
     Camera view;
@@ -86,7 +86,7 @@ TEST_CASE("ours shows the truth inside, outside and off the span; the paper's mo
   }
 }
 
-TEST_CASE("moving and turning the world changes nothing", "[P6]") {
+TEST_CASE("moving and turning the world does not change the image", "[P6]") {
   const SyntheticScene here = makeScene(place(3));
   const Camera view = cameraAt({0.42, 0.27, 0.13}, 0.04);
   const Image8 expected = Stage(testDevice(), here).render(view, withTiers());
@@ -104,7 +104,7 @@ TEST_CASE("moving and turning the world changes nothing", "[P6]") {
   CHECK(psnr(picture, expected) > 50);
 }
 
-TEST_CASE("the order of cells, triangles, vertices and members changes nothing") {
+TEST_CASE("the order of cells, triangles, vertices and members does not change the image") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   const SyntheticScene sorted = makeScene(options);
@@ -139,7 +139,7 @@ TEST_CASE("the order of cells, triangles, vertices and members changes nothing")
   CHECK(differing(a.render(view, withTiers()), c.render(view, withTiers())) < 1e-3);
 }
 
-TEST_CASE("front to back with depth shows what back to front without it shows") {
+TEST_CASE("front to back with a depth test equals back to front without one") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -151,7 +151,7 @@ TEST_CASE("front to back with depth shows what back to front without it shows") 
   CHECK(stage.render(view, settings).values == ours.values);
 }
 
-TEST_CASE("a mesh that folds shows its near side") {
+TEST_CASE("a folded mesh shows its near side") {
   // Far outside the cell, the board hides other parts of the wall than in the photographs.
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({-1.7, 0.1, -0.3}, -0.2);
@@ -165,7 +165,7 @@ TEST_CASE("a mesh that folds shows its near side") {
   CHECK(picture.values != painted.values);
 }
 
-TEST_CASE("every target format shows the same picture") {
+TEST_CASE("every target format shows the same image") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const FramePlan plan = stage.plan(cameraAt({0.4, 0.1, 0}), withTiers());
   const Image8 expected = stage.render(plan);
@@ -176,7 +176,7 @@ TEST_CASE("every target format shows the same picture") {
   CHECK_FALSE(Renderer::supports(VK_FORMAT_R32_SFLOAT));
 }
 
-TEST_CASE("background and alpha are what the settings say") {
+TEST_CASE("background and alpha follow the settings") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings;
   settings.background = {1.0f, 0.0f, 128 / 255.0f};
@@ -192,7 +192,7 @@ TEST_CASE("background and alpha are what the settings say") {
   CHECK(stage.render(cameraAt({0.4, 0.1, 0}), settings).pixel(160, 120)[3] == 255);
 }
 
-TEST_CASE("a recorded frame may be left unsubmitted, and a scene may be empty") {
+TEST_CASE("an empty scene is drawn as background") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({0.4, 0.1, 0});
   const Image8 expected = stage.render(view);

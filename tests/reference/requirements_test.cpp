@@ -216,7 +216,7 @@ Image8 pictureOf(const GpuScene& scene, const FramePlan& plan, const RendererOpt
 
 }  // namespace
 
-TEST_CASE("what a scene costs is what stands in the table", "[P12][multiview]") {
+TEST_CASE("counted costs of scenes equal the table", "[P12][multiview]") {
   for (const Row& row : table()) {
     INFO(row.name);
     const GpuScene scene = onDevice(row.place);
@@ -238,7 +238,7 @@ TEST_CASE("what a scene costs is what stands in the table", "[P12][multiview]") 
   }
 }
 
-TEST_CASE("the page of costs says what stands in the table", "[P12]") {
+TEST_CASE("costs.md has the rows of the table", "[P12]") {
   const std::string page = readTextFile(IBR_COSTS_PAGE);
   for (const Row& row : table()) {
     const auto& e = row.expected;
@@ -251,7 +251,7 @@ TEST_CASE("the page of costs says what stands in the table", "[P12]") {
   }
 }
 
-TEST_CASE("a renderer for these settings alone shows what one for all settings shows", "[P12]") {
+TEST_CASE("a renderer for one setting draws the same image as a renderer for all settings", "[P12]") {
   std::vector<std::pair<SyntheticScene, RenderSettings>> cases;
   for (const Row& row : table())
     if (row.views == 1) cases.emplace_back(row.place, row.settings);
@@ -274,7 +274,7 @@ TEST_CASE("a renderer for these settings alone shows what one for all settings s
   }
 }
 
-TEST_CASE("requirements are the scene's, and every part says why") {
+TEST_CASE("requirements follow the scene, and every stage has a reason") {
   SyntheticScene place = pinholes({{0, 1, 2}, {0, 3}, {0, 1, 2, 3}});
   place.scene.cells[1].mesh.tier.back() = kTierRejected;
   RenderSettings settings;
@@ -307,14 +307,14 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK_FALSE(runs("colour tables", requirementsOf(room(3).scene, options)));
   CHECK(runs("panorama coordinates", requirementsOf(room(3).scene, options)));
   CHECK_FALSE(runs("panorama coordinates", r));
-  CHECK((r.fill && runs("filling", r)));
+  CHECK((r.fill && runs("hole filling", r)));
   place.scene.nodes[2].maskFile = "masks/2.png";  // masked regions are not filled
   const Requirements masked = requirementsOf(place.scene, options);
   CHECK(masked.masked == 1);
-  CHECK_FALSE((masked.fill || runs("filling", masked)));
+  CHECK_FALSE((masked.fill || runs("hole filling", masked)));
 }
 
-TEST_CASE("cells that are called hidden change no pixel") {
+TEST_CASE("culling hidden cells changes no pixel") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}, {0, 1, 3}};
   options.samplesPerAxis = 1;

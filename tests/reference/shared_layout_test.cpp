@@ -18,7 +18,7 @@ using ibr::shader::CellParameters;
 using ibr::shader::MemberExposure;
 using ibr::test::offsetsOf;
 
-TEST_CASE("cell parameters lie in memory as the shader reads them") {
+TEST_CASE("cell parameters have the memory layout of the shader") {
   const auto member = offsetsOf(ibr::shaders::cell_vert, "CellMember");
   CHECK(member == std::map<std::string, std::uint32_t>{{"toView", offsetof(CellMember, toView)},
                                                        {"focal", offsetof(CellMember, focal)},
@@ -44,7 +44,7 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
   CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 56);
 }
 
-TEST_CASE("what the colour passes share lies in memory as their shaders read it") {
+TEST_CASE("structures of the colour passes have the memory layout of their shaders") {
   using ibr::shader::ColourFrame;
   using ibr::shader::ColourSlot;
   const auto frame = offsetsOf(ibr::shaders::colour_tables_comp, "ColourFrame");
@@ -69,7 +69,7 @@ TEST_CASE("what the colour passes share lies in memory as their shaders read it"
                                                      {"target", offsetof(ColourSlot, target)}});
 }
 
-TEST_CASE("candidates of the gather lie in memory as its shaders read them") {
+TEST_CASE("candidates of the gather have the memory layout of its shaders") {
   using ibr::shader::GatherCandidate;
   using ibr::shader::GatherConstants;
   using ibr::shader::GatherView;

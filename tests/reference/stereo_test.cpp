@@ -33,7 +33,7 @@ std::vector<Camera> eyes(double ipd, double skew, double canting = 0) {
 
 }  // namespace
 
-TEST_CASE("each eye's picture is the twin's, off-centre and dithered", "[multiview]") {
+TEST_CASE("each eye's image equals the reference implementation's, off-centre and dithered", "[multiview]") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -43,7 +43,7 @@ TEST_CASE("each eye's picture is the twin's, off-centre and dithered", "[multivi
   for (std::size_t view : {0u, 1u}) compareWithTwin(stage, plan, 0.25, 0.4, view);
 }
 
-TEST_CASE("the eyes' pictures are those of an eye alone, where the order is the same") {
+TEST_CASE("an eye's image equals the single-view image if the draw order is the same") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const std::vector<Camera> views = eyes(0.064, 12);
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {views, withTiers()});
@@ -51,7 +51,7 @@ TEST_CASE("the eyes' pictures are those of an eye alone, where the order is the 
   for (int e = 0; e < 2; ++e) CHECK(pictures[e] == stage.render(views[e], withTiers()));
 }
 
-TEST_CASE("what is far away is dithered alike in both eyes") {
+TEST_CASE("distant content has the same dither pattern in both eyes") {
   SyntheticOptions options = place(3);
   options.atInfinity = true;
   SyntheticScene made = makeScene(options);
@@ -92,7 +92,7 @@ TEST_CASE("what is far away is dithered alike in both eyes") {
   }
 }
 
-TEST_CASE("targets may be layers of one image, as a headset's are: each is left alone by the other") {
+TEST_CASE("targets of both eyes may be layers of one image, and each layer is written separately") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), withTiers()});
   const VkExtent2D extent{320, 240};
@@ -147,7 +147,7 @@ TEST_CASE("targets may be layers of one image, as a headset's are: each is left 
   }
 }
 
-TEST_CASE("multiview is probed, not believed; the pixels are the same with it and without", "[multiview]") {
+TEST_CASE("multiview is probed, and pixels of both eyes are equal with and without multiview", "[multiview]") {
   const bool works = multiviewWorks(testDevice());
   const std::string name = testDevice().name();
   INFO(name);

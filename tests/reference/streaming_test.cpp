@@ -206,7 +206,7 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   if (format != TextureFormat::rgba8 && !testDevice().supportsBlockCompression()) {
     // Textures take eight times as many bytes. Both warnings appear once, and the resident textures are shown.
     REQUIRE(!messages.warnings.empty());
-    CHECK_THAT(messages.warnings[0], Catch::Contains("decoded to RGBA8"));
+    CHECK_THAT(messages.warnings[0], Catch::Contains("RGBA8"));
     if (messages.warnings.size() > 1) CHECK_THAT(messages.warnings[1], Catch::Contains("stand-ins"));
     CHECK(messages.warnings.size() <= 2);
   } else {
@@ -217,11 +217,11 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
 
 }  // namespace
 
-TEST_CASE("ten thousand photographs that need 1.7 GB walk within 128 MiB") {
+TEST_CASE("a walk through ten thousand photographs of 1.7 GB stays within 128 MiB") {
   walk(100, TextureFormat::bc1, 128 * kMiB, 60, 20);
 }
 
-TEST_CASE("what leaves is streamed too") {
+TEST_CASE("photographs of cells that fade out are streamed") {
   const Scene scene = gridScene(12, 256, 256);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB}, {128, 128});
   REQUIRE(walker.gpuScene.streams());
@@ -236,11 +236,11 @@ TEST_CASE("what leaves is streamed too") {
 }
 
 // Hidden test, run by name: needs 1 GiB of memory for 14 GB of textures.
-TEST_CASE("ten thousand photographs that need 14 GB walk within 1 GiB", "[.large]") {
+TEST_CASE("a walk through ten thousand photographs of 14 GB stays within 1 GiB", "[.large]") {
   walk(100, TextureFormat::rgba8, 1024 * kMiB, 300, 50);
 }
 
-TEST_CASE("what fits into the budget does not stream") {
+TEST_CASE("photographs that fit into the budget are not streamed") {
   const Scene scene = gridScene(3, 256, 256);
   GpuScene all(testDevice(), scene, {.source = Colours{}});
   CHECK_FALSE(all.streams());
@@ -253,7 +253,7 @@ TEST_CASE("what fits into the budget does not stream") {
   CHECK(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = bytes - 1}).streams());
 }
 
-TEST_CASE("a stand-in is shown while a photograph is on its way, the main cell's members come first") {
+TEST_CASE("a stand-in is shown while a photograph loads, and the main cell's members load first") {
   const Scene scene = gridScene(6, 512, 512);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 20 * kMiB, .stagingBytes = 3 * kMiB}, {256, 256});
   // Staging of 3 MiB allows two photographs of 1.33 MiB a frame.
@@ -275,7 +275,7 @@ TEST_CASE("a stand-in is shown while a photograph is on its way, the main cell's
   CHECK(std::is_sorted(missing.rbegin(), missing.rend()));
 }
 
-TEST_CASE("streamed or not, the picture is the same") {
+TEST_CASE("the image is the same with and without streaming of photographs") {
   SyntheticOptions options = test::place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
   for (Camera& camera : options.cameras)
@@ -294,7 +294,7 @@ TEST_CASE("streamed or not, the picture is the same") {
   }
 }
 
-TEST_CASE("a frame that was never submitted is made good by its number") {
+TEST_CASE("photographs of a frame that was never submitted are streamed again") {
   const Scene scene = gridScene(4, 512, 512);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB, .stagingBytes = 3 * kMiB}, {128, 128});
   const FramePlan plan = walker.planAt({1, 0, 1});
@@ -315,13 +315,13 @@ TEST_CASE("a frame that was never submitted is made good by its number") {
   CHECK(sharesOf(walker.frame(plan), node).own > 0.99);
 }
 
-TEST_CASE("a small budget steps down, and says so") {
+TEST_CASE("a small budget reduces the size of photographs with a warning") {
   const Scene scene = gridScene(6, 512, 512);
   {
     Messages messages;
     Walker walker(scene, {.source = Colours{}, .budgetBytes = 10 * kMiB, .log = messages.log()}, {128, 128});
     REQUIRE(messages.warnings.size() == 1);
-    CHECK_THAT(messages.warnings[0], Catch::Contains("512x512") && Catch::Contains("1/2 of their size"));
+    CHECK_THAT(messages.warnings[0], Catch::Contains("512x512") && Catch::Contains("1/2"));
     const FramePlan plan = walker.planAt({2, 0, 2});
     do walker.frame(plan);
     while (walker.streamed.waiting > 0);
@@ -341,7 +341,7 @@ TEST_CASE("a small budget steps down, and says so") {
     CHECK(walker.streamed.needed == 36);
     CHECK(walker.streamed.withoutRoom > 15);
     REQUIRE(messages.warnings.size() == 1);
-    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("of the 36 photographs"));
+    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("36"));
     walker.frame(plan);
     CHECK(messages.warnings.size() == 1);  // reported once
     CHECK(walker.most <= 24 * kMiB);
@@ -350,12 +350,12 @@ TEST_CASE("a small budget steps down, and says so") {
     Messages messages;
     const GpuScene tiny(testDevice(), scene, {.source = Colours{}, .budgetBytes = 512 * 1024, .log = messages.log()});
     REQUIRE(messages.warnings.size() == 2);
-    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins of photographs have") && Catch::Contains("instead"));
+    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("64"));
     CHECK(tiny.memory().sum() <= 512 * 1024);
   }
 }
 
-TEST_CASE("the smallest budget is said, and it is enough for a picture") {
+TEST_CASE("the error names the smallest budget, which suffices for an image") {
   const Scene scene = gridScene(3, 512, 512);
   std::uint64_t smallest = 0;
   try {
@@ -363,9 +363,11 @@ TEST_CASE("the smallest budget is said, and it is enough for a picture") {
     FAIL("one byte was enough");
   } catch (const Error& e) {
     CHECK(e.code() == ErrorCode::outOfMemory);
-    const std::string text = e.what(), before = "this scene takes ";
-    CHECK_THAT(text, Catch::Contains("a budget of 1 bytes") && Catch::Contains(before));
-    smallest = std::stoull(text.substr(text.find(before) + before.size()));
+    const std::string text = e.what(), budget = "1 bytes";  // the smallest budget is the next number
+    CHECK_THAT(text, Catch::Contains("budget") && Catch::Contains(budget));
+    const std::size_t number = text.find_first_of("0123456789", text.find(budget) + budget.size());
+    REQUIRE(number != std::string::npos);
+    smallest = std::stoull(text.substr(number));
   }
   CHECK_THROWS_WITH(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = smallest - 1}),
                     Catch::Contains(std::to_string(smallest)));
@@ -400,14 +402,14 @@ TEST_CASE("a photograph that cannot be read keeps its stand-in") {
   CHECK_THAT(messages.errors[0], Catch::Contains("1-1.ktx2: gone"));
 }
 
-TEST_CASE("photographs that no mesh shows are not there") {
+TEST_CASE("photographs without a mesh take no memory") {
   Scene scene = gridScene(3, 64, 64);
   const std::uint64_t all = GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures;
   scene.cells.resize(1);  // three of the nine photographs
   CHECK(GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures * 3 == all);
 }
 
-TEST_CASE("what is wanted: the plan's photographs in its order, then the graph around") {
+TEST_CASE("photographs are requested in the plan's order, then from neighbouring cells") {
   const Scene scene = gridScene(5, 512, 512);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB}, {64, 64});
   FramePlan plan;

@@ -62,7 +62,7 @@ TEST_CASE("the first field of the options that a plan exceeds is named") {
   }
 }
 
-TEST_CASE("colour support covers the ways of colour mapping that it names") {
+TEST_CASE("colour support covers its colour mapping methods") {
   const Stage stage(testDevice(), makeScene(place(2)));
   FramePlan plan = smallPlan(stage);
   RendererOptions options = optionsFor({}, kExtent);
@@ -79,7 +79,7 @@ TEST_CASE("colour support covers the ways of colour mapping that it names") {
   }
 }
 
-TEST_CASE("a plan that the renderer was not made for shows its background, far, in every format") {
+TEST_CASE("an unsupported plan shows its background at far depth in every format") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const FramePlan good = smallPlan(stage);
   FramePlan bad = good;

@@ -13,7 +13,7 @@
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("frames go on while another thread puts a scene on the device") {
+TEST_CASE("frames are drawn while another thread uploads a scene") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Camera view = cameraAt({0.45, 0.3, 0.2}, 0.05);

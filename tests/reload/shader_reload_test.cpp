@@ -56,7 +56,7 @@ ShaderReloader::Result next(ShaderReloader& reloader) {
     if (!result.replaced.empty() || !result.failed.empty()) return result;
     std::this_thread::sleep_for(10ms);
   }
-  FAIL("nothing has become of a change");
+  FAIL("no shader was compiled within a minute");
   return {};
 }
 
@@ -87,7 +87,7 @@ const std::string kSwap = kEnd + "  outColour = outColour.bgra;\n";
 
 }  // namespace
 
-TEST_CASE("an edited shader changes what is drawn with renderers made anew, on its device alone") {
+TEST_CASE("an edited shader changes images of new renderers on its device only") {
   const Copy copy;
   Device device = Device::create({.validation = true, .log = testLog()});
   const Stage stage(device, makeScene(small())), other(testDevice(), makeScene(small()));
@@ -114,27 +114,27 @@ TEST_CASE("an edited shader changes what is drawn with renderers made anew, on i
   CHECK(picture(other).values == before.values);
   CHECK(testDevice().shaderGeneration() == 0);
 
-  SECTION("a file put back brings the picture back") {
+  SECTION("a restored file restores the image") {
     copy.edit(kComposite, kSwap, kEnd);
     CHECK(next(reloader).replaced == Files{kComposite});
     CHECK(device.shaderGeneration() == 2);
     CHECK(picture(stage).values == before.values);
   }
-  SECTION("a replacement is taken back once") {
+  SECTION("a replacement is undone once") {
     CHECK(reloader.takeBack() == Files{kComposite});
     CHECK(device.shaderGeneration() == 2);
     CHECK(picture(stage).values == before.values);
     CHECK(reloader.takeBack().empty());
     CHECK(device.shaderGeneration() == 2);
   }
-  SECTION("the second of two is taken back to the first") {
+  SECTION("undoing the second replacement restores the first") {
     copy.edit(kComposite, ".bgra", ".gggg");
     CHECK(next(reloader).replaced == Files{kComposite});
     CHECK(picture(stage).values != after.values);
     CHECK(reloader.takeBack() == Files{kComposite});
     CHECK(picture(stage).values == after.values);
   }
-  SECTION("a file that goes away changes nothing, and what comes instead does") {
+  SECTION("a removed file changes nothing, and its replacement is used") {
     fs::remove(copy.path / kComposite);
     copy.edit("render/composite.vert", "gl_Position", "float unused = 1.0; gl_Position");
     CHECK(next(reloader).replaced == Files{"render/composite.vert"});
@@ -145,7 +145,7 @@ TEST_CASE("an edited shader changes what is drawn with renderers made anew, on i
   }
 }
 
-TEST_CASE("a broken file keeps what is in use, and the compiler's text says where") {
+TEST_CASE("a broken file keeps the shader in use, and the compiler's text gives the line") {
   const Copy copy;
   Device device = Device::create({.validation = true, .log = testLog()});
   const Stage stage(device, makeScene(small()));
@@ -166,7 +166,7 @@ TEST_CASE("a broken file keeps what is in use, and the compiler's text says wher
     return result.failed[0].text;
   };
 
-  SECTION("a syntax error, which is mended") {
+  SECTION("a syntax error that is fixed") {
     copy.edit(kComposite, kEnd, kEnd + "  nonsense;\n");
     const std::string all = copy.text(kComposite);
     const auto line = 1 + std::count(all.begin(), all.begin() + long(all.find("nonsense")), '\n');
@@ -187,7 +187,7 @@ TEST_CASE("a broken file keeps what is in use, and the compiler's text says wher
     }
     CHECK(reloader.failing().empty());
   }
-  SECTION("in a file that it includes, which is mended") {
+  SECTION("an error in an included file that is fixed") {
     copy.write("shared/floor.h", copy.text("shared/floor.h") + "\nfloat broken = nothing;\n");
     CHECK_THAT(failure(), Contains("my shaders/shared/floor.h:") && Contains("'nothing'"));
     copy.edit("shared/floor.h", "nothing;", "1.0;\n#define texelFetch(image, at, level) vec4(1.0, 0.0, 0.0, 1.0)");
@@ -201,20 +201,20 @@ TEST_CASE("a broken file keeps what is in use, and the compiler's text says wher
     copy.edit(kComposite, "layout(location = 0)",
               "layout(set = 0, binding = 7) uniform sampler2D extra;\nlayout(location = 0)");
     copy.edit(kComposite, kEnd, kEnd + "  outColour += texelFetch(extra, ivec2(0), 0);\n");
-    CHECK_THAT(failure(), Contains("set 0, binding 7: 'extra' is new"));
+    CHECK_THAT(failure(), Contains("binding 7") && Contains("extra"));
   }
   SECTION("larger push constants") {
     copy.edit(kComposite, "  FloorConstants plane;", "  FloorConstants plane;\n  vec4 more;");
-    CHECK_THAT(failure(), Contains("push constants have"));
+    CHECK_THAT(failure(), Contains("push constants"));
   }
-  SECTION("an output less") {
+  SECTION("a missing output") {
     copy.edit(kComposite, "layout(location = 0) out vec4", "vec4");
-    CHECK_THAT(failure(), Contains("output at location 0") && Contains("'outColour' is gone"));
+    CHECK_THAT(failure(), Contains("location 0") && Contains("outColour"));
   }
   CHECK((device.shaderGeneration() > 0 || picture(stage).values == before.values));
 }
 
-TEST_CASE("what was edited before counts, and what was not is left alone") {
+TEST_CASE("files edited before the start are compiled, and unchanged files are not replaced") {
   const Copy copy;
   copy.edit("shared/floor.h", "#endif", "#define texelFetch(image, at, level) vec4(1.0)\n#endif");
   Device device = Device::create({.validation = true, .log = testLog()});
@@ -227,7 +227,7 @@ TEST_CASE("what was edited before counts, and what was not is left alone") {
   CHECK(movedDevice.shaderGeneration() == 2);
 }
 
-TEST_CASE("the folder as it is built replaces nothing") {
+TEST_CASE("an unchanged folder replaces nothing") {
   const TemporaryFolder folder;
   fs::copy(IBR_SHADER_FOLDER, folder / "s", fs::copy_options::recursive);
   ShaderReloader reloader(testDevice(), {.folder = folder / "s"});
@@ -239,7 +239,7 @@ TEST_CASE("the folder as it is built replaces nothing") {
   CHECK(testDevice().shaderGeneration() == 0);
 }
 
-TEST_CASE("a compiler or a folder that is not there is named, and a compiler that does not compile") {
+TEST_CASE("a missing compiler or folder and a failing compiler are named") {
   const Copy copy;
   ShaderReloadOptions options = copy.options();
   options.compiler = "no-such-compiler";
@@ -260,11 +260,11 @@ TEST_CASE("a compiler or a folder that is not there is named, and a compiler tha
     CHECK(result.failed.size() == 3);
     return result.failed.at(0).text;
   };
-  CHECK_THAT(failureOf("exit 3\n"), Contains("compiler: ended with status 3"));
+  CHECK_THAT(failureOf("exit 3\n"), Contains(options.compiler) && Contains("status 3"));
   CHECK_THAT(failureOf("exit 0\n"), Contains(".spv"));
   const std::string toOutput = "while [ \"$1\" != -o ]; do shift; done\n";
-  CHECK_THAT(failureOf(toOutput + "printf 'abc' > \"$2\"\n"), Contains("3 bytes are not SPIR-V"));
+  CHECK_THAT(failureOf(toOutput + "printf 'abc' > \"$2\"\n"), Contains("3 bytes") && Contains("SPIR-V"));
   CHECK_THAT(failureOf(toOutput + "printf 'abcdabcdabcdabcdabcd' > \"$2\"; : > \"${2%.spv}.d\"\n"),
-             Contains("not SPIR-V: the header"));
+             Contains("SPIR-V") && Contains("header"));
   CHECK(testDevice().shaderGeneration() == 0);
 }

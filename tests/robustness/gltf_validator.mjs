@@ -2,8 +2,8 @@
 // node gltf_validator.mjs SCENE.gltf: the Khronos validator (npm package gltf-validator) must find no error and no
 // warning.
 //
-// The module is looked for in the folder that IBR_GLTF_VALIDATOR names (the package itself or what holds node_modules),
-// then as node does it, NODE_PATH included. Exit code 77 where it is not installed.
+// The module is searched in the folder IBR_GLTF_VALIDATOR (the package, or the folder with node_modules), then in
+// node's search path, NODE_PATH included. Exit code 77 if the module is not installed.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';

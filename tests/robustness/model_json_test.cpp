@@ -74,7 +74,7 @@ void refuseBytes(const Example& example, std::size_t buffer, std::size_t offset,
 
 }  // namespace
 
-TEST_CASE("the example model is good") {
+TEST_CASE("the example model is valid") {
   const Example example;
   for (const Fault& fault : validateHtmModelFiles(example.folder.path())) FAIL(fault.field << " " << fault.message);
   const HtmModel model = loadHtmModel(example.folder.path());
@@ -83,7 +83,7 @@ TEST_CASE("the example model is good") {
   CHECK(model.surface.mesh == exampleModel().surface.mesh);
 }
 
-TEST_CASE("a model's values that are not what they should be") {
+TEST_CASE("wrong values of a model and paths outside of its folder are refused") {
   const Example example;
   for (const std::string pointer : {"/version", "/cameras/0/node", "/cameras/1/image", "/cameras/0/camera/width",
                                     "/surface/node", "/source/node", "/complements"})
@@ -128,7 +128,7 @@ TEST_CASE("a model's values that are not what they should be") {
   refuseBytes(example, 1, 12, nan, complements);
 }
 
-TEST_CASE("what a model must have is there") {
+TEST_CASE("missing members of a model are refused") {
   const Example example;
   for (const std::string pointer :
        {"", "/version", "/cameras", "/surface", "/surface/node", "/cameras/0/node", "/cameras/0/camera",
@@ -140,7 +140,7 @@ TEST_CASE("what a model must have is there") {
     refuseWithout(example, pointer);
 }
 
-TEST_CASE("every value of a model's document may be of a wrong kind") {
+TEST_CASE("a wrong type of any value in a model's document gives an error or a valid model") {
   const Example example;
   std::vector<std::string> pointers;
   const std::function<void(const Json&, const std::string&)> walk = [&](const Json& value, const std::string& at) {
@@ -169,7 +169,7 @@ TEST_CASE("every value of a model's document may be of a wrong kind") {
   CHECK(refused > 300);
 }
 
-TEST_CASE("pictures that are missing are faults of a model's files") {
+TEST_CASE("missing images are faults of a model's files") {
   const Example example;
   fs::remove(example.folder / "images/left.png");
   fs::remove(example.folder / "visibility/right.png");

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("accessors keep inside their views, and views inside their buffers") {
+TEST_CASE("accessors outside of their views and views outside of their buffers are refused") {
   const Json& document = example().document;
   const auto length = document["buffers"][0]["byteLength"].get<std::size_t>();
   refuse("/accessors/0/type", "\"VEC2\"");
@@ -55,7 +55,7 @@ TEST_CASE("accessors keep inside their views, and views inside their buffers") {
   refuse("/accessors/3/count", "3", "/accessors/1/count");  // _RATIO has fewer points than TEXCOORD_0
 }
 
-TEST_CASE("values of a buffer are checked, with their place") {
+TEST_CASE("wrong values in a buffer are refused with their element") {
   const Json& document = example().document;
   const std::vector<std::byte> good = readFile(example().bufferOf(0));
   const Json& attributes = document["meshes"][0]["primitives"][0]["attributes"];
@@ -116,7 +116,7 @@ TEST_CASE("values of a buffer are checked, with their place") {
   example().restore();
 }
 
-TEST_CASE("a buffer file that is cut, missing or no file is named") {
+TEST_CASE("the error for a truncated, missing or special buffer file names the file") {
   const fs::path file = example().bufferOf(0);
   const std::vector<std::byte> good = readFile(file);
   for (std::size_t length : {std::size_t(0), std::size_t(1), good.size() / 2, good.size() - 1}) {
@@ -134,7 +134,7 @@ TEST_CASE("a buffer file that is cut, missing or no file is named") {
   CHECK(refusal(example().folder.path()).code == ErrorCode::io);
   fs::remove(file);
   fs::create_symlink("/dev/zero", file);
-  CHECK_THAT(refusal(example().folder.path(), "/buffers/0/uri").message, Catch::Contains("outside"));
+  CHECK_THAT(refusal(example().folder.path(), "/buffers/0/uri").message, Catch::Contains("/buffers/0/uri"));
   fs::remove(file);
   // A longer file is allowed, because glTF pads.
   std::vector<std::byte> longer = good;
@@ -144,7 +144,7 @@ TEST_CASE("a buffer file that is cut, missing or no file is named") {
   writeFile(file, good);
 }
 
-TEST_CASE("references stay inside the scene's folder", "[P1]") {
+TEST_CASE("references outside of the scene's folder are refused", "[P1]") {
   fs::create_directory_symlink("/etc", example().folder / "link");
   for (const std::string pointer :
        {"/buffers/0/uri", "/images/0/uri", "/extensions/IBR_image_graph/photographs/0/texture/uri",
@@ -166,7 +166,7 @@ TEST_CASE("references stay inside the scene's folder", "[P1]") {
   fs::remove_all(example().folder / "cells/..b");
 }
 
-TEST_CASE("textures that are missing or do not match are found by validation") {
+TEST_CASE("validation finds missing and mismatched textures") {
   const fs::path texture = example().folder / "textures/view1.ktx2", photograph = example().folder / "images/view2.png";
   const std::vector<std::byte> good = readFile(texture), picture = readFile(photograph);
   const std::string place = kExtension + "/photographs/1/texture";
@@ -196,7 +196,7 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
     const std::vector<Fault> faults = validateSceneFiles(example().folder.path());
     REQUIRE(faults.size() == 2);  // one for its size as well
     for (const Fault& fault : faults) CHECK(fault.field == place);
-    CHECK_THAT(faults[1].message, Catch::Contains("view1.ktx2 holds depth"));
+    CHECK_THAT(faults[1].message, Catch::Contains("view1.ktx2") && Catch::Contains("rg16f"));
   }
   writeFile(texture, good);
   fs::remove(depth);
@@ -213,7 +213,7 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
   wrong.height = 1;
   wrong.levels = {std::vector<std::byte>(97 * 4)};
   writeKtx2(depth, wrong);
-  found(depthPlace, "larger than its photograph");
+  found(depthPlace, "97x1");
   writeFile(depth, goodDepth);
   Json without = example().document;
   without.at(Json::json_pointer(kExtension + "/photographs/0")).erase("texture");
@@ -222,7 +222,7 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
   example().restore();
 }
 
-TEST_CASE("bytes flipped at random never do harm", "[P1]") {
+TEST_CASE("random changes of bytes give an error or a valid scene", "[P1]") {
   const std::string document = example().document.dump();
   const std::vector<std::byte> buffer = readFile(example().bufferOf(0));
   std::mt19937 random(1);

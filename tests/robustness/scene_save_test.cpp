@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
+TEST_CASE("scenes that cannot be written are refused and leave no file") {
   const TemporaryFolder folder;
   Scene scene = exampleScene();
   const auto refused = [&](ErrorCode code, const std::string& words) {
@@ -51,7 +51,7 @@ TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
   CHECK(loadScene(folder / "scene").nodes[0].imageFile == scene.nodes[0].imageFile);
 }
 
-TEST_CASE("settings of any kind come back with the same values") {
+TEST_CASE("settings of any JSON type load with the same values") {
   const TemporaryFolder folder;
   Scene scene;
   for (const std::string settings : {R"({"z":1,"a":{"y":2.5,"b":[1,2]},"m":"\u00e4"})", "[]", "{}", "\"x\"", "0"}) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What we wrote obeys our schema, and the schema refuses what is wrong."""
+"""Checks that a document obeys its schema, and that the schema refuses wrong documents."""
 import copy
 import json
 import sys
@@ -12,8 +12,8 @@ except ImportError:
 
 
 def run(part_of, breaks):
-    """Arguments of the program: SCHEMA DOCUMENT. `part_of` gives what the schema is of, from the document. Each of
-    `breaks` changes it so that it breaks one rule; a schema that lets it pass says too little."""
+    """Arguments of the program: SCHEMA DOCUMENT. `part_of` returns the part of the document that the schema describes.
+    Each of `breaks` changes this part so that it violates one rule; the schema must refuse the result."""
     with open(sys.argv[1], encoding="utf-8") as file:
         schema = json.load(file)
     with open(sys.argv[2], encoding="utf-8") as file:
@@ -28,6 +28,6 @@ def run(part_of, breaks):
         change(wrong)
         if validator.is_valid(wrong):
             faults.append(number)
-            print("let pass: wrong document", number)
+            print("accepted: wrong document", number)
     print(f"{len(faults)} faults; {len(breaks)} wrong documents tried")
     sys.exit(1 if faults else 0)

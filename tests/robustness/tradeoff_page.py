@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tradeoff_page.py tradeoff.py OUT PLACE: libibr/docs/tradeoff.py, on a copy of the report in OUT/PLACE/report, writes
-what was measured, says by its exit code where a preset is beaten, and writes no path of a machine and no large picture.
-Exit code 77 where there is no report, as there is no device.
+"""tradeoff_page.py tradeoff.py OUT PLACE: runs libibr/docs/tradeoff.py on a copy of the report in OUT/PLACE/report and
+checks that the page has the measured values, that the exit code reports a beaten preset, and that local paths and large
+images are refused. Exit code 77 without a report, that is, without a Vulkan device.
 """
 import json
 import pathlib
@@ -17,7 +17,7 @@ if not (out / place / "report" / "tradeoff.json").exists():
 
 
 def tried(damage, *options):
-    """Exit code and page after `damage` was done to the report."""
+    """Returns exit code, page, number of images and stderr after `damage` has changed the report."""
     with tempfile.TemporaryDirectory() as scratch:
         docs, report = pathlib.Path(scratch, "docs"), pathlib.Path(scratch, "out", place, "report")
         docs.mkdir()
@@ -26,7 +26,7 @@ def tried(damage, *options):
             shutil.copy(script.parent / name, docs / name)
         shutil.copytree(out / place / "report", report)
         read = json.loads((report / "tradeoff.json").read_text())
-        # Times are of this machine, now: here as they would be if all took a time that grows with what is drawn.
+        # Replaces measured times by times proportional to the drawn triangles, so that the test is deterministic.
         for row in read["settings"]:
             if "failure" not in row:
                 row["ms"]["median"] = 1 + sum(view["triangles"] for view in row["views"])
@@ -39,7 +39,7 @@ def tried(damage, *options):
 
 
 def plain(read, report):
-    for file in report.glob("*.svg"):  # the command of the test has folders of this machine
+    for file in report.glob("*.svg"):  # the test's command contains folders of this machine
         file.write_text("<svg></svg>")
 
 
@@ -68,9 +68,9 @@ def check(holds, what):
 
 before = (script.parent / "tradeoff.md").read_text()
 code, page, pictures, error = tried(plain, "--write")
-check(code == 0 and pictures == 6, f"a good report: exit code {code}, {pictures} pictures: {error}")
-check(f"({place})" in page and "| `cells` | 1 |" in page and page != before, "the page has not what was measured")
-check(tried(beaten)[0] == 1, "a preset is beaten, and nothing says so")
+check(code == 0 and pictures == 6, f"a valid report gives exit code {code} and {pictures} pictures: {error}")
+check(f"({place})" in page and "| `cells` | 1 |" in page and page != before, "the page lacks the measured values")
+check(tried(beaten)[0] == 1, "a beaten preset does not give exit code 1")
 for damage in (path, large):
     code, page, pictures, error = tried(damage, "--write")
     refused = code == 2 and page == before and pictures == 0 and "knobs.svg" in error

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tradeoff_schema.py SCHEMA tradeoff.json: what `ibr tradeoff` writes obeys the schema, and the schema refuses what is
-wrong. Exit code 77 where Python's jsonschema (Debian: python3-jsonschema) or the report is not there.
+"""tradeoff_schema.py SCHEMA tradeoff.json: the output of `ibr tradeoff` obeys the schema, and the schema refuses wrong
+documents. Exit code 77 without Python's jsonschema (Debian: python3-jsonschema) or without a report.
 """
 import os
 import sys

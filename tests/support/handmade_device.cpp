@@ -11,7 +11,7 @@ namespace ibr::test {
 namespace {
 
 void require(VkResult result) {
-  if (result != VK_SUCCESS) throw std::runtime_error("the handmade device could not be made");
+  if (result != VK_SUCCESS) throw std::runtime_error("the handmade device could not be created");
 }
 
 std::vector<const char*> pointers(const std::vector<std::string>& names) {

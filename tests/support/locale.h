@@ -24,7 +24,7 @@ inline bool setTestLocale() {
   }
   const bool comma = std::string(half) == "0,5";
   if (!comma)
-    std::fprintf(stderr, "skipped: there is no locale %s with a decimal comma (tests/run.sh makes it)\n", name);
+    std::fprintf(stderr, "skipped: there is no locale %s with a decimal comma (tests/run.sh creates it)\n", name);
   return comma;
 }
 

@@ -12,6 +12,7 @@
 
 using namespace ibr;
 using namespace ibr::app;
+using Catch::Contains;
 
 namespace {
 
@@ -76,14 +77,14 @@ Simulated steady(double load, double ratio = 0.85, double noise = 0.03) {
 
 }  // namespace
 
-TEST_CASE("governor: with enough time nothing changes, at any share below the limit") {
+TEST_CASE("governor: the level stays at any load below the limit") {
   for (const double share : {0.01, 0.3, 0.59, 0.61, 0.8}) {
     GovernorState state = fresh();
     CHECK(run(state, steady(share * kPeriod90), 3000).changes == 0);
   }
 }
 
-TEST_CASE("governor: settles under any load that some level holds, and stays") {
+TEST_CASE("governor: settles under any constant load that a level can hold") {
   for (const double ratio : {0.6, 0.75, 0.85, 0.95})
     for (double load = 0.3; load < 3; load *= 1.07) {
       GovernorState state = fresh();
@@ -113,7 +114,7 @@ TEST_CASE("governor: steps down before a frame is missed while a load grows") {
     }
 }
 
-TEST_CASE("governor: after a leap of the load few frames are missed, and all is back when it has gone") {
+TEST_CASE("governor: after a load step few frames are missed, and the level recovers afterwards") {
   for (const double leap : {1.1, 1.5, 2.0, 2.6}) {
     GovernorState state = fresh();
     Simulated device = steady(0);
@@ -134,7 +135,7 @@ TEST_CASE("governor: after a leap of the load few frames are missed, and all is 
   }
 }
 
-TEST_CASE("governor: a load between two levels does not make it go to and fro") {
+TEST_CASE("governor: a load between two levels causes no oscillation") {
   const std::size_t count = fresh().levels.size();
   for (std::size_t fits = 1; fits < count; ++fits)
     for (const double noise : {0.0, 0.02, 0.1})
@@ -152,7 +153,7 @@ TEST_CASE("governor: a load between two levels does not make it go to and fro") 
       }
 }
 
-TEST_CASE("governor: what was taken back is tried again at once when the load has become smaller") {
+TEST_CASE("governor: a reversed step up is tried again at once under a smaller load") {
   GovernorState state = fresh();
   Simulated device = steady(0, 0.85, 0);
   device.share.assign(device.share.size(), 0.55);
@@ -166,7 +167,7 @@ TEST_CASE("governor: what was taken back is tried again at once when the load ha
   CHECK(state.level == 0);
 }
 
-TEST_CASE("governor: a level that was held for long is not a mistake when the load grows again") {
+TEST_CASE("governor: a level held for long is tried again at once after a later step down") {
   GovernorState state = fresh();
   Simulated device = steady(0, 0.85, 0);
   for (int time = 0; time < 8; ++time) {
@@ -182,7 +183,7 @@ TEST_CASE("governor: a level that was held for long is not a mistake when the lo
   CHECK(state.level == 0);
 }
 
-TEST_CASE("governor: a frame that is late by itself changes nothing; two of them do") {
+TEST_CASE("governor: one late frame changes nothing, two late frames do") {
   for (const double hitch : {15.0, 100.0, 2000.0}) {
     GovernorState state = fresh();
     Simulated device = steady(0, 0.85, 0.02);
@@ -205,7 +206,7 @@ TEST_CASE("governor: a frame that is late by itself changes nothing; two of them
   CHECK(two.changes == 1);
 }
 
-TEST_CASE("governor: a miss with little room before it is answered at once; near the limit it needs no miss") {
+TEST_CASE("governor: steps down at once after a missed frame, and near the limit without one") {
   GovernorState state = fresh();
   for (int i = 0; i < 20; ++i) CHECK(govern(state, {0.7 * kPeriod90, kPeriod90, false}).reason.empty());
   CHECK(govern(state, {1.05 * kPeriod90, kPeriod90, true}).level == 1);
@@ -222,34 +223,34 @@ TEST_CASE("governor: a miss with little room before it is answered at once; near
   CHECK(govern(near, {0.5 * kPeriod90, kPeriod90, false}).level == 1);
 }
 
-TEST_CASE("governor: decisions are lines for a log") {
+TEST_CASE("governor: a decision gives a log line with frame, times and change") {
   GovernorState state = fresh();
   for (int i = 0; i < 809; ++i) govern(state, {6, 11.111, false});
   std::string line;
   for (int i = 0; i < 10 && line.empty(); ++i) line = govern(state, {10.4, 11.111, false}).reason;
-  CHECK(line == "frame 811: 10.4 ms of 11.1 ms: cells 12 → 8");
+  CHECK_THAT(line, Contains("811") && Contains("10.4 ms") && Contains("11.1 ms") && Contains("cells 12 → 8"));
   for (int i = 0; i < 200 && line[0] == 'f' && state.level == 1; ++i)
     line = govern(state, {3, 11.111, false}).reason + "f";
-  CHECK(line == "frame 950: 3.0 ms of 11.1 ms: cells 8 → 12f");
+  CHECK_THAT(line, Contains("950") && Contains("3.0") && Contains("11.1") && Contains("cells 8 → 12"));
 }
 
-TEST_CASE("governor: too slow at the cheapest level is said once") {
+TEST_CASE("governor: a load too high for the lowest level is reported once") {
   GovernorState state = fresh();
   const Run slow = run(state, steady(100 * kPeriod90, 0.9), 3000);
   CHECK(state.level + 1 == state.levels.size());
   REQUIRE(slow.lines.size() == std::size_t(slow.changes) + 1);
-  CHECK(slow.lines.back().find("nothing is left to leave out") != std::string::npos);
+  CHECK(slow.lines.back().find("lowest level") != std::string::npos);
   GovernorState again = state;
   run(again, steady(0.1 * kPeriod90), 2000);
   CHECK(again.level == 0);
-  CHECK(run(again, steady(100 * kPeriod90), 300).lines.back().find("nothing is left") != std::string::npos);
+  CHECK(run(again, steady(100 * kPeriod90), 300).lines.back().find("lowest level") != std::string::npos);
   // A short drop in load is not the required 1.5 s.
   Simulated device = steady(0, 1, 0);
   device.load = [](int frame) { return frame % 100 < 60 ? 0.3 * kPeriod90 : 2 * kPeriod90; };
   CHECK(run(state, device, 3000).changes == 0);
 }
 
-TEST_CASE("governor: costs that are none change nothing") {
+TEST_CASE("governor: costs that are not positive and finite change nothing") {
   for (const double none : {0.0, -1.0, kNaN, kInfinity, -kInfinity}) {
     GovernorState state = fresh();
     for (int i = 0; i < 500; ++i) CHECK(govern(state, {none, kPeriod90, false}).reason.empty());
@@ -257,7 +258,7 @@ TEST_CASE("governor: costs that are none change nothing") {
   }
 }
 
-TEST_CASE("governor: without a period nothing is decided, with the last one it is") {
+TEST_CASE("governor: decides nothing before the first period, and then uses the last valid one") {
   GovernorState state = fresh();
   for (int i = 0; i < 100; ++i) CHECK(govern(state, {50, kNaN, true}).level == 0);
   govern(state, {5, kPeriod90, false});
@@ -265,7 +266,7 @@ TEST_CASE("governor: without a period nothing is decided, with the last one it i
   CHECK(state.level > 0);
 }
 
-TEST_CASE("governor: misses count where the work is not known, and not where the work was little") {
+TEST_CASE("governor: missed frames count if the cost is unknown, and not if the cost is low") {
   GovernorState unknown = fresh();
   for (int i = 0; i < 10; ++i) govern(unknown, {kNaN, kPeriod90, true});
   CHECK(unknown.level > 0);
@@ -276,7 +277,7 @@ TEST_CASE("governor: misses count where the work is not known, and not where the
   CHECK(ours.level > 0);
 }
 
-TEST_CASE("governor: another rate of the display is another limit, at once") {
+TEST_CASE("governor: a new refresh rate changes the limit at once") {
   GovernorState state = fresh();
   for (int i = 0; i < 500; ++i) CHECK(govern(state, {8.5, 1000.0 / 90, false}).level == 0);
   for (int i = 0; i < 20; ++i) govern(state, {i < 4 ? 8.5 : 6, 1000.0 / 120, false});
@@ -285,7 +286,7 @@ TEST_CASE("governor: another rate of the display is another limit, at once") {
   CHECK(state.level == 0);
 }
 
-TEST_CASE("governor: other settings keep the level as far as there is one") {
+TEST_CASE("governor: a new ladder keeps the level, limited to its length") {
   GovernorState state = fresh();
   run(state, steady(100 * kPeriod90), 300);
   const std::size_t last = state.levels.size() - 1;
@@ -306,13 +307,13 @@ TEST_CASE("governor: other settings keep the level as far as there is one") {
   CHECK(one.level == 0);
 }
 
-TEST_CASE("governor: the same frames give the same decisions") {
+TEST_CASE("governor: is deterministic") {
   GovernorState a = fresh(), b = fresh();
   const Simulated device = steady(1.3 * kPeriod90, 0.85, 0.2);
   CHECK((run(a, device, 5000).levels == run(b, device, 5000).levels));
 }
 
-TEST_CASE("governor: what was excused, and the frame that comes late because of one before, change nothing") {
+TEST_CASE("governor: excused frames, and a late frame after a slow one, change nothing") {
   GovernorState excused = fresh();
   for (int i = 0; i < 20; ++i) govern(excused, {5.8, kPeriod90, false});
   GovernorState blamed = excused;
@@ -335,12 +336,13 @@ TEST_CASE("governor: what was excused, and the frame that comes late because of 
   CHECK(late.level == 0);
 }
 
-TEST_CASE("governor: a line says what was measured, and that a frame was missed") {
+TEST_CASE("governor: a log line contains the measured times and a missed frame") {
   GovernorState state = fresh();
   for (int i = 0; i < 20; ++i) govern(state, {7.8, 11.111, false});
-  CHECK(govern(state, {7.9, 11.111, true}).reason == "frame 21: 7.9 ms of 11.1 ms, missed: cells 12 → 8");
+  CHECK_THAT(govern(state, {7.9, 11.111, true}).reason,
+             Contains("21") && Contains("7.9 ms") && Contains("missed") && Contains("cells 12 → 8"));
   GovernorState unknown = fresh();
   std::string line;
   for (int i = 0; i < 10 && line.empty(); ++i) line = govern(unknown, {kNaN, 11.111, true}).reason;
-  CHECK(line.find(": missed: cells") != std::string::npos);
+  CHECK_THAT(line, Contains("missed") && Contains("cells") && !Contains(" ms"));
 }

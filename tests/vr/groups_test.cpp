@@ -35,7 +35,7 @@ std::size_t sizeOfEach(const Groups& groups) {
 
 }  // namespace
 
-TEST_CASE("groups: points that are evenly far apart are each alone, at any scale and origin") {
+TEST_CASE("groups: evenly spaced points form one group each, at any scale and origin") {
   for (const double scale : {1e-9, 1.0, 1e9})
     for (const double far : {0.0, 1e6}) CHECK(groupsOf(row(40, scale, glm::dvec3(far * scale))).size() == 40);
   CHECK(groupsOf({}).empty());
@@ -43,7 +43,7 @@ TEST_CASE("groups: points that are evenly far apart are each alone, at any scale
   CHECK(groupsOf(row(2, 1)) == Groups{{0}, {1}});
 }
 
-TEST_CASE("groups: parts of a panorama are one place, exactly and up to rounding") {
+TEST_CASE("groups: parts of a panorama form one group, exactly and up to rounding") {
   for (const double jitter : {0.0, 1e-7}) {
     for (const int places : {2, 3, 10}) {
       const Groups groups = groupsOf(crowds(row(places, 2.5), 8, jitter));
@@ -57,7 +57,7 @@ TEST_CASE("groups: parts of a panorama are one place, exactly and up to rounding
   CHECK(groupsOf(mixed) == Groups{{0, 2}, {1, 3}, {4}});
 }
 
-TEST_CASE("groups: brackets of exposures are one place though estimated poses differ") {
+TEST_CASE("groups: exposure brackets form one group despite different estimated poses") {
   const Groups groups = groupsOf(crowds(row(20, 1), 3, 2e-3));
   CHECK(groups.size() == 20);
   CHECK(sizeOfEach(groups) == 3);
@@ -67,7 +67,7 @@ TEST_CASE("groups: brackets of exposures are one place though estimated poses di
   CHECK(groupsOf(some).size() == 20);
 }
 
-TEST_CASE("groups: rooms that are far apart stay full of places") {
+TEST_CASE("groups: rooms that are far apart keep their separate capture sites") {
   auto rooms = row(12, 0.5);
   for (const glm::dvec3& place : row(12, 0.5, {40, 0, 0})) rooms.push_back(place);
   CHECK(groupsOf(rooms).size() == 24);
@@ -85,7 +85,7 @@ TEST_CASE("groups: rooms that are far apart stay full of places") {
   CHECK(groupsOf(scattered).size() > 285);
 }
 
-TEST_CASE("groups: what is not finite is alone and disturbs nobody") {
+TEST_CASE("groups: points that are not finite form their own groups and change no other") {
   auto points = crowds(row(3, 1), 4, 0);
   points.insert(points.begin() + 5, glm::dvec3(std::numeric_limits<double>::quiet_NaN(), 0, 0));
   points.push_back(glm::dvec3(std::numeric_limits<double>::infinity()));

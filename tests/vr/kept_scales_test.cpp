@@ -21,7 +21,7 @@ struct Log {
 
 }  // namespace
 
-TEST_CASE("scales are there the next time, each scene its own, however its path is written") {
+TEST_CASE("scales are saved for each scene, for any spelling of the scene's path") {
   ibr::test::TemporaryFolder folder;
   Log log;
   {
@@ -39,7 +39,7 @@ TEST_CASE("scales are there the next time, each scene its own, however its path 
   CHECK(log.warnings == 0);
 }
 
-TEST_CASE("what is no scale is neither kept nor believed") {
+TEST_CASE("invalid scales are neither saved nor read") {
   ibr::test::TemporaryFolder folder;
   Log log;
   const fs::path file = folder / "scales.json";
@@ -55,7 +55,7 @@ TEST_CASE("what is no scale is neither kept nor believed") {
   CHECK(log.warnings == 0);
 }
 
-TEST_CASE("a file that is broken, or cannot be written, is told of and does no harm") {
+TEST_CASE("a broken or unwritable file of scales gives a warning only") {
   ibr::test::TemporaryFolder folder;
   const fs::path file = folder / "scales.json";
   for (const char* text : {"", "{", "[]", R"({"scales":3})"}) {

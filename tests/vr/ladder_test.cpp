@@ -51,7 +51,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> counts(const std::vector<Re
 
 }  // namespace
 
-TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing and dearer by none") {
+TEST_CASE("ladder: starts with the requested settings, and each level reduces one of them") {
   std::mt19937 random(1);
   const auto upTo = [&](unsigned most) { return std::uint32_t(random() % (most + 1)); };
   for (int i = 0; i < 500; ++i) {
@@ -77,7 +77,7 @@ TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing
   }
 }
 
-TEST_CASE("ladder: of the defaults, by name") {
+TEST_CASE("ladder: the default settings give the expected sequence of changes") {
   RenderSettings asked;
   asked.colourMapping = ColourMapping::ours;
   std::vector<std::string> changes;
@@ -89,7 +89,7 @@ TEST_CASE("ladder: of the defaults, by name") {
   CHECK(levelChange(asked, asked).empty());
 }
 
-TEST_CASE("ladder: where photographs are gathered from, a coarser vote first, then fewer of them") {
+TEST_CASE("ladder: gathering compositions first reduce the vote scale, then the number of photographs") {
   const auto changesOf = [](Composition composition, std::size_t cells) {
     RenderSettings asked;
     asked.composition = composition;
@@ -109,7 +109,7 @@ TEST_CASE("ladder: where photographs are gathered from, a coarser vote first, th
   CHECK(hybrid[6] == "blending blend → dither");
 }
 
-TEST_CASE("ladder: nothing that the scene or the settings do not show is left out") {
+TEST_CASE("ladder: limits above the scene's number of cells or photographs are skipped") {
   RenderSettings asked;
   asked.gatherCandidates = 14;
   using Counts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -124,7 +124,7 @@ TEST_CASE("ladder: nothing that the scene or the settings do not show is left ou
   }
 }
 
-TEST_CASE("ladder: softer comes before grainy, grainy before holes") {
+TEST_CASE("ladder: resolution is reduced before dithering, and dithering comes before few cells") {
   const auto levels = ladder({});
   for (const RenderSettings& level : levels) {
     if (level.blend == BlendMode::dither) CHECK(level.renderScale <= 0.7);

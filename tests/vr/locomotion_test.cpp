@@ -29,7 +29,7 @@ double turnedBy(const Walker& walker, const Pose& before) {
 
 }  // namespace
 
-TEST_CASE("walk: begins black, stands at the spot as its photographs look when a head comes, and fades in") {
+TEST_CASE("walk: starts black, and fades in at the spot, facing as its photographs, when the head is tracked") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e7, 1e-3)}) {
     Walker walker(to);
     walker.state = startWalk(walker.place, walker.settings, 3);
@@ -60,7 +60,7 @@ TEST_CASE("walk: begins black, stands at the spot as its photographs look when a
   }
 }
 
-TEST_CASE("walk: who asks for another spot before a head comes faces as that one's photographs do") {
+TEST_CASE("walk: a spot chosen before the head is tracked sets the facing") {
   Walker walker;
   walker.place.spots[1].facing = {1, 0, 0};
   walker.state = startWalk(walker.place, walker.settings, 3);
@@ -75,7 +75,7 @@ TEST_CASE("walk: who asks for another spot before a head comes faces as that one
   CHECK(angleBetween(facingOf(walker.head().rotation), {1, 0, 0}) < 1e-9);
 }
 
-TEST_CASE("walk: in a place without spots one stands at the origin, and there is nothing to go to") {
+TEST_CASE("walk: in a scene without spots the person stands at the origin and cannot teleport") {
   Walker walker({}, 0, 0);
   CHECK(walker.step().fade == 0);
   CHECK(same(walker.state.tracking, Tracking{}));
@@ -92,7 +92,7 @@ TEST_CASE("walk: in a place without spots one stands at the origin, and there is
   CHECK(!startWalk(at.place, at.settings, 5).wanted);
 }
 
-TEST_CASE("walk: a head that moves moves nothing else, to the last bit") {
+TEST_CASE("walk: head motion leaves the tracking space unchanged, bit for bit") {
   Walker walker(tilted());
   AnyTracking any(22);
   const Tracking before = walker.state.tracking;
@@ -107,7 +107,7 @@ TEST_CASE("walk: a head that moves moves nothing else, to the last bit") {
   }
 }
 
-TEST_CASE("walk: select held shows where a hand points, let go one is there, through black, facing as before") {
+TEST_CASE("walk: holding select shows the target, and releasing select teleports through black, facing as before") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e7, 1e-3)})
     for (const Hand which : {kLeft, kRight}) {
       Walker walker(to);
@@ -149,7 +149,7 @@ TEST_CASE("walk: select held shows where a hand points, let go one is there, thr
     }
 }
 
-TEST_CASE("walk: a press of one frame goes there as well; one at nothing goes nowhere") {
+TEST_CASE("walk: a press of one frame teleports, and a press without target does not") {
   Walker walker;
   walker.pointAt(kRight, walker.place.spots[0].position);
   walker.hand(kRight).select = true;
@@ -167,7 +167,7 @@ TEST_CASE("walk: a press of one frame goes there as well; one at nothing goes no
   CHECK(same(walker.state.tracking, before));
 }
 
-TEST_CASE("walk: what a hand points at is kept while it trembles between two") {
+TEST_CASE("walk: the target stays the same while the hand trembles between two spots") {
   Walker walker;
   const glm::dvec3 hand = walker.hand(kRight).aim.position;
   const auto to = [&](std::size_t spot) {
@@ -184,7 +184,7 @@ TEST_CASE("walk: what a hand points at is kept while it trembles between two") {
   for (const double share : {0.5, 0.55, 0.45, 0.55}) CHECK(point(share) == 3u);
 }
 
-TEST_CASE("walk: what is pressed on the panel is the panel's, and what is let go there goes nowhere") {
+TEST_CASE("walk: a press on the panel goes to the panel, and a release on the panel does not teleport") {
   Walker walker;
   const Tracking before = walker.state.tracking;
   walker.pointAt(kRight, walker.place.spots[0].position);
@@ -211,7 +211,7 @@ TEST_CASE("walk: what is pressed on the panel is the panel's, and what is let go
   CHECK(same(walker.state.tracking, before));
 }
 
-TEST_CASE("walk: presses of hands and heads that come or go lead nowhere") {
+TEST_CASE("walk: presses do not teleport if the hand or head loses tracking") {
   const auto pressed = [](Walker& walker) {
     walker.pointAt(kRight, walker.place.spots[0].position);
     walker.hand(kRight).select = true;
@@ -257,7 +257,7 @@ TEST_CASE("walk: presses of hands and heads that come or go lead nowhere") {
   CHECK(!released(held));
 }
 
-TEST_CASE("walk: the stick turns by 30°, once each way it is pushed, the head in its place") {
+TEST_CASE("walk: each push of the stick turns by 30° around the head") {
   for (const Tracking& to : {Tracking{}, tilted(1e5)}) {
     Walker walker(to);
     const Pose before = walker.head();
@@ -284,7 +284,7 @@ TEST_CASE("walk: the stick turns by 30°, once each way it is pushed, the head i
   }
 }
 
-TEST_CASE("walk: which hand turns, by what, and by how much") {
+TEST_CASE("walk: the right stick turns by the set angle, or the left one if it is the only hand") {
   Walker walker;
   walker.hand(kLeft).stick.x = 1;
   CHECK(!walker.step().turned);  // only the right stick turns
@@ -311,7 +311,7 @@ TEST_CASE("walk: which hand turns, by what, and by how much") {
   CHECK(same(walker.state.tracking, tracking));
 }
 
-TEST_CASE("walk: a hand that is not tracked asks for nothing, nor when it comes back") {
+TEST_CASE("walk: an untracked hand has no effect, nor do inputs held when tracking returns") {
   Walker walker;
   walker.settings.smoothMotion = true;
   const Tracking before = walker.state.tracking;
@@ -347,7 +347,7 @@ TEST_CASE("walk: a hand that is not tracked asks for nothing, nor when it comes 
   for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
 }
 
-TEST_CASE("walk: without a head nothing turns, moves or grows, nor afterwards for what was pushed meanwhile") {
+TEST_CASE("walk: without a tracked head no input turns, moves or scales, also after tracking returns") {
   Walker walker(tilted(), 10);
   walker.settings.smoothMotion = true;
   const Tracking before = walker.state.tracking;
@@ -370,7 +370,7 @@ TEST_CASE("walk: without a head nothing turns, moves or grows, nor afterwards fo
   }
 }
 
-TEST_CASE("walk: smooth motion is off until it is asked for, level, along where the head faces") {
+TEST_CASE("walk: smooth motion is off by default, level and relative to the head's facing") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e4, 1e-2)}) {
     Walker walker(to);
     walker.input.head->rotation = glm::angleAxis(0.9, glm::dvec3(0, 1, 0)) * glm::angleAxis(-0.8, glm::dvec3(1, 0, 0));
@@ -401,7 +401,7 @@ TEST_CASE("walk: smooth motion is off until it is asked for, level, along where 
   }
 }
 
-TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the same at any rate of frames") {
+TEST_CASE("walk: smooth motion slides along the bounds and does not depend on the frame rate") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e5, 0.1)}) {
     Walker walker(to, 1.5);
     walker.settings.smoothMotion = true;
@@ -437,7 +437,7 @@ TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the
   CHECK(glm::distance(at[0], at[1]) < 1e-9);
 }
 
-TEST_CASE("walk: smooth motion rests during fades") {
+TEST_CASE("walk: smooth motion pauses during fades") {
   Walker walker;
   walker.settings.smoothMotion = true;
   walker.input.goTo = 1;
@@ -481,7 +481,7 @@ TEST_CASE("walk: the vignette follows the speed smoothly") {
   CHECK(walker.steps(50).vignette == 0);
 }
 
-TEST_CASE("walk: asked for during a fade, the last spot is gone to, always through black") {
+TEST_CASE("walk: of several teleports during a fade the last one counts, through black") {
   Walker walker;
   const auto ask = [&](std::size_t spot) {
     walker.input.goTo = spot;
@@ -516,7 +516,7 @@ TEST_CASE("walk: asked for during a fade, the last spot is gone to, always throu
   CHECK(walker.steps(20).fade == 0);
 }
 
-TEST_CASE("walk: black as long as it is asked for, and teleports happen in it") {
+TEST_CASE("walk: the view stays black while requested, and teleports happen meanwhile") {
   Walker walker;
   walker.input.black = true;
   walker.steps(11);
@@ -531,7 +531,7 @@ TEST_CASE("walk: black as long as it is asked for, and teleports happen in it") 
   CHECK(walker.awayFrom(4) < 1e-9);
 }
 
-TEST_CASE("walk: the scale is changed at once and within limits; photographs stay as high above the floor") {
+TEST_CASE("walk: the scale changes at once within limits, and keeps the photographs' height above the floor") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e4, 1e-2)}) {
     Walker walker(to);
     walker.input.scale = 1.25;
@@ -555,7 +555,7 @@ TEST_CASE("walk: the scale is changed at once and within limits; photographs sta
   }
 }
 
-TEST_CASE("walk: the menu button toggles when it goes down, of either hand") {
+TEST_CASE("walk: pressing the menu button of either hand toggles the menu") {
   Walker walker;
   int toggles = 0;
   const auto step = [&](bool left, bool right) {
@@ -583,7 +583,7 @@ TEST_CASE("walk: the menu button toggles when it goes down, of either hand") {
   CHECK(toggles == 2);
 }
 
-TEST_CASE("walk: seconds that are none, or ten at once, lead to no leaps") {
+TEST_CASE("walk: invalid or long time steps cause no jumps") {
   for (const double seconds : {0.0, kNaN, -1.0}) {
     Walker walker;
     walker.settings.smoothMotion = true;
@@ -615,7 +615,7 @@ TEST_CASE("walk: seconds that are none, or ten at once, lead to no leaps") {
   CHECK(walker.step().fade > 0);
 }
 
-TEST_CASE("walk: whatever hands do, rules hold") {
+TEST_CASE("walk: invariants hold for random input") {
   for (const Tracking& to : {Tracking{}, tilted(), tilted(1e7, 1e3)}) {
     Walker walker(to, 2);
     AnyTracking any(23);

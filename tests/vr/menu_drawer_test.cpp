@@ -69,7 +69,7 @@ bool isColour(const Image8& image, glm::dvec2 at, ImU32 colour) {
 
 }  // namespace
 
-TEST_CASE("the menu has the same values in layers that encode what is drawn and in those that do not") {
+TEST_CASE("the menu has the same values in sRGB and UNORM layers") {
   Drawn plain(VK_FORMAT_R8G8B8A8_UNORM);
   const Image8 wanted = plain.picture();
   const glm::dvec2 corner{0.999, 0.5}, button = plain.hand.in("picture", {0.05, 0.5});
@@ -85,7 +85,7 @@ TEST_CASE("the menu has the same values in layers that encode what is drawn and 
   }
 }
 
-TEST_CASE("the menu shows what a hand points at, and what it presses") {
+TEST_CASE("the menu marks hovered and pressed items") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
   const glm::dvec2 button = menu.hand.in("picture", {0.05, 0.5}), middle = menu.hand.in("picture", {0.5, 0.2});
   menu.hand.point(middle);
@@ -101,7 +101,7 @@ TEST_CASE("the menu shows what a hand points at, and what it presses") {
   CHECK(isColour(menu.picture(), button, kMenuButton));
 }
 
-TEST_CASE("the menu's map shows spots, where the person is, and the spot that is meant") {
+TEST_CASE("the menu's map shows spots, the person and the target spot") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
   menu.shown.spots = {{{0.25, 0.25}}, {{0.75, 0.25}, true}};
   menu.shown.you = {0.5, 0.75};
@@ -127,7 +127,7 @@ TEST_CASE("the menu's map shows spots, where the person is, and the spot that is
   CHECK(isColour(menu.picture(), first, kMenuMarked));
 }
 
-TEST_CASE("the menu shortens names that do not fit") {
+TEST_CASE("the menu shortens long names") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
   menu.shown.scenes[0] = std::string(200, 'i');
   menu.hand.press("scenes page");
@@ -143,7 +143,7 @@ TEST_CASE("the menu shortens names that do not fit") {
   CHECK(written);
 }
 
-TEST_CASE("the menu draws every page, of very much and of nothing") {
+TEST_CASE("the menu draws every page with many entries and with none") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
   menu.shown.loading = 0.4;
   menu.hand.point(menu.hand.in("map", menu.shown.spots[31].at));

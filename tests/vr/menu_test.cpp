@@ -54,7 +54,7 @@ MenuWishes wish(auto MenuWishes::*what, auto value) {
 
 }  // namespace
 
-TEST_CASE("the menu's column: a picture, recentre, close, and exit by a second press") {
+TEST_CASE("the menu's column takes a picture, recentres, closes, and exits at the second press") {
   Opened menu;
   CHECK(menu.hand.press("picture") == wish(&MenuWishes::picture, true));
   CHECK(menu.hand.press("recentre") == wish(&MenuWishes::recentre, true));
@@ -64,7 +64,7 @@ TEST_CASE("the menu's column: a picture, recentre, close, and exit by a second p
   CHECK(menu.hand.press("exit") == MenuWishes{});
 }
 
-TEST_CASE("the menu forgets that exit was pressed once: after something else, after a while, after it was closed") {
+TEST_CASE("the menu drops the first press of exit after another press, after a while and when closed") {
   Opened menu;
   menu.hand.press("exit");
   menu.hand.press("picture");
@@ -80,7 +80,7 @@ TEST_CASE("the menu forgets that exit was pressed once: after something else, af
   CHECK(menu.hand.press("exit") == wish(&MenuWishes::exit, true));
 }
 
-TEST_CASE("the menu's map: the spot that is pressed is gone to, however the hand shakes") {
+TEST_CASE("the menu's map teleports to the spot where the press began") {
   Opened menu;
   for (std::size_t i = 0; i < menu.shown.spots.size(); ++i)
     CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuWishes::teleport, i));
@@ -100,7 +100,7 @@ TEST_CASE("the menu's map: the spot that is pressed is gone to, however the hand
   CHECK(menu.hand.away() == MenuWishes{});
 }
 
-TEST_CASE("the menu's map: of two spots the nearer is meant, and the first of those at one place") {
+TEST_CASE("the menu's map selects the nearest spot, and the first of spots at one position") {
   MenuModel m = model();
   m.spots = {{{0.50, 0.5}}, {{0.52, 0.5}}, {{0.52, 0.5}}};
   Opened menu(m);
@@ -108,7 +108,7 @@ TEST_CASE("the menu's map: of two spots the nearer is meant, and the first of th
   CHECK(menu.hand.press(menu.hand.in("map", {0.512, 0.5})).teleport == 1u);
 }
 
-TEST_CASE("the menu's map: spots that go away while one is pressed are not gone to") {
+TEST_CASE("the menu's map does not teleport to a spot that was removed during the press") {
   Opened menu;
   const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
   menu.hand.point(third);
@@ -118,7 +118,7 @@ TEST_CASE("the menu's map: spots that go away while one is pressed are not gone 
   CHECK(menu.hand.point(third) == MenuWishes{});
 }
 
-TEST_CASE("the menu's scenes: another one is wished, the open one is not opened again") {
+TEST_CASE("the menu's page of scenes opens other scenes only") {
   Opened menu;
   menu.page("scenes page");
   CHECK(menu.hand.press("scene 0") == wish(&MenuWishes::scene, std::size_t(0)));
@@ -128,7 +128,7 @@ TEST_CASE("the menu's scenes: another one is wished, the open one is not opened 
   CHECK_FALSE(menu.hand.has("map"));
 }
 
-TEST_CASE("the menu's scenes: many are scrolled, and the open one is in sight to begin with") {
+TEST_CASE("the menu's page of scenes scrolls, and starts at the open scene") {
   MenuModel m = model();
   m.scenes.assign(40, "a scene");
   m.scene = 20;
@@ -162,7 +162,7 @@ TEST_CASE("the menu's scenes: many are scrolled, and the open one is in sight to
   CHECK(menu.hand.has("scene 0"));
 }
 
-TEST_CASE("the menu's settings are wished as they will be") {
+TEST_CASE("the menu's settings request the new values, within limits") {
   Opened menu;
   menu.page("settings page");
   CHECK(menu.hand.press("larger") == wish(&MenuWishes::scaleFactor, 1.25));
@@ -185,7 +185,7 @@ TEST_CASE("the menu's settings are wished as they will be") {
   CHECK(menu.hand.press("lower").eyeHeight == 0.5);
 }
 
-TEST_CASE("the menu has no settings that are no choice") {
+TEST_CASE("the menu hides settings that do not apply") {
   MenuModel m = model();
   m.eyeHeight.reset();
   m.governor.reset();
@@ -199,7 +199,7 @@ TEST_CASE("the menu has no settings that are no choice") {
   CHECK(menu.hand.has("smooth motion"));
 }
 
-TEST_CASE("a press on the menu counts where it began on the panel, and was not held before") {
+TEST_CASE("a press on the menu counts only if it began on the same item of the open panel") {
   Opened menu;
   const glm::dvec2 picture = menu.hand.in("picture"), close = menu.hand.in("close");
   // A press that began beside the panel.
@@ -227,7 +227,7 @@ TEST_CASE("a press on the menu counts where it began on the panel, and was not h
   CHECK(menu.hand.press("picture").picture);
 }
 
-TEST_CASE("nothing is wished without a press, wherever a hand points") {
+TEST_CASE("pointing without a press requests nothing") {
   Opened menu;
   for (const char* page : {"map page", "scenes page", "settings page"}) {
     menu.page(page);
@@ -238,7 +238,7 @@ TEST_CASE("nothing is wished without a press, wherever a hand points") {
   }
 }
 
-TEST_CASE("everything in the menu is on the panel, apart from everything else, and large, in every size") {
+TEST_CASE("menu items lie on the panel, do not overlap and are large at every panel size") {
   for (const glm::ivec2 size : {glm::ivec2(640, 480), glm::ivec2(800, 600), glm::ivec2(1280, 960)}) {
     MenuModel m = model();
     m.scenes.assign(40, "a scene");
@@ -259,7 +259,7 @@ TEST_CASE("everything in the menu is on the panel, apart from everything else, a
   }
 }
 
-TEST_CASE("the menu survives a place with nothing in it") {
+TEST_CASE("the menu accepts an empty model") {
   Opened menu{MenuModel{}};
   for (const char* page : {"map page", "scenes page", "settings page"}) menu.page(page);
   menu.page("map page");
@@ -270,7 +270,7 @@ TEST_CASE("the menu survives a place with nothing in it") {
   CHECK(menu.hand.away() == MenuWishes{});
 }
 
-TEST_CASE("the menu survives tens of thousands of spots and scenes, and names of any kind") {
+TEST_CASE("the menu accepts tens of thousands of spots and scenes, and any names") {
   MenuModel m = model();
   m.spots.clear();
   for (int i = 0; i < 40000; ++i) m.spots.push_back({{(i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200}, i == 5050});
@@ -285,7 +285,7 @@ TEST_CASE("the menu survives tens of thousands of spots and scenes, and names of
   CHECK(menu.hand.press("scene 2").scene == 2u);
 }
 
-TEST_CASE("the menu survives numbers that are none") {
+TEST_CASE("the menu accepts numbers that are not finite or out of range") {
   for (const double bad : {kNaN, kInfinite, -kInfinite, 0.0, -1.0, 1e300, 1e-300}) {
     INFO(bad);
     MenuModel m = model();
@@ -316,7 +316,7 @@ TEST_CASE("the menu survives numbers that are none") {
   }
 }
 
-TEST_CASE("a panel refuses to be too small for anything") {
+TEST_CASE("a panel below the minimum size is refused") {
   CHECK_THROWS_AS(MenuPanel(63, 600), Error);
   CHECK_THROWS_AS(MenuPanel(800, 0), Error);
 }

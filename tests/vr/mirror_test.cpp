@@ -76,7 +76,7 @@ Rgb colourAt(const Image8& image, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("a window shows an eye's very values, whatever the formats of both") {
+TEST_CASE("the mirror shows the exact values of an eye's image for any formats") {
   const VkExtent2D extent{40, 30};
   for (const VkFormat eye : {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM})
     for (const VkFormat shown : {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM}) {
@@ -97,7 +97,7 @@ TEST_CASE("a window shows an eye's very values, whatever the formats of both") {
     }
 }
 
-TEST_CASE("a window shows a part of an eye's image where only that is drawn") {
+TEST_CASE("the mirror shows only the drawn part of an eye's image") {
   const GpuImage eyes = makeEyes(VK_FORMAT_R8G8B8A8_SRGB, {40, 30}, false);
   const Mirror mirror(testDevice(), VK_FORMAT_R8G8B8A8_SRGB, {40, 30});
   const Image8 picture =
@@ -106,7 +106,7 @@ TEST_CASE("a window shows a part of an eye's image where only that is drawn") {
   CHECK(colourAt(picture, 19, 9) == valueAt(29, 14, 1));
 }
 
-TEST_CASE("a window of another shape shows all of the picture, with bars beside it") {
+TEST_CASE("the mirror shows the whole image with bars in a window of another aspect ratio") {
   const GpuImage eyes = makeEyes(VK_FORMAT_R8G8B8A8_SRGB, {32, 32}, true);
   const Mirror mirror(testDevice(), VK_FORMAT_R8G8B8A8_SRGB, {32, 32});
   const MirrorSource source{.image = eyes.get(), .rect = {{0, 0}, {32, 32}}};
@@ -123,7 +123,7 @@ TEST_CASE("a window of another shape shows all of the picture, with bars beside 
   CHECK(colourAt(tall, 8, 28) == kBar);
 }
 
-TEST_CASE("a picture in a window keeps its shape, down to a pixel") {
+TEST_CASE("the letterbox keeps the image's aspect ratio, down to one pixel") {
   const auto box = [](VkExtent2D picture, VkExtent2D window) {
     const VkRect2D r = letterbox(picture, window);
     return std::array<std::uint32_t, 4>{std::uint32_t(r.offset.x), std::uint32_t(r.offset.y), r.extent.width,
@@ -138,6 +138,6 @@ TEST_CASE("a picture in a window keeps its shape, down to a pixel") {
   CHECK(box({3, 2}, {1, 1}) == std::array{0u, 0u, 1u, 1u});
 }
 
-TEST_CASE("a mirror refuses what is not display-encoded") {
+TEST_CASE("the mirror refuses formats that are not display-encoded") {
   CHECK_THROWS_AS(Mirror(testDevice(), VK_FORMAT_R16G16B16A16_SFLOAT, {8, 8}), Error);
 }

@@ -27,7 +27,7 @@ void checkSame(const Pose& a, const Pose& b, double margin) {
 
 }  // namespace
 
-TEST_CASE("recentred: who stands stays where they are and sees what they saw, by a known move or an unknown one") {
+TEST_CASE("recentred: the person's pose in the world is kept, for known and unknown motion of the space") {
   AnyTracking any(31);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 60; ++i) {
@@ -53,7 +53,7 @@ TEST_CASE("recentred: who stands stays where they are and sees what they saw, by
     }
 }
 
-TEST_CASE("recentred: several times, and without a head in between") {
+TEST_CASE("recentred: the pose is kept after several recentrings without a tracked head") {
   AnyTracking any(32);
   for (int i = 0; i < 60; ++i) {
     Walker walker(any.tracking(10, 1));
@@ -75,7 +75,7 @@ TEST_CASE("recentred: several times, and without a head in between") {
   }
 }
 
-TEST_CASE("recentred: to another height the floor is the floor, and a person as tall as the new space says") {
+TEST_CASE("recentred: a new floor height becomes the floor, and changes the person's height") {
   Walker walker;
   recentred(walker.state, Pose{{0, 0.3, 0}, {1, 0, 0, 0}});
   walker.input.head->position.y -= 0.3;
@@ -85,7 +85,7 @@ TEST_CASE("recentred: to another height the floor is the floor, and a person as 
   CHECK(walker.awayFrom(2) < 1e-9);
 }
 
-TEST_CASE("recentred: before a head was seen, or by what is not finite, the first head stands where it was to") {
+TEST_CASE("recentred: before the head is tracked, or by an invalid pose, the start position is kept") {
   Walker walker;
   walker.state = startWalk(walker.place, walker.settings, 4);
   recentred(walker.state, std::nullopt);
@@ -96,7 +96,7 @@ TEST_CASE("recentred: before a head was seen, or by what is not finite, the firs
   CHECK(angleBetween(facingOf(walker.head().rotation), walker.place.spots[4].facing) < 1e-9);
 }
 
-TEST_CASE("recentred: on the way to a spot one comes to it") {
+TEST_CASE("recentred: a teleport in progress still arrives") {
   Walker walker;
   walker.input.goTo = 1;
   walker.step();

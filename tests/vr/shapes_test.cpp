@@ -62,7 +62,7 @@ Spot spotAt(glm::dvec3 position) {
 
 }  // namespace
 
-TEST_CASE("shapes: a fade covers all of any field of view, as much as it is strong") {
+TEST_CASE("shapes: a fade covers any field of view evenly with its strength") {
   for (const double none : {0.0, -1.0, kNaN}) {
     Shapes shapes;
     addFade(shapes, none);
@@ -83,7 +83,7 @@ TEST_CASE("shapes: a fade covers all of any field of view, as much as it is stro
   }
 }
 
-TEST_CASE("shapes: a vignette is clear in the middle and black around it, narrower the stronger, with a smooth rim") {
+TEST_CASE("shapes: a vignette is clear in the middle, black outside, smooth, and narrower with more strength") {
   for (const double none : {0.0, -1.0, kNaN}) {
     Shapes shapes;
     addVignette(shapes, none);
@@ -137,7 +137,7 @@ TEST_CASE("shapes: a spot's mark lies on the ground below it, with a post up to 
   CHECK(top == 3);
 }
 
-TEST_CASE("shapes: of spots the nearest 500 within 60 m, the farthest first; one that is pointed at is brighter") {
+TEST_CASE("shapes: marks are drawn for the nearest 500 spots within 60 m, farthest first, and the target is brighter") {
   std::vector<Spot> row;
   for (int i = 0; i < 30; ++i) row.push_back(spotAt({0, 1.6, -4.0 * i - 2}));
   std::vector<Spot> shuffled = row;
@@ -175,7 +175,7 @@ TEST_CASE("shapes: of spots the nearest 500 within 60 m, the farthest first; one
   CHECK(alpha(marks({row[14]}, 0).inSpace.front()) > 0.9);
 }
 
-TEST_CASE("shapes: marks fade near the eye, and far ones are not too small to be seen") {
+TEST_CASE("shapes: marks fade near the eye, and far marks keep a minimum size") {
   const Shapes here = marks({spotAt({0, 1.7, 0})});
   double most = 0;
   for (const ShapeVertex& vertex : here.inSpace)
@@ -190,7 +190,7 @@ TEST_CASE("shapes: marks fade near the eye, and far ones are not too small to be
   CHECK(reach > 0.5);
 }
 
-TEST_CASE("shapes: finite at any origin, scale and up, and with spots that are nowhere") {
+TEST_CASE("shapes: vertices are finite at any origin, scale and up, also with invalid spots") {
   AnyTracking any(41);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 100; ++i) {
@@ -235,7 +235,7 @@ TEST_CASE("shapes: a hand is a wand whose tip points along −z") {
   CHECK(tips == 3);
 }
 
-TEST_CASE("shapes: a ray runs from the hand as far as it is told to, its broad side to the head") {
+TEST_CASE("shapes: a ray starts at the hand, has the given length and turns its broad side to the head") {
   AnyTracking any(42);
   for (int i = 0; i < 100; ++i) {
     const Pose head = any.head(), aim = any.head();
@@ -264,7 +264,7 @@ TEST_CASE("shapes: a ray runs from the hand as far as it is told to, its broad s
   for (const ShapeVertex& vertex : fading.inSpace) CHECK((alpha(vertex) > 0) == (vertex.position.z > -1));
 }
 
-TEST_CASE("shapes: a ray ends at what it points at") {
+TEST_CASE("shapes: a ray ends at its target") {
   const Tracking tracking = levelTracking({0, 1, 0}, 3);
   const Spot spot = spotAt(inWorld(tracking, glm::dvec3(0, 1.6, -4)));
   const glm::dvec3 hand(0, 1.2, 0);
@@ -277,7 +277,7 @@ TEST_CASE("shapes: a ray ends at what it points at") {
   CHECK(std::isfinite(rayLength(spotAt(inWorld(tracking, hand)), tracking, aim({0, 0, -4}), 0)));
 }
 
-TEST_CASE("shapes: the floor lies at the feet and ends softly; its lines keep their places while the head moves") {
+TEST_CASE("shapes: the floor grid lies at the feet, fades out, and stays in place while the head moves") {
   const auto isLine = [](double at) { return std::abs(at - 0.5 * std::round(2 * at)) < 0.0061; };
   double most = 0, last = 0;
   for (double x = -0.6; x < 0.6; x += 0.01) {
@@ -300,7 +300,7 @@ TEST_CASE("shapes: the floor lies at the feet and ends softly; its lines keep th
   CHECK(most > 0.6);
 }
 
-TEST_CASE("shapes: the ring of a progress fills clockwise from the top, before whoever looks at it") {
+TEST_CASE("shapes: the progress ring fills clockwise from the top, in front of the head") {
   const Pose head{{1, 1.7, 2}, glm::angleAxis(0.8, glm::dvec3(0, 1, 0))};
   const auto filled = [&](std::optional<double> progress, double seconds = 0) {
     Shapes base, shapes;
@@ -331,7 +331,7 @@ TEST_CASE("shapes: the ring of a progress fills clockwise from the top, before w
   CHECK(std::ranges::all_of(filled(std::nullopt, 0), [](glm::dvec2 p) { return p.x > -1e-6 && p.y > -1e-6; }));
 }
 
-TEST_CASE("shapes: colours are bytes, red in the lowest") {
+TEST_CASE("shapes: colours are packed bytes, red in the lowest") {
   Shapes shapes;
   addRay(shapes, kHead, {{0.2, 1.2, -0.3}, {1, 0, 0, 0}}, 4, true);  // amber
   const std::uint32_t colour = shapes.inSpace.front().colour;

@@ -31,7 +31,7 @@ Ray towards(glm::dvec3 from, glm::dvec3 to) {
 
 }  // namespace
 
-TEST_CASE("spots: one for each place, with the middle of its photographs and the mean of where they look") {
+TEST_CASE("spots: one per capture site, at the mean position and with the mean facing of its photographs") {
   std::vector<Pose> cameras{{{0, 0, 0}, looking(0.2)},
                             {{3, 0, 0}, looking(1, -0.6)},
                             {{0, 0, 0}, looking(-0.4, 0.5)},
@@ -52,7 +52,7 @@ TEST_CASE("spots: one for each place, with the middle of its photographs and the
   CHECK(glm::distance(bracketed[1].position, glm::dvec3(3.002, 0.001, -0.002)) < 1e-12);
 }
 
-TEST_CASE("spots: photographs all around face as the first does; facing is level with any up") {
+TEST_CASE("spots: a panorama faces as its first photograph, and facing is level for any up") {
   std::vector<Pose> cameras;
   for (int i = 0; i < 8; ++i) cameras.push_back({{1e7, -1e7, 3}, looking(0.7 + i * glm::quarter_pi<double>(), 0.3)});
   cameras.push_back({{1e7 + 5, -1e7, 3}, looking(0)});
@@ -72,7 +72,7 @@ TEST_CASE("spots: photographs all around face as the first does; facing is level
   }
 }
 
-TEST_CASE("standing at a spot: the head above its ground, photographs as high above the floor as they were") {
+TEST_CASE("standing at a spot puts the head above its ground, and keeps the photographs' height above the floor") {
   AnyTracking any(12);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 300; ++i) {
@@ -108,7 +108,7 @@ TEST_CASE("standing at a spot: the head above its ground, photographs as high ab
     }
 }
 
-TEST_CASE("pointing: at the photographs' place or at the mark on the ground, within the cone") {
+TEST_CASE("pointing: the photographs' position and the mark on the ground are hit within the cone") {
   const std::vector<Spot> spots{spotAt({0, 1.6, -4}), spotAt({4, 1.6, 0}), spotAt({-4, 1.6, 0})};
   const glm::dvec3 hand(0, 1.2, 0);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("pointing: at the photographs' place or at the mark on the ground, wit
   CHECK(!pointedSpot(spots, off(6.2), kUp, 1.6));
 }
 
-TEST_CASE("pointing: the nearest of those in line, and the same until another is plainly meant") {
+TEST_CASE("pointing: the nearest spot in line is selected, with hysteresis") {
   const std::vector<Spot> line{spotAt({0, 1.6, -12}), spotAt({0, 1.6, -3}), spotAt({0, 1.6, -6})};
   CHECK(pointedSpot(line, {{0, 1.6, 0}, {0, 0, -1}}, kUp, 1.6) == 1u);
   CHECK(pointedSpot(line, towards({0, 1.5, 0}, {0, 0, -12}), kUp, 1.6) == 0u);
@@ -153,7 +153,7 @@ TEST_CASE("pointing: the nearest of those in line, and the same until another is
   CHECK(pointedSpot(pair, at(2), kUp, 1.6, 7) == 0u);
 }
 
-TEST_CASE("pointing: the same at any origin, scale and up; nothing behind, too near or not finite") {
+TEST_CASE("pointing: invariant to origin, scale and up, and ignores spots behind, too near or not finite") {
   AnyTracking any(14);
   int pointed = 0;
   for (int i = 0; i < 300; ++i) {
@@ -182,13 +182,13 @@ TEST_CASE("pointing: the same at any origin, scale and up; nothing behind, too n
   CHECK(pointedSpot(broken, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 1u);
 }
 
-TEST_CASE("a hand points along its −z") {
+TEST_CASE("a hand's ray points along its −z axis") {
   const Ray ray = rayOf({{1, 2, 3}, looking(glm::half_pi<double>())});
   CHECK(ray.origin == glm::dvec3(1, 2, 3));
   CHECK(glm::distance(ray.direction, glm::dvec3(-1, 0, 0)) < 1e-12);
 }
 
-TEST_CASE("the nearest spot is told by the ground alone") {
+TEST_CASE("the nearest spot is found by horizontal distance") {
   const std::vector<Spot> spots{spotAt({0, 50, 0}), spotAt({3, 0, 0})};
   CHECK(nearestSpot(spots, {1, 0, 0}, kUp) == 0u);
   CHECK(nearestSpot(spots, {2, 0, 0}, kUp) == 1u);
@@ -196,7 +196,7 @@ TEST_CASE("the nearest spot is told by the ground alone") {
   CHECK(!nearestSpot({}, {0, 0, 0}, kUp));
 }
 
-TEST_CASE("the map: all spots within it, one scale, x to the right and what is ahead upwards") {
+TEST_CASE("the map contains all spots at one scale, with x to the right and −z upwards") {
   std::vector<Spot> spots{spotAt({-10, 0, 5}), spotAt({30, 7, 5}), spotAt({0, 1, -5})};
   const SpotMap map = mapOf(spots, kUp);
   REQUIRE(map.places.size() == 3);
@@ -212,7 +212,7 @@ TEST_CASE("the map: all spots within it, one scale, x to the right and what is a
   CHECK(directionOnMap(map, {0, 0, 0}) == glm::dvec2(0));
 }
 
-TEST_CASE("the map: at any origin, scale and up; of one spot, and of none") {
+TEST_CASE("the map is valid at any origin, scale and up, for one spot and for none") {
   AnyTracking any(15);
   for (const double scale : {1e-9, 1.0, 1e9})
     for (int i = 0; i < 30; ++i) {

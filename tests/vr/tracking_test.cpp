@@ -22,7 +22,7 @@ const Pose kLevelHead{{0, 1.7, 0}, {1, 0, 0, 0}};
 
 }  // namespace
 
-TEST_CASE("tracking: to the world and back, at any origin, scale and up") {
+TEST_CASE("tracking: poses round trip through the world at any origin, scale and up") {
   AnyTracking any(1);
   for (const double far : {0.0, 1.0, 1e7})
     for (int i = 0; i < 300; ++i) {
@@ -45,7 +45,7 @@ TEST_CASE("tracking: world = origin + rotation · (unitsPerMetre · point)") {
   CHECK(glm::distance(inTracking(tracking, glm::dvec3(16, 24, 28)), glm::dvec3(1, 2, 3)) < 1e-12);
 }
 
-TEST_CASE("tracking: level with any up, also straight down") {
+TEST_CASE("tracking: levelled to any up direction, also straight down") {
   AnyTracking any(2);
   for (int i = 0; i < 200; ++i) {
     const glm::dvec3 up = any.unit();
@@ -58,7 +58,7 @@ TEST_CASE("tracking: level with any up, also straight down") {
   CHECK(levelTracking({0, 1, 0}).rotation == glm::dquat(1, 0, 0, 0));
 }
 
-TEST_CASE("facing: the horizontal part of a view, and where the head's top or chin points straight down or up") {
+TEST_CASE("facing: the horizontal part of the view axis, also for views straight up or down") {
   const auto pitched = [](double heading, double pitch) {
     return glm::angleAxis(heading, glm::dvec3(0, 1, 0)) * glm::angleAxis(pitch, glm::dvec3(1, 0, 0));
   };
@@ -86,7 +86,7 @@ TEST_CASE("facing: the horizontal part of a view, and where the head's top or ch
   }
 }
 
-TEST_CASE("turning keeps the head's place and turns what it sees by as much, to the left") {
+TEST_CASE("turning keeps the head's position and rotates the view to the left by the angle") {
   AnyTracking any(4);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 300; ++i) {
@@ -106,7 +106,7 @@ TEST_CASE("turning keeps the head's place and turns what it sees by as much, to 
   CHECK(inWorld(left, glm::dvec3(0, 0, -1)).x < 0);
 }
 
-TEST_CASE("turned to a direction the head faces its horizontal part; a vertical one changes nothing") {
+TEST_CASE("turning to a direction faces its horizontal part, and a vertical direction changes nothing") {
   AnyTracking any(5);
   for (int i = 0; i < 300; ++i) {
     const Tracking before = any.tracking(1e4, 3);
@@ -123,7 +123,7 @@ TEST_CASE("turned to a direction the head faces its horizontal part; a vertical 
   CHECK(turnedTo({}, kLevelHead, glm::dvec3(0)).rotation == glm::dquat(1, 0, 0, 0));
 }
 
-TEST_CASE("another scale keeps the eyes horizontally, the floor under the feet and photographs above it") {
+TEST_CASE("a change of scale keeps the head's horizontal position and the kept height") {
   AnyTracking any(6);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 300; ++i) {
@@ -143,7 +143,7 @@ TEST_CASE("another scale keeps the eyes horizontally, the floor under the feet a
     }
 }
 
-TEST_CASE("stood on a point of the world the head is above it, and nothing turns") {
+TEST_CASE("standing on a point puts the head above the point without rotation") {
   AnyTracking any(7);
   for (int i = 0; i < 100; ++i) {
     const Tracking before = any.tracking(1e5, 3);
@@ -156,7 +156,7 @@ TEST_CASE("stood on a point of the world the head is above it, and nothing turns
   }
 }
 
-TEST_CASE("after the room has moved the head is where it was and faces as it did, on the same floor") {
+TEST_CASE("after recentring the head keeps its pose in the world, on the same floor") {
   AnyTracking any(8);
   for (const double far : {0.0, 1e7})
     for (int i = 0; i < 300; ++i) {

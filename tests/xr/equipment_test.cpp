@@ -48,7 +48,7 @@ bool near(const json& values, std::initializer_list<double> expected) {
 
 }  // namespace
 
-TEST_CASE("a headset is moved, its eyes and hands with it") {
+TEST_CASE("the scripted headset sets the poses of head, eyes and hands") {
   XrSetup setup;
   RunningProgram program({"100000"}, {.program = IBR_XR_PROBE, .environment = setup.environment()});
   RemoteState state;
@@ -89,7 +89,7 @@ TEST_CASE("a headset is moved, its eyes and hands with it") {
   CHECK(view["rect"] == json::array({0, 0, 320, 240}));
 }
 
-TEST_CASE("without faults a session comes and stays") {
+TEST_CASE("without faults a session starts and continues") {
   XrSetup setup;
   const Seen seen = probe(setup, 10);
   INFO(seen.out + seen.err);
@@ -105,7 +105,7 @@ TEST_CASE("without faults a session comes and stays") {
   CHECK(seen.start["spaces"].dump().find('3') != std::string::npos);  // STAGE
 }
 
-TEST_CASE("what a runtime may lack is lacking") {
+TEST_CASE("faults remove optional features of the runtime") {
   XrSetup setup(
       "formats=97:91,no-stage,no-array,odd-size=333x217,empty-mask,"
       "hide=XR_KHR_composition_layer_depth");
@@ -133,7 +133,7 @@ TEST_CASE("what a runtime may lack is lacking") {
   CHECK_THAT(probe(full, 1).out, Contains("xrCreateSwapchain"));
 }
 
-TEST_CASE("frames are spoilt at their numbers") {
+TEST_CASE("faults change frames at their numbers") {
   XrSetup setup("not-rendered@4-5,no-view-pose@6,half-view-pose@7,frame-discarded@8");
   const Seen seen = probe(setup, 9);
   INFO(seen.out + seen.err);
@@ -151,7 +151,7 @@ TEST_CASE("frames are spoilt at their numbers") {
   CHECK(setup.frames()[6]["layers"][0]["views"][0]["asLocated"] == false);
 }
 
-TEST_CASE("a session is lost, and another goes on") {
+TEST_CASE("after a lost session a new one continues") {
   XrSetup setup("session-loss@4,loss-pending@8");
   const Seen seen = probe(setup, 12);
   INFO(seen.out + seen.err);
@@ -161,7 +161,7 @@ TEST_CASE("a session is lost, and another goes on") {
   CHECK_THAT(setup.states(), Contains("LOSS_PENDING"));
 }
 
-TEST_CASE("an instance is lost, and another goes on") {
+TEST_CASE("after a lost instance a new one continues") {
   XrSetup setup("instance-loss@4");
   const Seen seen = probe(setup, 8);
   INFO(seen.out + seen.err);
@@ -170,7 +170,7 @@ TEST_CASE("an instance is lost, and another goes on") {
   CHECK(seen.sessions.size() == 2);
 }
 
-TEST_CASE("a headset is taken off and put on; then the runtime ends it") {
+TEST_CASE("a headset is taken off and put on, then the runtime requests the exit") {
   XrSetup setup("stopping@4,recentre@6,mask-changed@6,exit@8");
   const Seen seen = probe(setup, 20);
   INFO(seen.out + seen.err);
@@ -185,7 +185,7 @@ TEST_CASE("a headset is taken off and put on; then the runtime ends it") {
                          Contains(std::to_string(XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR)));
 }
 
-TEST_CASE("faults that there are not are refused") {
+TEST_CASE("unknown faults are refused") {
   for (const char* words : {"session-los@4", "session-loss@x", "stopping@-3", "exit@3-", "@4", "exit@4x"}) {
     INFO(words);
     CHECK_THROWS_AS(Faults(words), std::invalid_argument);

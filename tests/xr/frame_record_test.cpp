@@ -78,7 +78,7 @@ json viewOf(const json& frame, std::size_t eye) {
 
 }  // namespace
 
-TEST_CASE("a frame is written down") {
+TEST_CASE("a frame is recorded with time, space and views") {
   const json frame = recorded([](Submitted&) {});
   CHECK(frame["frame"] == 7);
   CHECK(frame["displayTime"] == 1000);
@@ -95,7 +95,7 @@ TEST_CASE("a frame is written down") {
   CHECK(viewOf(recorded([](Submitted&) {}, true), 0)["released"] == false);
 }
 
-TEST_CASE("views that are not where they were located are told") {
+TEST_CASE("views that differ from their located poses are marked") {
   using Change = std::function<void(Submitted&)>;
   const Change changes[]{[](Submitted& s) { s.views[1].pose.position.z += 1e-4f; },
                          [](Submitted& s) { s.views[1].pose.orientation.w = -0.8f; },
@@ -107,7 +107,7 @@ TEST_CASE("views that are not where they were located are told") {
   CHECK(viewOf(recorded(changes[0]), 0)["asLocated"] == true);
 }
 
-TEST_CASE("depth is told, with a far plane that may be infinite") {
+TEST_CASE("depth is recorded, also with an infinite far plane") {
   XrCompositionLayerDepthInfoKHR depth{XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR};
   depth.subImage = {kImages, {{0, 0}, {5, 6}}, 1};
   depth.minDepth = 0.25f;

@@ -40,7 +40,7 @@ void checkFrame(const json& frame, const std::string& space) {
 
 }  // namespace
 
-TEST_CASE("hundreds of frames are handed over as they were asked for") {
+TEST_CASE("hundreds of frames are submitted at their predicted times and poses") {
   XrSetup setup;
   Visitor visitor(setup);
   RemoteState state = lookingAhead();
@@ -67,7 +67,7 @@ TEST_CASE("hundreds of frames are handed over as they were asked for") {
   CHECK(setup.states() == "IDLE READY SYNCHRONIZED VISIBLE FOCUSED VISIBLE SYNCHRONIZED STOPPING IDLE EXITING");
 }
 
-TEST_CASE("colour goes into a format that is decoded as sRGB, though another is offered first") {
+TEST_CASE("an sRGB swapchain format is preferred to the first offered format") {
   XrSetup setup;
   Visitor visitor(setup, {"--frames", "3"});
   CHECK(visitor.finish().code == 0);
@@ -82,7 +82,7 @@ TEST_CASE("colour goes into a format that is decoded as sRGB, though another is 
   }
 }
 
-TEST_CASE("the log tells each frame and what they come to") {
+TEST_CASE("the log contains each frame and a summary") {
   XrSetup setup;
   Visitor visitor(setup, {"--frames", "20"});
   const Outcome outcome = visitor.finish();

@@ -62,7 +62,7 @@ RemoteHand pointing(glm::dvec3 from, glm::dvec3 at) {
 
 }  // namespace
 
-TEST_CASE("the world stays where it is while the head moves, and turns by steps of the stick") {
+TEST_CASE("the world stays in place while the head moves, and turns in steps of the stick") {
   Walker walker;
   walker.state().right.there = true;
   const Pose start = walker.head();
@@ -80,7 +80,7 @@ TEST_CASE("the world stays where it is while the head moves, and turns by steps 
   walker.visitor().leave();
 }
 
-TEST_CASE("where the trigger is let go one stands, facing as before") {
+TEST_CASE("releasing the trigger teleports to the target, facing as before") {
   Walker walker;
   const Pose start = walker.head();
   CHECK(near(start.position, {0, 0, 0}));
@@ -101,7 +101,7 @@ TEST_CASE("where the trigger is let go one stands, facing as before") {
   walker.visitor().leave();
 }
 
-TEST_CASE("hands and rays are seen, and gone with the hands") {
+TEST_CASE("hands and rays are drawn only while the hands are tracked") {
   XrSetup setup;
   setup.readPictures();
   Visitor visitor(setup, {"--no-governor"});
@@ -129,7 +129,7 @@ TEST_CASE("hands and rays are seen, and gone with the hands") {
   }
 }
 
-TEST_CASE("the menu is a panel in the room, by one button") {
+TEST_CASE("one button opens and closes the menu's quad layer") {
   Walker walker;
   walker.state().right.there = true;
   const auto layers = [&] {

@@ -41,7 +41,7 @@ glm::dvec2 dotOf(std::size_t photograph) {
 
 }  // namespace
 
-TEST_CASE("the menu opens before the head; its map, its picture and its way back are a hand's") {
+TEST_CASE("the menu opens in front of the head, and a hand teleports, recentres and closes") {
   MenuUser user;
   user.visitor().waitForScene();
   user.pressMenuButton();
@@ -73,7 +73,7 @@ TEST_CASE("the menu opens before the head; its map, its picture and its way back
   CHECK(user.exit().code == 0);
 }
 
-TEST_CASE("the menu's settings are obeyed at once") {
+TEST_CASE("the menu's settings take effect at once") {
   MenuUser user("no-stage");
   user.visitor().waitForScene();
   user.state().left.there = true;
@@ -107,7 +107,7 @@ TEST_CASE("the menu's settings are obeyed at once") {
   CHECK(report["unitsPerMetre"].get<double>() == Approx(1.25));
 }
 
-TEST_CASE("a picture that is asked for is what ibr render draws; one that cannot be written ends nothing") {
+TEST_CASE("ibr render reproduces a picture of the menu, and a picture that cannot be written does not end ibr-vr") {
   const TemporaryFolder folder;
   MenuUser user("", {"--screenshots", folder.path(), "--no-governor", "--no-floor", "--tiers", "2"});
   user.visitor().waitForScene();
@@ -131,7 +131,7 @@ TEST_CASE("a picture that is asked for is what ibr render draws; one that cannot
   CHECK(report["frames"]["frames"] == 20);
 }
 
-TEST_CASE("the menu's composition is turned, and a picture says what drew it") {
+TEST_CASE("the menu changes the composition, and a picture records its composition") {
   const TemporaryFolder folder;
   MenuUser user("", {"--screenshots", folder.path(), "--composition", "cells"});
   user.visitor().waitForScene();
@@ -147,7 +147,7 @@ TEST_CASE("the menu's composition is turned, and a picture says what drew it") {
   CHECK(user.visitor().leave()["pictures"].size() == 6);
 }
 
-TEST_CASE("another scene is gone to while the head is followed; one that cannot be read leads back") {
+TEST_CASE("another scene loads while the head is tracked, and a broken scene returns to the previous one") {
   const TemporaryFolder folder;
   const fs::path second = folder / "second", broken = folder / "broken";
   fs::copy(tinyScene(), second, fs::copy_options::recursive);

@@ -72,34 +72,34 @@ void checkPictures(const RemoteState& state, const Asked& asked) {
 
 }  // namespace
 
-TEST_CASE("both eyes' pictures are what ibr render draws of their poses") {
+TEST_CASE("ibr render reproduces both eyes' images from their poses") {
   RemoteState state = lookingAhead({0.1, 1.65, 0.05});
   state.head.rotation = glm::angleAxis(0.2, glm::normalize(glm::dvec3(0.3, 1, 0.2)));
   checkPictures(state, {.headset = {"--no-floor"}});
 }
 
-TEST_CASE("so they are with all that a runtime may lack") {
+TEST_CASE("ibr render reproduces both eyes' images without optional features of the runtime") {
   checkPictures(lookingAhead(), {.headset = {"--no-floor"},
                                  .faults = "no-array,odd-size=333x217,no-stage,formats=50,hide=XR_KHR_composition_"
                                            "layer_depth:XR_KHR_visibility_mask"});
 }
 
-TEST_CASE("so they are where a device claims to draw both eyes at once, and does not") {
+TEST_CASE("ibr render reproduces both eyes' images on a device with broken multiview") {
   checkPictures(lookingAhead(), {.headset = {"--no-floor"}, .stockDevice = true});
 }
 
-TEST_CASE("a scale puts the eyes further apart, and other settings are kept") {
+TEST_CASE("a scale increases the distance of the eyes, and other settings are kept") {
   checkPictures(lookingAhead(),
                 {.headset = {"--scale", "2", "--no-floor"}, .renderer = {"--blend", "dither"}, .unitsPerMetre = 2});
 }
 
-TEST_CASE("the floor lies where ibr render draws it") {
+TEST_CASE("the floor equals that of ibr render") {
   RemoteState state = lookingAhead();
   state.head.rotation = glm::angleAxis(-0.5, glm::dvec3(1, 0, 0));
   checkPictures(state, {});
 }
 
-TEST_CASE("what lenses hide is not drawn, and all the rest is; pictures to be kept have all") {
+TEST_CASE("hidden areas of the lenses are not drawn, but screenshots are complete") {
   XrSetup setup("half-mask");
   setup.readPictures();
   Visitor visitor(setup, {"--no-governor", "--no-floor", "--frames", "60", "--tiers", "2", "--screenshot",

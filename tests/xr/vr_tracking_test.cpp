@@ -17,7 +17,7 @@ glm::dvec3 eyeOf(const json& frame, std::size_t eye) {
 
 }  // namespace
 
-TEST_CASE("a headset that never knows where it is shows the place in stereo, at a usual height") {
+TEST_CASE("without any tracked position the scene is shown in stereo at the default height") {
   XrSetup setup("half-view-pose");
   Visitor visitor(setup);
   visitor.move(lookingAhead());
@@ -33,7 +33,7 @@ TEST_CASE("a headset that never knows where it is shows the place in stereo, at 
   }
 }
 
-TEST_CASE("poses of no numbers and fields of view of no picture are passed over") {
+TEST_CASE("frames with invalid poses or fields of view are skipped") {
   XrSetup setup;
   Visitor visitor(setup);
   visitor.move(lookingAhead());
@@ -58,7 +58,7 @@ TEST_CASE("poses of no numbers and fields of view of no picture are passed over"
   CHECK(glm::distance(eyeOf(last, 0), glm::dvec3(0.1, 1.6, 0) + lookingAhead().eyes[0].pose.position) < 1e-5);
 }
 
-TEST_CASE("a log that cannot be written is told of at the end, after the report") {
+TEST_CASE("a log that cannot be written gives an error after the report") {
   XrSetup setup;
   fs::create_symlink("/dev/full", setup.folder() / "log");
   Visitor visitor(setup, {"--frames", "8"});
@@ -67,7 +67,7 @@ TEST_CASE("a log that cannot be written is told of at the end, after the report"
   CHECK(json::parse(outcome.out)["frames"]["frames"] == 8);
 }
 
-TEST_CASE("who has asked for the end gets it from a headset that is lost then") {
+TEST_CASE("a headset lost during the exit does not prevent the exit") {
   XrSetup setup("loss-at-exit");
   Visitor visitor(setup, {"--frames", "8"});
   const Outcome outcome = visitor.finish();

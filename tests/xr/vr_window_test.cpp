@@ -104,10 +104,10 @@ void checkWindow(const std::string& faults) {
 
 }  // namespace
 
-TEST_CASE("the compositor shows each eye its picture, in the directions in which it was drawn") {
+TEST_CASE("the compositor shows each eye's image in the drawn directions") {
   if (displayIsThere()) checkWindow("");
 }
 
-TEST_CASE("formats that are taken for linear show the same colours") {
+TEST_CASE("formats treated as linear show the same colours") {
   if (displayIsThere()) checkWindow(",formats=97:126");
 }

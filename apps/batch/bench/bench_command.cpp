@@ -60,8 +60,8 @@ ExitCode benchPhotographs(const Options& options, const Context& context) {
     return std::pair(view.camera.intrinsics.width, view.camera.intrinsics.height);
   };
   for (const View& view : views)
-    check(sizeOf(view) == sizeOf(views[0]), ErrorCode::invalidInput, "{}: {} and {} differ in size; give one by --size",
-          options.walk, views[0].name, view.name);
+    check(sizeOf(view) == sizeOf(views[0]), ErrorCode::invalidInput,
+          "{}: {} and {} differ in size; give one size with --size", options.walk, views[0].name, view.name);
   const PhotographBench bench{scene, views, options.run.wanted.settings, options.run.gpuScene,
                               options.run.wanted.repeat};
   Json report = options.walk.empty() ? benchFormats(bench, context) : benchWalk(bench, context);

@@ -43,7 +43,8 @@ struct Measured {
 
 Json benchFormats(const PhotographBench& bench, const Context& context) {
   Device device = Device::create({.device = context.options().device, .log = context.log()});
-  check(device.supportsBlockCompression(), ErrorCode::unsupported, "{}: cannot sample blocks", device.name());
+  check(device.supportsBlockCompression(), ErrorCode::unsupported,
+        "{}: the device does not support block-compressed textures", device.name());
   const Intrinsics& size = bench.views[0].camera.intrinsics;
   const VkExtent2D extent{std::uint32_t(size.width), std::uint32_t(size.height)};
   const SceneBounds bounds = sceneBounds(bench.scene);

@@ -30,7 +30,7 @@ CLI::Option* declareBenchRun(CLI::App& app, BenchRun& run) {
 }
 
 BenchReport::BenchReport() {
-  table_.row({"scene", "cells", "drawn", "triangles", "way", "colour", "blend", "views", "median ms", "p95 ms",
+  table_.row({"scene", "cells", "drawn", "triangles", "method", "colour", "blend", "views", "median ms", "p95 ms",
               "/ paper", "/ unmapped", "/ two", "/ whole"});
 }
 
@@ -83,7 +83,7 @@ void BenchReport::print(const Context& context, const Device& device, const Benc
       {"size", {run.size.width, run.size.height}},
       {"frames", frames_},
       {"passes", passes_},
-      {"passTimes", software ? "timestamps inside one submission of a software device: they add up to the frame's"
+      {"passTimes", software ? "timestamps within one submission of a software device; the passes add up to the frame"
                              : "device timestamps"},
       {"settings", settingsJson(run.wanted.settings, run.gpuScene)},
       {"scene",

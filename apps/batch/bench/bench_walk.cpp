@@ -84,19 +84,19 @@ Json benchWalk(const PhotographBench& bench, const Context& context) {
   Walk walk = walkThrough(bench, device, gpuScene, context);
   const std::size_t frames = bench.views.size();
   const std::uint64_t budget = bench.gpuScene.budgetBytes;
-  context.print("frames       {}, of {} photographs and {} cells\n", frames, bench.scene.nodes.size(),
+  context.print("frames       {}; the scene has {} photographs and {} cells\n", frames, bench.scene.nodes.size(),
                 bench.scene.cells.size());
-  context.print("memory       at most {}: {} photographs, {} vertices, {} indices{}\n",
+  context.print("memory       maximum {}: photographs {}, vertices {}, indices {}{}\n",
                 bytesText(double(walk.peak.sum())), bytesText(double(walk.peak.textures)),
                 bytesText(double(walk.peak.positions)), bytesText(double(walk.peak.indices)),
-                budget > 0 ? fmt::format("; a budget of {}", bytesText(double(budget))) : "");
+                budget > 0 ? fmt::format("; budget {}", bytesText(double(budget))) : "");
   context.print("streamed     {}, at most {} in a frame\n", bytesText(double(walk.uploadedBytes)),
                 bytesText(double(walk.mostUploadedBytes)));
-  context.print("stand-ins    in {} frames; {} % of what the frames show\n", walk.framesWithStandIns,
+  context.print("stand-ins    in {} frames; {} % of the photographs that frames need\n", walk.framesWithStandIns,
                 numberText(100 * mean(walk.standIns), 2));
-  context.print("gaps         in {} frames; at most {} % of a picture\n", walk.framesWithGaps,
+  context.print("holes        in {} frames; at most {} % of an image\n", walk.framesWithGaps,
                 numberText(100 * *std::ranges::max_element(walk.empty), 3));
-  context.print("a frame      {} ms, {} ms of it streaming; 95 % below {} and {}\n",
+  context.print("frame time   median {} ms, of which streaming {} ms; 95 % quantiles {} ms and {} ms\n",
                 numberText(quantile(walk.frameMs, 0.5), 1), numberText(quantile(walk.streamMs, 0.5), 2),
                 numberText(quantile(walk.frameMs, 0.95), 1), numberText(quantile(walk.streamMs, 0.95), 2));
   return {{"device", device.name()},

@@ -34,8 +34,8 @@ std::string joined(const std::vector<std::string>& names) {
 std::string predictionText(const BuildPrediction& p) {
   std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
                                  p.megapixels, p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
-  if (!p.posesKnown) text += "poses are estimated first by COLMAP, which may take long, and memory of its own; then ";
-  text += fmt::format("about {} on {} threads, at most {} of memory and {} of the disk", durationText(p.seconds),
+  if (!p.posesKnown) text += "COLMAP estimates the poses first, which may take long and needs memory of its own; then ";
+  text += fmt::format("about {} on {} threads, at most {} of memory and {} of disk space", durationText(p.seconds),
                       p.threads, bytesText(p.memory), bytesText(p.disk));
   return p.diskFree > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFree)) : text;
 }
@@ -78,12 +78,12 @@ std::string tablesText(const BuildReport& report, const StageSeconds& stages) {
                numberText(cell.quality.score, 3), cell.resumed ? "cached" : numberText(cell.seconds, 1)});
   std::string text = cells.text() + "\n";
   if (!report.dropped.empty()) {
-    dropped.row({"dropped cell", "why"});
+    dropped.row({"dropped cell", "reason"});
     for (const auto& [what, reason] : report.dropped) dropped.row({what, reason});
     text += dropped.text() + "\n";
   }
   if (!report.masks.empty()) {
-    masks.row({"masked photograph", "given", "moved"});
+    masks.row({"masked photograph", "given masks", "moving objects"});
     for (const auto& [photograph, given, moved] : report.masks)
       masks.row({photograph, fmt::format("{:.2f} %", 100 * given), fmt::format("{:.2f} %", 100 * moved)});
     text += masks.text() + "\n";
@@ -95,9 +95,10 @@ std::string tablesText(const BuildReport& report, const StageSeconds& stages) {
 std::string masksText(const BuildReport& report) {
   double given = 0, moved = 0;
   for (const auto& mask : report.masks) given += mask.given, moved += mask.moved;
-  return fmt::format("{} photographs have masks: given {:.2f} %, moving objects {:.2f} % of all photographs\n",
-                     report.masks.size(), 100 * given / double(report.prediction.photographs),
-                     100 * moved / double(report.prediction.photographs));
+  return fmt::format(
+      "{} photographs have masks: given masks cover {:.2f} %, moving objects {:.2f} % of all photographs\n",
+      report.masks.size(), 100 * given / double(report.prediction.photographs),
+      100 * moved / double(report.prediction.photographs));
 }
 
 // One line for each part of the scene.
@@ -112,14 +113,14 @@ std::string summaryText(const BuildReport& report, const BuildOptions& options) 
   if (!report.dropped.empty()) text += fmt::format("; {} cells dropped (-v lists them)", report.dropped.size());
   text += '\n';
   if (!report.backdrops.empty())
-    text += fmt::format("depth: {} of the photographs matched, the rest completed\n", percent(known));
+    text += fmt::format("depth: {} of the photographs' pixels matched, the rest completed\n", percent(known));
   text += unusedText(report.unused);
   if (!report.masks.empty()) text += masksText(report);
   for (const std::string& line : {report.exposures.text, report.exposures.vignetting})
     if (!line.empty()) text += line + '\n';
-  return text + fmt::format("took {} ({} predicted), at most {} of memory ({} predicted)\n",
-                            durationText(report.seconds), durationText(report.prediction.seconds),
-                            bytesText(report.memory), bytesText(report.prediction.memory));
+  return text + fmt::format("took {} ({} predicted), peak memory {} ({} predicted)\n", durationText(report.seconds),
+                            durationText(report.prediction.seconds), bytesText(report.memory),
+                            bytesText(report.prediction.memory));
 }
 
 Json reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
@@ -195,7 +196,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   Json json = reportJson(report, stages, build);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   if (build.draft) {
-    context.print("a draft, without cells: the same command without --draft makes the whole scene\n");
+    context.print("draft without cells: run the same command without --draft for the complete scene\n");
   } else {
     const Scene scene = loadScene(build.output);
     const CaptureAdvice advice = adviseCapture(scene);

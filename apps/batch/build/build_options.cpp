@@ -26,7 +26,8 @@ fs::path findModel(const fs::path& photographs, const Context& context) {
       context.say(LogLevel::info, "poses from {}", candidate.string());
       return candidate;
     }
-  context.say(LogLevel::info, "no poses given, and no model in {} or beside it: COLMAP estimates them",
+  context.say(LogLevel::info,
+              "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates the poses",
               photographs.string());
   return {};
 }

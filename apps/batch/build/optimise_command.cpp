@@ -35,7 +35,7 @@ void printTable(const OptimiseSceneReport& report, const Context& context) {
   };
   for (const OptimisedCell& cell : report.cells)
     row(fmt::format("{}", cell.cell), fmt::format("{}x{}", cell.width, cell.height),
-        cell.resumed ? "kept" : fmt::format("{}", cell.summary.cycles.size()),
+        cell.resumed ? "cached" : fmt::format("{}", cell.summary.cycles.size()),
         [&](std::size_t f) { return kCellFigures[f].second(cell); });
   if (report.cells.size() > 1)
     row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
@@ -107,7 +107,7 @@ ExitCode optimise(Options options, const Context& context) {
     if (!options.pictures.empty()) {
       const Scene before = loadScene(options.input), after = loadScene(options.output);
       for (std::size_t k = 0; k < report.cells.size(); ++k) {
-        check(progress.show({"drawing pictures", k, report.cells.size()}), ErrorCode::cancelled, "stopped");
+        check(progress.show({"drawing images", k, report.cells.size()}), ErrorCode::cancelled, "stopped");
         writeOptimisePictures(before, after, report.cells[k], options.pictures);
       }
     }

@@ -34,7 +34,7 @@ const char* wordOf(EccDefinition definition) {
 AlignmentMethod parsedMethod(const std::string& option, const std::string& word) {
   for (const auto& [known, method] : kMethods)
     if (word == known) return method;
-  throw CLI::ValidationError(option, "'" + word + "' is none of gradient|cpu|compute|raster");
+  throw CLI::ValidationError(option, "'" + word + "' is not one of gradient|cpu|compute|raster");
 }
 
 void declareAlignment(CLI::App& app, AlignmentOptions& options) {

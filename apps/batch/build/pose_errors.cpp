@@ -51,8 +51,10 @@ nlohmann::ordered_json json(const PoseErrors& errors) {
 }
 
 std::string text(const PoseErrors& errors) {
-  return fmt::format("turned by {:.3f} px (at most {:.3f}), shifted by {:.6f} (at most {:.6f}), focal lengths × {:.5f}",
-                     errors.turnPx, errors.mostTurnPx, errors.shift, errors.mostShift, errors.focalFactor);
+  return fmt::format(
+      "rotation error {:.3f} px RMS (at most {:.3f}), position error {:.6f} RMS (at most {:.6f}), focal lengths × "
+      "{:.5f}",
+      errors.turnPx, errors.mostTurnPx, errors.shift, errors.mostShift, errors.focalFactor);
 }
 
 }  // namespace ibr::app

@@ -35,14 +35,12 @@ ExitCode refine(const Options& options, const Context& context) {
   for (const fs::path& given : {build.model, fs::path(options.truth)}) {
     std::error_code ignored;
     check(given.empty() || !fs::equivalent(given, options.output, ignored), ErrorCode::invalidInput,
-          "{}: -o would overwrite the model {}; name another folder for what is refined", options.output,
-          given.string());
+          "{}: -o would overwrite the model {}; choose another folder", options.output, given.string());
   }
   std::optional<PosedModel> truth;
   if (!options.truth.empty()) {
     check(!build.model.empty() || !build.transforms.empty(), ErrorCode::invalidInput,
-          "{}: has no poses to compare with the truth: give a COLMAP model with --model, or --transforms",
-          options.photographs);
+          "{}: no poses to compare with --truth; give a COLMAP model (--model) or --transforms", options.photographs);
     truth = readColmapModel(options.truth, context.log());
   }
   RefinedModel refined;
@@ -51,13 +49,13 @@ ExitCode refine(const Options& options, const Context& context) {
     refined = refinedModel(build, progress.callback(), context.log());
   }
   writeColmapModel(refined.model, options.output);
-  context.print("{}{}: the model, {}\n", text(refined.refinement), options.output,
-                refined.refinement.moved.empty() ? "as it was" : "refined");
+  context.print("{}{}: model written, {}\n", text(refined.refinement), options.output,
+                refined.refinement.moved.empty() ? "unchanged" : "refined");
   Json report{{"model", options.output}, {"refinement", json(refined.refinement)}};
   if (truth) {
     const PoseErrors before = poseErrors(posesBefore(build), *truth);
     const PoseErrors after = poseErrors(refined.model, *truth);
-    context.print("off the truth before: {}\noff the truth after:  {}\n", text(before), text(after));
+    context.print("pose errors before: {}\npose errors after:  {}\n", text(before), text(after));
     report["truth"] = {{"before", json(before)}, {"after", json(after)}};
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));

@@ -26,20 +26,20 @@ Json errorsJson(const PoseRefinement::Errors& errors) {
 }  // namespace
 
 std::string text(const PoseRefinement& r) {
-  if (r.steps.empty()) return "poses stay: they are exact, or no photographs share a point\n";
+  if (r.steps.empty()) return "poses are unchanged: the poses are exact, or no photographs share a point\n";
   std::string said;
   for (const auto& step : r.steps)
-    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.by, step.taken ? "taken" : "left");
+    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.by, step.taken ? "accepted" : "rejected");
   if (r.moved.empty())
     return fmt::format(
-        "poses are kept: refined by half of the points they suit the other half no better ({} points of cells, {} of "
-        "the model; reprojection, median and 9 of 10: {:.3f} and {:.3f} px)\n",
+        "poses are unchanged: a fit to half of the points does not improve the other half ({} points of cells, {} of "
+        "the model; reprojection error, median and 90th percentile: {:.3f} and {:.3f} px)\n",
         r.tracksOfCells, r.tracksOfModel, r.before.medianPx, r.before.p90Px);
   const auto furthest = std::ranges::max_element(r.moved, {}, &PoseRefinement::Moved::turnPx);
   return fmt::format(
-      "poses of {} photographs are refined by {} points of cells and {} of the model ({}):\n"
-      "  reprojection, median and 9 of 10: {:.3f} and {:.3f} px before, {:.3f} and {:.3f} px after\n"
-      "  turned by {:.2f} px (median; {} most, by {:.2f}), shifted by {:.4g} (median); focal lengths × {:.5f}\n",
+      "poses of {} photographs are refined with {} points of cells and {} of the model ({}):\n"
+      "  reprojection error, median and 90th percentile: {:.3f} and {:.3f} px before, {:.3f} and {:.3f} px after\n"
+      "  rotated by {:.2f} px (median; most: {} by {:.2f} px), moved by {:.4g} (median); focal lengths × {:.5f}\n",
       r.moved.size(), r.tracksOfCells, r.tracksOfModel, said, r.before.medianPx, r.before.p90Px, r.after.medianPx,
       r.after.p90Px, medianOf(r.moved, &PoseRefinement::Moved::turnPx), furthest->photograph, furthest->turnPx,
       medianOf(r.moved, &PoseRefinement::Moved::shift), medianOf(r.moved, &PoseRefinement::Moved::focalFactor));

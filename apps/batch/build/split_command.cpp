@@ -30,12 +30,12 @@ ExitCode split(Options options, const Context& context) {
     ProgressLine progress(context);
     report = splitPanoramas(split, progress.callback(), context.log());
   }
-  for (const std::string& name : report.skipped) context.print("{}: is no panorama, left out\n", name);
-  context.print("{}: {} pictures of {}x{} px, {} degrees wide, of {} panoramas; {} observations of points\n",
+  for (const std::string& name : report.skipped) context.print("{}: is not a panorama, skipped\n", name);
+  context.print("{}: {} images of {}x{} px, {} degrees wide, from {} panoramas; {} observations of points\n",
                 options.output, report.pictures, report.size, report.size, split.fovDegrees, report.panoramas,
                 report.observations);
-  context.print("{:.2f} s in all; of the processor: reading {:.2f} s, sampling {:.2f} s, writing {:.2f} s\n",
-                report.seconds, report.readSeconds, report.sampleSeconds, report.writeSeconds);
+  context.print("{:.2f} s in total; CPU time: reading {:.2f} s, sampling {:.2f} s, writing {:.2f} s\n", report.seconds,
+                report.readSeconds, report.sampleSeconds, report.writeSeconds);
   context.report(Json{{"panoramas", report.panoramas},
                       {"pictures", report.pictures},
                       {"size", report.size},
@@ -89,7 +89,7 @@ const Command kSplitCommand{
              [options](const std::string& text) {
                const double degrees = parsedDouble("--fov", text, 0, 180);
                if (!(degrees > 0 && degrees < 180))
-                 throw CLI::ValidationError("--fov", "'" + text + "' is not between 0 and 180: no pinhole has it");
+                 throw CLI::ValidationError("--fov", "'" + text + "' is not between 0 and 180 degrees");
                options->split.fovDegrees = degrees;
              },
              "Horizontal and vertical field of view of an image, degrees [105]")

@@ -26,19 +26,19 @@ void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
                                                        : validateSceneFiles(path, kMostFaults);
   for (const Fault& fault : faults)
     findings.add({"fault", Severity::serious, fmt::format("{}: {}.", fault.field, fault.message),
-                  "Build it again, or bring back the files that were changed.", kExitInvalidInput});
+                  "Repeat the build, or restore the changed files.", kExitInvalidInput});
   if (!faults.empty()) return;
   if (kind != AssetKind::scene) {
-    findings.fact("its files are whole");
+    findings.fact("all files are valid");
     return;
   }
   const Scene scene = loadScene(path);
   const CaptureAdvice advice = adviseCapture(scene);
-  findings.fact(fmt::format("{} photographs, {} cells; its files are whole", scene.nodes.size(), scene.cells.size()));
+  findings.fact(fmt::format("{} photographs, {} cells; all files are valid", scene.nodes.size(), scene.cells.size()));
   if (!advice.views.empty())
     findings.fact(
-        fmt::format("a walk between the photographs shows about {:.0f} % of what they see well; ibr info {} --advice "
-                    "says where more would help",
+        fmt::format("on a walk between the photographs, about {:.0f} % of an image is shown well; ibr info {} --advice "
+                    "lists where more photographs help",
                     100 * advice.shown, path));
   for (const Advice& one : advice.advice)
     findings.add({adviceKindName(one.kind), one.severity, one.sentence, one.remedy, kExitInvalidInput});
@@ -48,7 +48,7 @@ ExitCode examine(const std::string& path, const BuildChoices& choices, const Con
   const bool beside = !choices.model.empty() || !choices.transforms.empty() || !choices.panoramas.empty() ||
                       !choices.build.masks.empty();
   check(!beside || (!path.empty() && !assetKind(path)), ErrorCode::invalidInput,
-        "--model, --transforms, --panoramas and --masks go with a folder of photographs");
+        "--model, --transforms, --panoramas and --masks need a folder of photographs");
   Findings findings;
   std::error_code ignored;
   if (path.empty()) {
@@ -56,9 +56,9 @@ ExitCode examine(const std::string& path, const BuildChoices& choices, const Con
   } else if (const auto kind = assetKind(path)) {
     examineAsset(path, *kind, findings);
   } else {
-    check(fs::exists(path, ignored), ErrorCode::io, "{}: there is no such folder or file", path);
+    check(fs::exists(path, ignored), ErrorCode::io, "{}: no such file or folder", path);
     check(fs::is_directory(path, ignored), ErrorCode::unsupported,
-          "{}: is neither a folder of photographs nor a scene; ibr info tells of a picture", path);
+          "{}: is neither a folder of photographs nor a scene; for an image, use ibr info", path);
     examinePhotographs(path, choices, findings, context);
   }
   findings.print(context);

@@ -67,7 +67,7 @@ void probe(const fs::path& folder, ExaminedPhotograph& looked) {
   attempt(folder, looked, [&](const fs::path& file) {
     looked.info = probeImage(file);
     check(bytesToRead(looked.info) < memoryLimit(), ErrorCode::unsupported,
-          "{}×{} px take {} of memory, and there are {} at most", looked.info.width, looked.info.height,
+          "{}×{} px need {} of memory, but the limit is {}", looked.info.width, looked.info.height,
           bytesText(bytesToRead(looked.info)), bytesText(memoryLimit()));
   });
 }
@@ -107,7 +107,7 @@ std::vector<ExaminedPhotograph> lookAtAll(const fs::path& folder, const std::vec
   const bool whole = runJobs(
       all.size(), threadsFor(context.options().threads, largest), [&](std::size_t i) { look(folder, all[i]); },
       [&](std::size_t done) {
-        return progress.show({"looking at photographs", done, all.size()});
+        return progress.show({"examining photographs", done, all.size()});
       });
   check(whole, ErrorCode::cancelled, "stopped");
   return all;

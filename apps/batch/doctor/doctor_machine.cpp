@@ -53,22 +53,22 @@ std::string versionText(std::uint32_t version) {
 }
 
 std::string describe(std::size_t index, const DeviceDescription& device) {
-  return fmt::format("Vulkan device {}: {} ({}), driver {}, Vulkan {}, {} of its own memory{}{}", index, device.name,
+  return fmt::format("Vulkan device {}: {} ({}), driver {}, Vulkan {}, {} of device memory{}{}", index, device.name,
                      typeName(device.type), device.driver, versionText(device.apiVersion),
-                     bytesText(double(device.memoryBytes)), device.features.empty() ? "" : ", has ",
-                     fmt::join(device.features, ", "));
+                     bytesText(double(device.memoryBytes)),
+                     device.features.empty() ? "" : ", features: ", fmt::join(device.features, ", "));
 }
 
 void examineDevices(Findings& findings) {
   constexpr const char* kRemedy =
-      "Install the driver of the graphics card; on Debian, the package mesa-vulkan-drivers has them for AMD and Intel, "
-      "and one that needs no graphics card.";
+      "Install the driver of the graphics card. On Debian, the package mesa-vulkan-drivers has drivers for AMD and "
+      "Intel, and a software driver.";
   std::vector<DeviceDescription> devices;
   try {
     devices = Device::list();
   } catch (const Error& e) {
-    findings.add(
-        {"device", Severity::serious, fmt::format("Vulkan does not start: {}.", e.what()), kRemedy, kExitUnsupported});
+    findings.add({"device", Severity::serious, fmt::format("Vulkan cannot be initialised: {}.", e.what()), kRemedy,
+                  kExitUnsupported});
     return;
   }
   bool usable = false, graphicsCard = false;
@@ -96,17 +96,18 @@ void examineDevices(Findings& findings) {
   }
   if (const auto disabled = Device::disabledFeatures(); !disabled.empty())
     findings.add({"device", Severity::hint,
-                  fmt::format("Of the Vulkan device is not used: {}.", fmt::join(disabled, ", ")),
-                  "Unset IBR_DISABLE_FEATURES, leave out --disable-feature."});
+                  fmt::format("Disabled features of the Vulkan device: {}.", fmt::join(disabled, ", ")),
+                  "Unset IBR_DISABLE_FEATURES, or omit --disable-feature."});
   if (!usable)
     findings.add({"device", Severity::serious,
                   devices.empty() ? "There is no Vulkan device." : "No Vulkan device can be used.", kRemedy,
                   kExitUnsupported});
   else if (!graphicsCard)
-    findings.add({"device", Severity::warning,
-                  "Pictures are drawn by the processor: they are right, but a picture of a megapixel takes tenths of a "
-                  "second, and a headset cannot be served.",
-                  "With a graphics card in this machine, install its driver."});
+    findings.add(
+        {"device", Severity::warning,
+         "Images are rendered on the CPU: correct, but an image of one megapixel takes tenths of a second, too slow "
+         "for a headset.",
+         "If this machine has a graphics card, install its driver."});
 }
 
 struct Program {
@@ -129,47 +130,47 @@ Program look(const std::vector<std::string>& command, std::string_view begins) {
         [&] { return std::chrono::steady_clock::now() < end; });
     program.there = true;
     if (result.stopped)
-      program.trouble = fmt::format("it had not ended after {} seconds", kPatience.count());
+      program.trouble = fmt::format("the program did not end within {} seconds", kPatience.count());
     else if (result.status != 0)
-      program.trouble = fmt::format("it ended with {}{}{}", result.status, first.empty() ? "" : ": ", first);
+      program.trouble = fmt::format("exit code {}{}{}", result.status, first.empty() ? "" : ": ", first);
     else if (program.version.empty())
-      program.trouble = first.empty() ? "it says nothing" : "it says: " + first;
+      program.trouble = first.empty() ? "the program prints nothing" : "the program prints: " + first;
   } catch (const Error&) {  // not installed, or cannot be started
   }
   return program;
 }
 
 std::string brokenText(const char* name, const Program& program) {
-  return fmt::format("The program {} is there, but asked for its version, {}.", name, program.trouble);
+  return fmt::format("The program {} is installed but does not print its version: {}.", name, program.trouble);
 }
 
 void examineColmap(Findings& findings) {
   const Program colmap = look({"colmap", "help"}, "COLMAP ");
   if (!colmap.there)
     findings.add({"colmap", Severity::warning,
-                  "The program COLMAP is not there: photographs cannot be built without their poses.",
-                  "Install it (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
+                  "The program COLMAP is not installed: photographs without poses cannot be built.",
+                  "Install COLMAP (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
   else if (!colmap.trouble.empty())
     findings.add({"colmap", Severity::warning, brokenText("COLMAP", colmap),
-                  "Install it again, or give poses (--model, --transforms)."});
+                  "Reinstall COLMAP, or give poses (--model, --transforms)."});
   else
     findings.fact(fmt::format("poses: {}", colmap.version));
   int major = 0, minor = 0;
   if (std::sscanf(colmap.version.c_str(), "COLMAP %d.%d", &major, &minor) == 2 &&
       (major < 3 || (major == 3 && minor < 8)))
     findings.add({"colmap", Severity::warning, fmt::format("COLMAP {}.{} is too old.", major, minor),
-                  "Poses are estimated by 3.8 or later."});
+                  "Install COLMAP 3.8 or later."});
 }
 
 void examineFfmpeg(Findings& findings) {
   const Program ffmpeg = look({"ffmpeg", "-version"}, "ffmpeg version ");
   if (!ffmpeg.there)
     findings.add({"ffmpeg", Severity::hint,
-                  "The program ffmpeg is not there: pictures of a walk do not become a video.",
-                  "Install it (Debian: apt-get install ffmpeg)."});
+                  "The program ffmpeg is not installed: images of a walk cannot be encoded as a video.",
+                  "Install ffmpeg (Debian: apt-get install ffmpeg)."});
   else if (!ffmpeg.trouble.empty())
     findings.add({"ffmpeg", Severity::hint, brokenText("ffmpeg", ffmpeg),
-                  "Pictures of a walk do not become a video without it: install it again."});
+                  "Reinstall ffmpeg to encode images of a walk as a video."});
   else
     findings.fact("videos: " + ffmpeg.version.substr(0, ffmpeg.version.find(" Copyright")));
 }
@@ -193,7 +194,7 @@ void examineMemory(Findings& findings) {
                             bytesText(available), bytesText(std::min(total, limit))));
   if (available < kLeastMemory)
     findings.add({"memory", Severity::warning,
-                  limited ? fmt::format("Programs may have only {} of memory here.", bytesText(available))
+                  limited ? fmt::format("Memory is limited to {} for this process.", bytesText(available))
                           : fmt::format("Only {} of memory is free.", bytesText(available)),
                   limited
                       ? "Raise the limit of the container or of the shell (ulimit -v), or build smaller photographs "
@@ -208,13 +209,14 @@ void examineDisk(Findings& findings) {
   if (error) return;
   const auto left = double(space.available);
   if (left < kLittleDisk)
-    findings.add({"disk", left < kNoDisk ? Severity::serious : Severity::warning,
-                  fmt::format("Only {} of disk is left in {}.", bytesText(left), here.string()),
-                  "A scene takes up to six bytes for each pixel of its photographs: make room, or build with --texture "
-                  "bc7.",
-                  kExitIo});
+    findings.add(
+        {"disk", left < kNoDisk ? Severity::serious : Severity::warning,
+         fmt::format("Only {} of disk space is left in {}.", bytesText(left), here.string()),
+         "A scene needs up to six bytes per pixel of its photographs: free disk space, or build with --texture "
+         "bc7.",
+         kExitIo});
   else
-    findings.fact(fmt::format("{} of disk left in {}", bytesText(left), here.string()));
+    findings.fact(fmt::format("{} of disk space left in {}", bytesText(left), here.string()));
 }
 
 void examineDisplay(Findings& findings) {
@@ -223,7 +225,7 @@ void examineDisplay(Findings& findings) {
   findings.add({"display", Severity::hint,
                 wayland ? "There is a Wayland display and no X11 display: ibr-viewer may not open its window."
                         : "There is no display: ibr-viewer cannot open a window.",
-                wayland ? "Install Xwayland." : "ibr render and ibr eval need none."});
+                wayland ? "Install Xwayland." : "ibr render and ibr eval need no display."});
 }
 
 // Paths that the OpenXR loader searches (OpenXR loader specification, "Runtime Enumeration").
@@ -255,20 +257,19 @@ void examineHeadset(Findings& findings) {
       const bool pathGiven = library.has_parent_path();
       if (pathGiven && library.is_relative()) library = fs::canonical(file).parent_path() / library;
       if (pathGiven && !fs::exists(library, ignored))
-        findings.add(
-            {"headset", Severity::warning,
-             fmt::format("The OpenXR runtime that {} names is not there: {}.", file.string(), library.string()),
-             "Install it again, or make another one the active runtime."});
+        findings.add({"headset", Severity::warning,
+                      fmt::format("The OpenXR runtime named in {} is missing: {}.", file.string(), library.string()),
+                      "Reinstall the runtime, or make another runtime the active one."});
       else
         findings.fact(fmt::format("headsets: {}", json["runtime"].value("name", library.string())));
     } catch (const std::exception&) {
       findings.add({"headset", Severity::warning, fmt::format("{} does not name an OpenXR runtime.", file.string()),
-                    "Install the headset's runtime again."});
+                    "Reinstall the runtime of the headset."});
     }
     return;
   }
   findings.add({"headset", Severity::hint, "There is no OpenXR runtime: ibr-vr finds no headset.",
-                "Install Monado, SteamVR or WiVRn, and make it the active runtime."});
+                "Install Monado, SteamVR or WiVRn as the active runtime."});
 }
 
 }  // namespace

@@ -24,12 +24,12 @@ void examineMask(const fs::path& file, const ExaminedPhotograph& photo, Findings
     const ImageFileInfo mask = probeImage(file);
     if (!fits(mask, photo.info))
       findings.add({"masks", Severity::serious,
-                    fmt::format("{} is {}×{} px, and {} is {}×{} px.", file.string(), mask.width, mask.height,
+                    fmt::format("{} is {}×{} px, but {} is {}×{} px.", file.string(), mask.width, mask.height,
                                 photo.name, photo.info.width, photo.info.height),
-                    "Make it again, of the photograph's size, or take it away."});
+                    "Make the mask again in the photograph's size, or remove it."});
   } catch (const Error& e) {
     findings.add({"masks", Severity::serious, fmt::format("A mask cannot be read: {}.", e.what()),
-                  "Make it again, or take it away."});
+                  "Make the mask again, or remove it."});
   }
 }
 
@@ -46,14 +46,14 @@ void examineMasks(const fs::path& folder, const std::vector<ExaminedPhotograph>&
     ++masked;
     if (photo.trouble.empty()) examineMask(*file, photo, findings);
   }
-  findings.fact(fmt::format("masks: {} of {} photographs have one", masked, photographs.size()));
+  findings.fact(fmt::format("masks: {} of {} photographs have a mask", masked, photographs.size()));
   std::vector<std::string> strange;
   for (const std::string& name : lookInto(folder).pictures)
     if (!used.contains((folder / name).lexically_normal())) strange.push_back(name);
   if (!strange.empty())
     findings.add({"masks", Severity::warning,
-                  fmt::format("{} of the masks are of no photograph here: {}.", strange.size(), someOf(strange)),
-                  "Name them as their photographs: a/b.jpg.png or a/b.png for a/b.jpg."});
+                  fmt::format("{} of the masks match no photograph: {}.", strange.size(), someOf(strange)),
+                  "Name masks after their photographs: a/b.jpg.png or a/b.png for a/b.jpg."});
 }
 
 }  // namespace ibr::app

@@ -63,7 +63,7 @@ void videos(const fs::path& folder, const PictureFolder& found, Findings& findin
   if (!names.empty())
     findings.add({"format", Severity::warning,
                   fmt::format("{}: {}.", someOf(names), names.size() == 1 ? "is a video" : "are videos"),
-                  "Save single pictures of it: ffmpeg -i VIDEO -vf fps=2 %04d.png."});
+                  "Extract photographs from a video: ffmpeg -i VIDEO -vf fps=2 %04d.png."});
 }
 
 // Reports files that a build skips. A reason has the form "problem: remedy", or only names the problem.
@@ -73,16 +73,16 @@ void passedOver(const std::vector<PictureFolder::Unread>& unread, Findings& find
   for (auto& [reason, files] : byReason) {
     const std::size_t colon = std::min(reason.find(": "), reason.size());
     for (PictureFolder::Unread& file : files) file.reason.resize(colon);
-    std::string remedy = colon < reason.size() ? reason.substr(colon + 2) : "copy it again, or take it away";
+    std::string remedy = colon < reason.size() ? reason.substr(colon + 2) : "copy the file again, or remove it";
     remedy[0] = char(std::toupper(static_cast<unsigned char>(remedy[0])));
     findings.add({"file", Severity::warning, unreadText(files) + ".", remedy + "."});
   }
 }
 
 const char* remedyOf(ErrorCode code) {
-  if (code == ErrorCode::unsupported) return "Or take it away; to copy it again does not help.";
-  if (code == ErrorCode::io) return "See that it may be read.";
-  return "Copy it from the camera again, or take it away.";
+  if (code == ErrorCode::unsupported) return "Or remove the file; copying the file again does not help.";
+  if (code == ErrorCode::io) return "Check the permissions of the file.";
+  return "Copy the file from the camera again, or remove it.";
 }
 
 void unreadable(const std::vector<ExaminedPhotograph>& all, Findings& findings) {
@@ -105,17 +105,17 @@ void sizes(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
     upright += (height > width) != (photo.info.orientation >= 5);
   }
   const auto common = std::ranges::max_element(groups, {}, [](const auto& g) { return g.second.size(); });
-  findings.fact(fmt::format("{} photographs, most of {}×{} px; {} of them held upright", good.size(),
+  findings.fact(fmt::format("{} photographs, most of {}×{} px; {} in portrait orientation", good.size(),
                             common->first.first, common->first.second, upright));
   for (const auto& [size, names] : groups) {
     if (size == common->first) continue;
     const double ratio = double(size.first) * size.second / (double(common->first.first) * common->first.second);
     const bool small = ratio < 0.5;
     findings.add({"size", small ? Severity::warning : Severity::hint,
-                  fmt::format("{}: {}×{} px, {} the others.", someOf(names), size.first, size.second,
-                              small ? "much less than" : "another size than"),
-                  small ? "Use the originals: pictures that messengers and web pages made small lose what they show."
-                        : "This is right where they come from another camera, and wrong where they were cut."});
+                  fmt::format("{}: {}×{} px, {} the other photographs.", someOf(names), size.first, size.second,
+                              small ? "much smaller than" : "another size than"),
+                  small ? "Use the original files: messengers and web pages reduce the resolution."
+                        : "Photographs of another camera may differ in size; do not use cropped photographs."});
   }
 }
 
@@ -131,8 +131,9 @@ void exposure(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
   if (!least || !(std::log2(high / low) > kStops)) return;
   findings.add(
       {"exposure", Severity::warning,
-       fmt::format("{} was exposed {:.1f} stops more than {}.", most->name, std::log2(high / low), least->name),
-       "Lock the exposure before the first photograph, or set it by hand: steps in brightness show."});
+       fmt::format("{} has {:.1f} stops more exposure than {}.", most->name, std::log2(high / low), least->name),
+       "Lock the exposure before the first photograph, or set the exposure manually: steps in brightness are "
+       "visible."});
 }
 
 void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
@@ -144,15 +145,16 @@ void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
   if (cameras.size() > 1)
     findings.add({"camera", Severity::hint,
                   fmt::format("The photographs come from {} cameras or lenses.", cameras.size()),
-                  "That works; poses are better with one."});
+                  "Poses are more accurate with one camera and lens."});
   for (const auto& [camera, lengths] : cameras) {
     const auto common = std::ranges::max_element(lengths, {}, [](const auto& l) { return l.second.size(); });
     for (const auto& [length, names] : lengths)
       if (std::max(length, common->first) / std::min(length, common->first) > kZoom)
         findings.add(
             {"zoom", Severity::warning,
-             fmt::format("{}: zoomed, at {:g} mm and not {:g} mm as the others.", someOf(names), length, common->first),
-             "Do not zoom between photographs; leave these out (--exclude), or take them again."});
+             fmt::format("{}: focal length {:g} mm, but {:g} mm in the other photographs.", someOf(names), length,
+                         common->first),
+             "Do not zoom between photographs; exclude the zoomed photographs (--exclude), or take new ones."});
   }
 }
 
@@ -184,9 +186,9 @@ void sharpness(const std::vector<ExaminedPhotograph>& good, Findings& findings) 
     if (!(good[i].sharpness < kBlur * median(all))) continue;
     const double time = good[i].info.capture.exposureTime;
     findings.add({"blur", Severity::warning,
-                  fmt::format("{} is blurred, beside those that look like it{}.", good[i].name,
-                              time > 1.0 / 60 ? fmt::format(" (exposed for {})", timeText(time)) : std::string()),
-                  "Hold the camera still, or use a shorter exposure, and take it again."});
+                  fmt::format("{} is blurred, compared with similar photographs{}.", good[i].name,
+                              time > 1.0 / 60 ? fmt::format(" (exposure time {})", timeText(time)) : std::string()),
+                  "Hold the camera still or use a shorter exposure, and take the photograph again."});
   }
 }
 
@@ -197,8 +199,8 @@ void repetitions(const std::vector<ExaminedPhotograph>& good, Findings& findings
       if (!identical && !(alikeness(good[i], good[j]) > kSame)) continue;
       findings.add(
           {"repeated", Severity::hint,
-           fmt::format("{} {} {}.", good[i].name, identical ? "is a copy of" : "shows the same as", good[j].name),
-           "One of them will do; a step aside would show more."});
+           fmt::format("{} {} {}.", good[i].name, identical ? "is a copy of" : "looks the same as", good[j].name),
+           "Keep one of the two; a photograph from a step aside shows more."});
       break;
     }
 }
@@ -215,8 +217,8 @@ std::vector<std::string> namesFor(const PosedModel& model, const std::vector<Exa
     if (posed.contains(file.name)) lost.push_back(file.name);
   if (!lost.empty())
     findings.add({"poses", Severity::serious,
-                  fmt::format("{} of the photographs that have a pose cannot be read: {}.", lost.size(), someOf(lost)),
-                  "Bring them back, or build without them (--exclude)."});
+                  fmt::format("{} of the photographs with a pose cannot be read: {}.", lost.size(), someOf(lost)),
+                  "Restore the photographs, or exclude them (--exclude)."});
   names.insert(names.end(), lost.begin(), lost.end());
   std::ranges::sort(names);
   return names;
@@ -229,7 +231,7 @@ void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
     const BuildOptions build = buildOptionsOf(choices, folder, context);
     const fs::path file = posesFile(build);
     if (file.empty()) {
-      findings.fact("no poses beside them: ibr build estimates them with the program COLMAP");
+      findings.fact("no poses near the photographs: ibr build estimates poses with the program COLMAP");
       return;
     }
     const PosedModel model = readPoses(build, context.log());
@@ -239,7 +241,7 @@ void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
   } catch (const Error& e) {
     if (e.code() == ErrorCode::cancelled) throw;
     findings.add({"poses", Severity::serious, fmt::format("The poses cannot be read: {}.", e.what()),
-                  "Export them again, or take them away: then ibr build estimates poses itself."});
+                  "Export the poses again, or remove them: ibr build then estimates new poses."});
   }
 }
 
@@ -263,15 +265,15 @@ void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Fin
   if (good.size() < 2) {
     findings.add(
         {"count", Severity::serious,
-         good.empty() ? "There is no photograph in this folder that can be read." : "There is one photograph.",
-         "Take at least three: step to the side by a tenth of the distance to what you photograph, and take the "
-         "same again."});
+         good.empty() ? "This folder has no readable photograph." : "This folder has only one readable photograph.",
+         "Take at least three photographs: step to the side by a tenth of the distance to the subject, and photograph "
+         "the same view again."});
     return;
   }
   sizes(good, findings);
   if (all.size() < kFew)
-    findings.add({"count", Severity::hint, fmt::format("There are {} photographs.", all.size()),
-                  "More of them, each with two thirds of its picture in the next, let one walk further."});
+    findings.add({"count", Severity::hint, fmt::format("There are only {} photographs.", all.size()),
+                  "More photographs, each overlapping the next by two thirds, allow a longer walk."});
   exposure(good, findings);
   lenses(good, findings);
   sharpness(good, findings);

@@ -25,22 +25,22 @@ void names(const PosedModel& model, const std::vector<std::string>& pictures, Fi
   std::ranges::set_difference(pictures, posed, std::back_inserter(unposed));
   std::ranges::set_difference(posed, pictures, std::back_inserter(missing));
   if (!missing.empty() && missing.size() == posed.size()) {
-    findings.add({"poses", Severity::serious,
-                  fmt::format("None of the photographs that the poses name is here; the first is {}.", missing[0]),
-                  "Name the folder that their names start from."});
+    findings.add(
+        {"poses", Severity::serious,
+         fmt::format("No photograph named in the poses is in this folder; the first missing one is {}.", missing[0]),
+         "Give the folder that the names in the poses are relative to."});
     return;
   }
   if (!missing.empty())
-    findings.add(
-        {"poses", Severity::serious,
-         fmt::format("{} of the photographs that have a pose are not here: {}.", missing.size(), someOf(missing)),
-         "Bring them back, or build without them (--exclude)."});
+    findings.add({"poses", Severity::serious,
+                  fmt::format("{} of the photographs with a pose are missing: {}.", missing.size(), someOf(missing)),
+                  "Restore the photographs, or exclude them (--exclude)."});
   if (!unposed.empty())
     findings.add(
         {"poses", Severity::warning,
          fmt::format("{} of {} photographs have no pose: {}.", unposed.size(), pictures.size(), someOf(unposed)),
-         "They share too little with the others, or are blurred: take them again, each with two thirds of its "
-         "picture in the next."});
+         "Photographs without a pose overlap too little or are blurred: take them again, each overlapping the next by "
+         "two thirds."});
 }
 
 void errors(const PosedModel& model, Findings& findings) {
@@ -63,21 +63,22 @@ void errors(const PosedModel& model, Findings& findings) {
   };
   if (typical > kError) {
     findings.add({"poses", Severity::warning,
-                  fmt::format("The poses fit the photographs badly: points are off by {:.1f} px.", px(typical, 0)),
-                  "Estimate them again; sharp photographs of one lens, without zooming, give better ones."});
+                  fmt::format("The poses are inaccurate: the median reprojection error is {:.1f} px.", px(typical, 0)),
+                  "Estimate the poses again, from sharp photographs of one lens without zoom."});
     return;
   }
   for (std::size_t i = 0; i < ofImage.size(); ++i) {
     const double own = median(ofImage[i]);
     if (own > kError && own > 3 * typical)
       findings.add({"poses", Severity::warning,
-                    fmt::format("The pose of {} is doubtful: its points are off by {:.1f} px.", model.images[i].name,
-                                px(own, i)),
-                    "Leave it out (--exclude), or take it again with more overlap."});
+                    fmt::format("The pose of {} is inaccurate: the median reprojection error is {:.1f} px.",
+                                model.images[i].name, px(own, i)),
+                    "Exclude the photograph (--exclude), or take it again with more overlap."});
     if (ofImage[i].size() < kFewPoints)
-      findings.add({"poses", Severity::warning,
-                    fmt::format("{} shares only {} points with the others.", model.images[i].name, ofImage[i].size()),
-                    "Take it again nearer to its neighbours, with two thirds of its picture in the next."});
+      findings.add(
+          {"poses", Severity::warning,
+           fmt::format("{} shares only {} points with the other photographs.", model.images[i].name, ofImage[i].size()),
+           "Take the photograph again nearer to its neighbours, overlapping them by two thirds."});
   }
 }
 
@@ -110,9 +111,9 @@ void parts(const PosedModel& model, Findings& findings) {
     std::vector<std::string> members;
     for (const std::size_t i : all[p]) members.push_back(model.images[i].name);
     findings.add({"parts", all[p].size() > 1 ? Severity::serious : Severity::warning,
-                  fmt::format("{} {} too little with the other photographs.", someOf(members),
+                  fmt::format("{} {} too few points with the other photographs.", someOf(members),
                               members.size() == 1 ? "shares" : "share"),
-                  "Take photographs on the way between them, each with two thirds of its picture in the next."});
+                  "Take photographs on the way between the groups, each overlapping the next by two thirds."});
   }
 }
 
@@ -134,14 +135,15 @@ void steps(const PosedModel& model, Findings& findings) {
   }
   const double typical = median(shares);
   if (std::isinf(typical))
-    findings.add({"steps", Severity::serious, "All photographs were taken from one place, by turning the camera.",
-                  "Nothing can be shown from anywhere else. Step aside by a tenth of the distance to what is near, and "
-                  "take them again from there."});
-  else if (typical > kWideStep)
     findings.add(
-        {"steps", Severity::warning,
-         fmt::format("From one photograph to the next it is {:.0f} % as far as to what they show.", 100 * typical),
-         "Steps of a fifth give good pictures in between: take more photographs."});
+        {"steps", Severity::serious, "All photographs were taken from one position, with the camera turned.",
+         "Views from other positions are impossible. Step aside by a tenth of the distance to near objects, and "
+         "take the photographs again."});
+  else if (typical > kWideStep)
+    findings.add({"steps", Severity::warning,
+                  fmt::format("The step from one photograph to the next is {:.0f} % of the distance to the subject.",
+                              100 * typical),
+                  "Take more photographs: steps of a fifth of the distance give good views in between."});
 }
 
 }  // namespace

@@ -35,9 +35,9 @@ void Findings::print(const Context& context) const {
     if (number <= kMostOfASubject)
       context.print("{} {} {}\n", mark(finding.severity), finding.sentence, finding.remedy);
     if (number == kMostOfASubject + 1)
-      context.print("   and {} more like these (all of them: --json)\n", total[key(finding)] - kMostOfASubject);
+      context.print("   and {} more of this kind (--json lists all)\n", total[key(finding)] - kMostOfASubject);
   }
-  if (all.empty()) context.print("nothing is amiss\n");
+  if (all.empty()) context.print("no problems found\n");
 }
 
 nlohmann::ordered_json Findings::json() const {

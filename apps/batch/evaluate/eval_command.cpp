@@ -81,7 +81,8 @@ std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
   for (const auto& [name, title] : kBaselines) known.emplace_back(name);
   for (const std::string& name : names)
     if (std::ranges::find(known, name) == known.end())
-      throw CLI::ValidationError("--baselines", fmt::format("{} is none of {}", name, fmt::join(known, ", ")));
+      throw CLI::ValidationError("--baselines",
+                                 fmt::format("unknown baseline {}; choose from {}", name, fmt::join(known, ", ")));
   return names.empty() ? known : names;
 }
 

@@ -97,7 +97,7 @@ Evaluator::Evaluator(const Scene& scene, const std::vector<View>& views, const E
   if (wantsSimpleOnes(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
   if (std::ranges::find(options.baselines, "gathered") == options.baselines.end()) return;
   check(isGatherable(scene), ErrorCode::invalidInput,
-        "{}: has no depth of its photographs, which the baseline gathered needs: build it again",
+        "{}: has no depth of the photographs, which the baseline gathered needs; build the scene again",
         scene.folder.string());
   reference_.emplace(scene, context.options().threads);
 }
@@ -197,8 +197,8 @@ ImageF Evaluator::truthOf(const View& view) const {
   ImageF truth = truthDepth(options_.truthDepth, view.name, options_.depthUnit);
   const Intrinsics& k = view.camera.intrinsics;
   check(truth.width == k.width && truth.height == k.height, ErrorCode::invalidInput,
-        "{}: is {}×{} px, but the view {}×{}", pictureFile(options_.truthDepth, view.name).string(), truth.width,
-        truth.height, k.width, k.height);
+        "{}: the depth image has {}×{} px, but the view has {}×{}",
+        pictureFile(options_.truthDepth, view.name).string(), truth.width, truth.height, k.width, k.height);
   return truth;
 }
 
@@ -234,7 +234,7 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
   Table table, failures;
   Json views = Json::array();
   table.row(scoresHeading("view", options.fitGain));
-  failures.row({"failed", "why"});
+  failures.row({"failed view", "reason"});
   for (const ViewOutcome& outcome : outcomes) {
     views.push_back(outcomeJson(outcome));
     if (!outcome.failure.empty()) {
@@ -249,17 +249,19 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
   table.row(scoresRow("mean", means, options.fitGain));
   context.print("{}", table.text());
   if (options.seams)
-    context.print("seams {} levels, ΔE {}; colours ΔE {}; cells {} px apart, the worst 20th {}; not aligned {}, {}\n",
-                  numberText(means.seam, 3), numberText(means.seamDeltaE, 3), numberText(means.deltaE, 3),
-                  numberText(means.misaligned, 2), numberText(means.misaligned95, 2), numberText(means.uncorrected, 2),
-                  numberText(means.uncorrected95, 2));
+    context.print(
+        "seams {} levels, ΔE {}; colours ΔE {}; misalignment of cells {} px (median), {} px (95 %); unaligned {} px, "
+        "{} px\n",
+        numberText(means.seam, 3), numberText(means.seamDeltaE, 3), numberText(means.deltaE, 3),
+        numberText(means.misaligned, 2), numberText(means.misaligned95, 2), numberText(means.uncorrected, 2),
+        numberText(means.uncorrected95, 2));
   if (!options.truthDepth.empty())
-    context.print("depth right {}, too far {}, too near {} (shares, without sky; 1 px at a baseline of {})\n",
+    context.print("depth right {}, too far {}, too near {} (shares without sky; tolerance 1 px at a baseline of {})\n",
                   numberText(means.rightDepth, 3), numberText(means.tooFar, 3), numberText(means.tooNear, 3),
                   options.depthBaseline);
   if (!options.baselines.empty()) {
     Table methods;
-    methods.row(scoresHeading("mean of", options.fitGain));
+    methods.row(scoresHeading("mean by method", options.fitGain));
     for (const std::string& name : options.baselines) {
       const Scores other = meanOfBaseline(outcomes, name);
       mean["baselines"][name] = scoresJson(other);

@@ -32,10 +32,12 @@ struct EvaluationOptions {
 };
 
 /// Names in JSON, also of the folders of their images; and titles.
-inline constexpr std::array kBaselines{
-    std::pair{"nearest", "nearest photograph"},           std::pair{"lumigraph", "unstructured lumigraph"},
-    std::pair{"crossFade", "cross-fade of one cell"},     std::pair{"paper", "the paper's morph and order"},
-    std::pair{"paperOrder", "ours in the paper's order"}, std::pair{"gathered", "reference composer"}};
+inline constexpr std::array kBaselines{std::pair{"nearest", "nearest photograph"},
+                                       std::pair{"lumigraph", "unstructured lumigraph"},
+                                       std::pair{"crossFade", "cross-fade of one cell"},
+                                       std::pair{"paper", "the paper's morph and order"},
+                                       std::pair{"paperOrder", "our morph in the paper's order"},
+                                       std::pair{"gathered", "reference implementation of the gather"}};
 
 /// Result of a view.
 struct ViewOutcome {

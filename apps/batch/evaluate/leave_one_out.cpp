@@ -38,8 +38,8 @@ std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const 
                                               : std::ranges::find(options.views, images[i].name) != options.views.end();
     if (!wanted) continue;
     check(images[i].camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
-          "{}: is a panorama. Views are rendered as pinhole cameras see them, so panoramas cannot be left out one by "
-          "one; `ibr eval SCENE --truth` compares with pinhole photographs of the place",
+          "{}: a panorama cannot be left out, because views are rendered as pinhole images; compare with pinhole "
+          "photographs by `ibr eval SCENE --truth`",
           images[i].name);
     chosen.push_back(i);
   }
@@ -138,7 +138,7 @@ class LeaveOneOut {
     if (refined_) build.model = build.output / ".refined", build.transforms.clear(), build.panoramas.clear();
     for (const auto& cell : report.cells) ++(cell.resumed ? counts_.shared : counts_.matched);
     const Scene scene = loadScene(build.output);
-    check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without it");
+    check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without this photograph");
     const View among = refined_ || resect_ ? resectedView(view, build) : view;
     Evaluator evaluator(scene, {among}, evaluation_, context_);
     device_ = evaluator.deviceName();
@@ -174,7 +174,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
                          : !build.transforms.empty() ? build.transforms
                                                      : build.model;
   check(!poses.empty(), ErrorCode::invalidInput,
-        "{}: leaving photographs out needs poses of all of them: give a COLMAP model with --model, or --transforms",
+        "{}: --leave-one-out needs poses of all photographs; give a COLMAP model with --model, or --transforms",
         options.photographs);
   const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // placeholder: the key is not known yet
   build.output = options.work.empty() ? anywhere : fs::path(options.work);
@@ -191,9 +191,9 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     checkNamesDiffer(views);
     for (const View& view : views) evaluationFiles(evaluation, view.name);
   }
-  context.say(LogLevel::info, "{} of {} photographs are left out, one by one; what is built is kept in {}{}",
+  context.say(LogLevel::info, "leaving out {} of {} photographs, one at a time; builds are cached in {}{}",
               views.size(), photographs.images().size(), work.string(),
-              options.work.empty() ? " until all are done" : "");
+              options.work.empty() ? " until the end of the run" : "");
 
   context.say(LogLevel::info, "settings: {}", presetText(evaluation.settings));
   LeaveOneOut run(build, options.resect, evaluation, key, work, context);
@@ -218,14 +218,15 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
              {"cellsShared", run.counts().shared},
              {"posesRefined", run.counts().refined}};
   reportOutcomes(outcomes, evaluation, std::move(about), context);
-  context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
+  context.print("{} cells were matched, {} were reused from another view's build\n", run.counts().matched,
                 run.counts().shared);
   if (build.refinePoses)
-    context.print("poses were refined for {} of {} views, kept for the others\n", run.counts().refined, views.size());
+    context.print("poses were refined for {} of {} views, and are unchanged for the others\n", run.counts().refined,
+                  views.size());
   fs::remove_all(work / ".scene-without-one");
   if (options.work.empty()) fs::remove_all(work);
   check(std::ranges::any_of(outcomes, [](const ViewOutcome& o) { return o.failure.empty(); }), ErrorCode::invalidInput,
-        "{}: no photograph could be left out: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);
+        "{}: no view could be evaluated: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);
   return kExitOk;
 }
 

@@ -36,7 +36,7 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"msSsim", "MS-SSIM", Shown::always, 4, &Scores::msSsim},
                                {"detailEnergy", "detail", Shown::always, 2, &Scores::detailEnergy},
                                {"detailCorrelation", "", Shown::never, 3, &Scores::detailCorrelation},
-                               {"tornTiles", "torn", Shown::always, 3, &Scores::tornTiles},
+                               {"tornTiles", "torn tiles", Shown::always, 3, &Scores::tornTiles},
                                {"guessed", "", Shown::never, 3, &Scores::guessed},
                                {"rightDepth", "", Shown::never, 3, &Scores::rightDepth},
                                {"tooFar", "", Shown::never, 3, &Scores::tooFar},

@@ -109,23 +109,24 @@ Table summaryTable(const WalkSummary& summary, std::size_t frames) {
   };
   table.row({"frames", std::to_string(frames)});
   table.row({"switches of the main cell", std::to_string(summary.switches)});
-  row("median step, levels", summary.medianStep, 3);
+  row("median step, 8-bit levels", summary.medianStep, 3);
   row("largest step", summary.largestStep, 3);
   row("largest step at a switch", summary.largestStepAtSwitch, 3);
-  row("  / median", summary.largestStepAtSwitch / summary.medianStep, 2);
+  row("  ratio to the median step", summary.largestStepAtSwitch / summary.medianStep, 2);
   row("median step, FLIP", summary.medianFlipStep, 4);
-  row("pop: largest at a switch, FLIP", summary.pop, 4);
-  if (summary.flicker >= 0) table.row({"largest flicker of a still camera, levels", std::to_string(summary.flicker)});
+  row("pop (largest step at a switch), FLIP", summary.pop, 4);
+  if (summary.flicker >= 0)
+    table.row({"largest flicker of a still camera, 8-bit levels", std::to_string(summary.flicker)});
   if (summary.flicker > 0) table.row({"  at frame", fmt::format("{} ({})", summary.flickerFrame, summary.flickerAt)});
-  row("least coverage", summary.leastCoverage, 4);
-  row("least coverage where photographs see", summary.leastCoverageInside, 4);
-  row("mean coverage where photographs see", summary.meanCoverageInside, 4);
+  row("minimum coverage", summary.leastCoverage, 4);
+  row("minimum coverage inside the photographs' views", summary.leastCoverageInside, 4);
+  row("mean coverage inside the photographs' views", summary.meanCoverageInside, 4);
   for (int t = 0; t < kTierCount; ++t)
     table.row({"tier " + std::to_string(t) + ", share", numberText(summary.tier[std::size_t(t)], 4)});
-  row("both eyes see, share", summary.eyes.seenByBoth, 4);
+  row("visible to both eyes, share", summary.eyes.seenByBoth, 4);
   row("  from the same cell, share", summary.eyes.sameCell, 4);
-  row("  mean difference, levels", summary.eyes.difference, 3);
-  row("  95 % differ by less, levels", summary.eyes.difference95, 2);
+  row("  mean difference, 8-bit levels", summary.eyes.difference, 3);
+  row("  95 % quantile of the difference, 8-bit levels", summary.eyes.difference95, 2);
   return table;
 }
 

@@ -45,7 +45,7 @@ std::optional<std::string> withoutEye(const std::string& name, char eye) {
 
 View viewIn(const fs::path& picture, PictureSize size) {
   const auto record = readRecord(picture);
-  check(record.has_value(), ErrorCode::invalidInput, "{}: no view stands in this picture", picture.string());
+  check(record.has_value(), ErrorCode::invalidInput, "{}: no view is stored in this image", picture.string());
   View view{picture.filename().string(), record->camera, record->time.value_or(0)};
   if (size.width > 0) view.camera.intrinsics = withSize(view.camera.intrinsics, size);
   return view;
@@ -58,8 +58,8 @@ std::optional<fs::path> otherEye(const fs::path& picture) {
     if (const auto both = withoutEye(name, eye)) {
       const fs::path beside = picture.parent_path() / (*both + '_' + other + picture.extension().string());
       std::error_code ignored;
-      check(fs::exists(beside, ignored), ErrorCode::invalidInput, "{}: there is no {} eye {}", picture.string(),
-            other == 'l' ? "left" : "right", beside.string());
+      check(fs::exists(beside, ignored), ErrorCode::invalidInput, "{}: the image of the {} eye is missing: {}",
+            picture.string(), other == 'l' ? "left" : "right", beside.string());
       return beside;
     }
   return std::nullopt;
@@ -129,12 +129,13 @@ std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double 
     if (withoutEye(view.name, 'r')) continue;
     if (const auto name = withoutEye(view.name, 'l')) {
       const auto right = rightEyes.find(*name);
-      check(right != rightEyes.end(), ErrorCode::invalidInput, "{}: there is no right eye {}_r", view.name, *name);
+      check(right != rightEyes.end(), ErrorCode::invalidInput, "{}: the view of the right eye is missing: {}_r",
+            view.name, *name);
       frames.push_back({view, *right->second});
       rightEyes.erase(right);
       continue;
     }
-    check(ipd > 0, ErrorCode::invalidInput, "{}: --stereo needs --ipd, the distance of the eyes", view.name);
+    check(ipd > 0, ErrorCode::invalidInput, "{}: --stereo needs --ipd, the distance between the eyes", view.name);
     Frame pair{view, view};
     const glm::dvec3 aside = view.camera.pose.rotation * glm::dvec3(0.5 * ipd, 0, 0);
     pair[0].camera.pose.position -= aside;
@@ -144,7 +145,7 @@ std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double 
     frames.push_back(std::move(pair));
   }
   for (const auto& [name, view] : rightEyes)
-    fail(ErrorCode::invalidInput, "{}: there is no left eye {}_l", view->name, name);
+    fail(ErrorCode::invalidInput, "{}: the view of the left eye is missing: {}_l", view->name, name);
   return frames;
 }
 
@@ -156,7 +157,7 @@ void checkNamesDiffer(const std::vector<View>& views) {
   std::map<std::string, std::string> seen;
   for (const View& view : views) {
     const auto [other, fresh] = seen.emplace(stem(view.name), view.name);
-    check(fresh, ErrorCode::invalidInput, "{} and {} would be written to the same picture {}.png", other->second,
+    check(fresh, ErrorCode::invalidInput, "{} and {} would be written to the same file {}.png", other->second,
           view.name, stem(view.name));
   }
 }

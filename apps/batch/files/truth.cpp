@@ -18,8 +18,8 @@ Truth::Truth(const fs::path& folder, const std::vector<std::string>& names, cons
   fs::path model;
   for (const fs::path& candidate : {folder / "sparse", folder / "sparse" / "0", folder})
     if (model.empty() && holdsColmapModel(candidate)) model = candidate;
-  check(!model.empty(), ErrorCode::io, "{}: has no COLMAP model (cameras.txt or .bin) in it, in sparse or in sparse/0",
-        folder.string());
+  check(!model.empty(), ErrorCode::io,
+        "{}: no COLMAP model (cameras.txt or cameras.bin) in this folder, in sparse or in sparse/0", folder.string());
   images_ = fs::is_directory(folder / "images") ? folder / "images" : folder;
 
   std::vector<View> all;
@@ -34,13 +34,12 @@ Truth::Truth(const fs::path& folder, const std::vector<std::string>& names, cons
     if (!names.empty() && std::ranges::find(names, view.name) == names.end()) continue;
     if (names.empty() && !fs::exists(images_ / view.name)) {
       if (log)
-        log(LogLevel::warning, fmt::format("{}: no picture of this view; left out", (images_ / view.name).string()));
+        log(LogLevel::warning, fmt::format("{}: image is missing, view skipped", (images_ / view.name).string()));
       continue;
     }
     views_.push_back(std::move(view));
   }
-  check(!views_.empty(), ErrorCode::invalidInput, "{}: has no view whose picture is in {}", model.string(),
-        images_.string());
+  check(!views_.empty(), ErrorCode::invalidInput, "{}: no view has an image in {}", model.string(), images_.string());
 }
 
 Image8 Truth::picture(const View& view) const {
@@ -51,7 +50,7 @@ Image8 Truth::picture(const View& view) const {
   const bool distorted = lens != lenses_.end();
   const int width = distorted ? lens->second.width() : k.width, height = distorted ? lens->second.height() : k.height;
   check(image.width == width && image.height == height, ErrorCode::invalidInput,
-        "{}: is {}×{} px, but its camera {}×{}", file.string(), image.width, image.height, width, height);
+        "{}: is {}×{} px, but its camera is {}×{} px", file.string(), image.width, image.height, width, height);
   return distorted ? undistort(image, lens->second, k) : image;
 }
 

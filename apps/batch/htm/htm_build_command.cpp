@@ -26,33 +26,34 @@ std::string percent(double share) {
 
 void printReport(const HtmReport& report, const HtmBuildOptions& options, const Context& context) {
   context.print(
-      "{} faces reduced to {} by shape: off by {:.3g} on average and {:.3g} at most there, {:.3g} and {:.3g} back\n",
+      "{} faces were reduced to {} by shape: distance of source to reduced mesh {:.3g} (mean), {:.3g} (maximum), of "
+      "reduced to source mesh {:.3g} (mean), {:.3g} (maximum)\n",
       report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMost, report.restoredMean,
       report.restoredMost);
   for (const HtmReport::Adjustment& line : report.adjustments)
     context.print(
-        "adjusted: cameras see vertices {:.2f} px from where the pictures agree, {:.2f} px before; vertices moved "
-        "{:.3g}\n",
+        "cameras and shape were adjusted: RMS offset of vertices from the cameras' consensus {:.2f} px, before "
+        "{:.2f} px; vertices moved by {:.3g} (mean)\n",
         line.afterPx, line.beforePx, line.moved);
-  context.print("{} edges of inconsistent faces collapsed: mean D_f {:.3f}, before {:.3f}\n", report.collapses,
+  context.print("{} edges of inconsistent faces were collapsed: mean D_f {:.3f}, before {:.3f}\n", report.collapses,
                 report.collapsedDifference, report.reducedDifference);
   Table rounds;
   rounds.row(
-      {"round", "vertices", "faces", "D_f as it is", "D_f harmonised", "matched", "divided", "for being hidden"});
+      {"round", "vertices", "faces", "D_f unharmonised", "D_f harmonised", "matched", "divided", "divided as hidden"});
   for (std::size_t r = 0; r < report.rounds.size(); ++r) {
     const HtmReport::Round& round = report.rounds[r];
     rounds.row({fmt::format("{}", r + 1), fmt::format("{}", round.vertices), fmt::format("{}", round.faces),
                 numberText(round.before, 3), numberText(round.after, 3), percent(round.measured),
                 fmt::format("{}", round.divided), fmt::format("{}", round.divideHidden)});
   }
-  context.print("{}{:.2f} cameras see a vertex; {} of them do not agree and are left out there\n", rounds.text(),
-                report.camerasPerVertex, percent(report.rejected));
+  context.print("{}{:.2f} cameras see a vertex on average; {} of these disagree at the vertex and are rejected\n",
+                rounds.text(), report.camerasPerVertex, percent(report.rejected));
   double seconds = 0;
   for (const HtmReport::Stage& stage : report.stages) {
     context.print("{:>9.1f} s  {}\n", stage.seconds, stage.name);
     seconds += stage.seconds;
   }
-  context.print("{:>9.1f} s  in all\n\n{}: complements take {}\n", seconds, options.output.string(),
+  context.print("{:>9.1f} s  total\n\n{}: complements take {}\n", seconds, options.output.string(),
                 bytesText(double(report.complementBytes)));
 }
 

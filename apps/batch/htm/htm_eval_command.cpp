@@ -49,7 +49,7 @@ Image8 truthMask(const fs::path& truth, const View& view) {
   const fs::path file = pictureFile(masks, view.name);
   const Image8 mask = threshold(readImage(file), 128);
   check(mask.width == view.camera.intrinsics.width && mask.height == view.camera.intrinsics.height,
-        ErrorCode::invalidInput, "{}: the mask has not its picture's size", file.string());
+        ErrorCode::invalidInput, "{}: the mask does not have the size of its image", file.string());
   return mask;
 }
 
@@ -115,7 +115,8 @@ class LeaveOneOut {
     check(found != poses_.end(), ErrorCode::invalidInput, "{}: has no view {}", options_.poses, photograph.camera.name);
     check(found->camera.intrinsics.width == photograph.picture.width &&
               found->camera.intrinsics.height == photograph.picture.height,
-          ErrorCode::invalidInput, "{}: {} is not of the photograph's size", options_.poses, photograph.camera.name);
+          ErrorCode::invalidInput, "{}: {} does not have the size of its photograph", options_.poses,
+          photograph.camera.name);
     return found->camera;
   }
 
@@ -129,7 +130,8 @@ class LeaveOneOut {
 std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& model, Device& device,
                                       ProgressLine& progress, const Context& context) {
   check(options.keepMesh || model.source.has_value(), ErrorCode::invalidInput,
-        "{}: the model keeps no mesh of before it was optimised; --keep-mesh needs none", options.model);
+        "{}: the model does not contain the mesh before optimisation; use --keep-mesh, which does not need this mesh",
+        options.model);
   std::set<std::string> unknown(options.views.begin(), options.views.end());
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < model.cameras.size(); ++i)
@@ -188,7 +190,7 @@ std::string plotOf(const std::vector<HtmVerdict>& verdicts, const std::string& t
       series.points.push_back({double(v + 1), verdicts[v].score[r].psnr, r == 0 ? verdicts[v].name : std::string()});
     panel.series.push_back(std::move(series));
   }
-  return plotSvg(title, {panel}, {"PSNR over the object's pixels; what is not drawn counts as black."});
+  return plotSvg(title, {panel}, {"PSNR over the object's pixels; holes count as black."});
 }
 
 // [H] fig. 11: the object's crop from the photograph, then VDVBM, VDTBM and HTM.

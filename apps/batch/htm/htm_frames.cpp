@@ -26,7 +26,7 @@ fs::path meshOf(const fs::path& frame) {
   fs::path found;
   for (const char* name : {"mesh.ply", "mesh.obj", "mesh.gltf", "mesh.glb"}) {
     if (!fs::is_regular_file(frame / name)) continue;
-    check(found.empty(), ErrorCode::invalidInput, "{}: is a second mesh of the frame, beside {}",
+    check(found.empty(), ErrorCode::invalidInput, "{}: is a second mesh of the frame, besides {}; remove one",
           (frame / name).string(), found.filename().string());
     found = frame / name;
   }
@@ -37,12 +37,13 @@ fs::path meshOf(const fs::path& frame) {
 fs::path modelOf(const fs::path& frame) {
   for (const fs::path& model : {frame / "sparse", frame / "sparse" / "0"})
     if (holdsColmapModel(model)) return model;
-  fail(ErrorCode::io, "{}: has no COLMAP model (cameras.txt or .bin) in it or in 0", (frame / "sparse").string());
+  fail(ErrorCode::io, "{}: has no COLMAP model (cameras.txt or cameras.bin), and neither has its subfolder 0",
+       (frame / "sparse").string());
 }
 
 HtmFrameInput inputOf(const fs::path& frame) {
   HtmFrameInput input{frame.filename().string(), meshOf(frame), modelOf(frame), frame / "images", frame / "masks"};
-  check(fs::is_directory(input.images), ErrorCode::io, "{}: is missing or no folder", input.images.string());
+  check(fs::is_directory(input.images), ErrorCode::io, "{}: is missing or not a folder", input.images.string());
   if (!fs::is_directory(input.masks)) input.masks.clear();
   return input;
 }
@@ -76,12 +77,12 @@ struct Draft {
 }  // namespace
 
 std::vector<HtmFrameInput> findHtmFrames(const fs::path& folder) {
-  check(fs::is_directory(folder), ErrorCode::io, "{}: is missing or no folder", folder.string());
+  check(fs::is_directory(folder), ErrorCode::io, "{}: is missing or not a folder", folder.string());
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory() && !entry.path().filename().string().starts_with('.')) folders.push_back(entry.path());
-  check(!folders.empty(), ErrorCode::invalidInput, "{}: has no frames, folders of a mesh, sparse and images each",
-        folder.string());
+  check(!folders.empty(), ErrorCode::invalidInput,
+        "{}: has no frames; each frame is a folder with a mesh, sparse and images", folder.string());
   std::ranges::sort(folders);
   std::vector<HtmFrameInput> frames;
   for (const fs::path& frame : folders) frames.push_back(inputOf(frame));
@@ -103,7 +104,7 @@ HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& o
                             const ProgressCallback& progress, const LogCallback& log) {
   const fs::path place = sequence / frame.name;
   check(!fs::exists(place) || assetKind(place) == AssetKind::htmModel, ErrorCode::invalidInput,
-        "{}: is there and no harmonised model", place.string());
+        "{}: exists and is not a harmonised model; remove it or choose another output folder", place.string());
   const Draft draft(sequence / fmt::format(".{}.part", frame.name));
   const std::string key = keyOf(frame, options);  // computed before the build, during which files may change
   HtmBuildOptions build = options;

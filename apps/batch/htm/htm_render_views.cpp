@@ -83,8 +83,8 @@ void printFrames(const HtmPlayer& player, const Context& context) {
   using Shown = HtmPlayer::Shown;
   const std::vector<Shown>& shown = player.shown();
   context.print(
-      "{} frames shown; each loaded in {:.1f} ms (waited for: {:.1f}), uploaded in {:.1f}, prepared in {:.1f}, "
-      "drawn in {:.1f}\n",
+      "{} frames shown; median times: loading {:.1f} ms, waiting {:.1f} ms, upload {:.1f} ms, preparation {:.1f} ms, "
+      "drawing {:.1f} ms\n",
       shown.size(), median(shown, &Shown::loading), median(shown, &Shown::waiting), median(shown, &Shown::upload),
       median(shown, &Shown::preparation), median(shown, &Shown::rendering));
 }
@@ -101,7 +101,7 @@ void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
 
 void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind) {
   if (options.time && kind == AssetKind::htmModel)
-    throw CLI::ValidationError("--time", "is of 3D video, and " + options.model + " a single model");
+    throw CLI::ValidationError("--time", "is only for 3D video, but " + options.model + " is a single model");
 }
 
 ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) {
@@ -150,10 +150,9 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
     }
     progress.show({"rendering", shots.size(), shots.size()});
   }
-  context.print(
-      "{} pictures in {}; coverage {:.4f}, weights {:.3f} ms, coordinates {:.3f} ms, rasterisation {:.3f} ms\n",
-      shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
-      quantile(rasterisation, 0.5));
+  context.print("{} images in {}; coverage {:.4f}, weights {:.3f} ms, coordinates {:.3f} ms, rasterisation {:.3f} ms\n",
+                shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
+                quantile(rasterisation, 0.5));
   if (player.isVideo()) printFrames(player, context);
   Json settings = drawn;
   settings["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();

@@ -32,15 +32,15 @@ struct Options {
 void checkApart(const fs::path& frames, const fs::path& output) {
   const fs::path inner = fs::weakly_canonical(output), outer = fs::weakly_canonical(frames);
   const auto [end, unused] = std::ranges::mismatch(outer, inner);
-  check(end != outer.end(), ErrorCode::invalidInput, "{}: lies in the folder of the frames, {}", output.string(),
-        frames.string());
+  check(end != outer.end(), ErrorCode::invalidInput,
+        "{}: lies in the folder of the frames, {}; choose another output folder", output.string(), frames.string());
 }
 
 void printTable(const std::vector<HtmFrameInput>& frames, const std::vector<HtmFrameModel>& models,
                 const Context& context) {
   Table table;
   table.row(
-      {"frame", "faces", "D_f as it is", "D_f harmonised", "cameras off by px", "adjusted", "complements", "seconds"});
+      {"frame", "faces", "D_f unharmonised", "D_f harmonised", "offset px", "adjusted px", "complements", "seconds"});
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const Json& report = models[f].report;
     const Json& round = report.at("rounds").back();
@@ -51,7 +51,7 @@ void printTable(const std::vector<HtmFrameInput>& frames, const std::vector<HtmF
                adjustments.empty() ? "–" : px(adjustments.front(), "beforePx"),
                adjustments.empty() ? "–" : px(adjustments.back(), "afterPx"),
                bytesText(report.at("complementBytes").get<double>()),
-               models[f].kept ? "kept" : fmt::format("{:.1f}", models[f].seconds)});
+               models[f].kept ? "cached" : fmt::format("{:.1f}", models[f].seconds)});
   }
   context.print("{}", table.text());
 }
@@ -84,7 +84,7 @@ ExitCode buildSequence(const Options& options, const Context& context) {
   saveHtmSequence(index, folder);
 
   printTable(frames, models, context);
-  context.print("{}: {} frames, {:g} a second\n", options.output, frames.size(), options.fps);
+  context.print("{}: {} frames, {:g} per second\n", options.output, frames.size(), options.fps);
   Json json{{"sequence", options.output}, {"fps", options.fps}, {"frames", Json::array()}};
   for (std::size_t f = 0; f < frames.size(); ++f) {
     Json line{{"frame", frames[f].name},

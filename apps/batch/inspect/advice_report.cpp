@@ -44,9 +44,10 @@ std::string sentencesText(const CaptureAdvice& advice, std::size_t most) {
 // Lists at most `most` next-best views.
 std::string viewsText(const CaptureAdvice& advice, std::size_t most) {
   if (advice.views.empty()) return "";
-  std::string text = fmt::format(
-      "a walk between the photographs shows about {} of what they see well; {} with these {}:\n", percent(advice.shown),
-      percent(advice.shownThen), advice.views[0].gain < kWorthIt ? "optional photographs" : "photographs added");
+  std::string text =
+      fmt::format("on a walk between the photographs, about {} of an image is shown well; {} with these {}:\n",
+                  percent(advice.shown), percent(advice.shownThen),
+                  advice.views[0].gain < kWorthIt ? "optional photographs" : "additional photographs");
   for (std::size_t v = 0; v < std::min(advice.views.size(), most); ++v)
     text += fmt::format("{:>3}  {}\n", v + 1, advice.views[v].where);
   return text;
@@ -56,7 +57,7 @@ std::string viewsText(const CaptureAdvice& advice, std::size_t most) {
 
 std::string adviceText(const CaptureAdvice& advice) {
   std::string text = sentencesText(advice, kMostOfAKind);
-  if (text.empty()) text = "nothing is amiss with these photographs\n";
+  if (text.empty()) text = "no problems found in these photographs\n";
   const std::string views = viewsText(advice, advice.views.size());
   return views.empty() ? text : text + '\n' + views;
 }
@@ -95,12 +96,12 @@ nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advic
 }
 
 void writeNextViews(const std::filesystem::path& file, const CaptureAdvice& advice) {
-  check(!advice.views.empty(), ErrorCode::invalidInput, "{}: there is no photograph to add", file.string());
+  check(!advice.views.empty(), ErrorCode::invalidInput, "{}: no next-best views to write", file.string());
   std::vector<View> views;
   for (std::size_t v = 0; v < advice.views.size(); ++v) {
     const Camera& camera = advice.views[v].camera;
     check(camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput,
-          "{}: panoramas to add are told in words and in --json", file.string());
+          "{}: poses of panoramas cannot be written; --advice and --json list them", file.string());
     views.push_back({fmt::format("next_{:02}.png", v + 1), camera, double(v)});
   }
   if (file.extension() != ".json") {

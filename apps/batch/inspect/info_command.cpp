@@ -68,7 +68,7 @@ std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context)
   try {
     return textureFormats(scene);
   } catch (const Error& e) {
-    context.say(LogLevel::warning, "textures are taken for RGBA8: {}", e.what());
+    context.say(LogLevel::warning, "textures are assumed to be RGBA8: {}", e.what());
     return std::vector<TextureFormat>(scene.nodes.size(), TextureFormat::rgba8);
   }
 }
@@ -168,22 +168,22 @@ void showExposures(const Scene& scene, Json& report, const Context& context) {
 // Called last: poses of panoramas cannot be written, which is reported after all other output.
 void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const Context& context) {
   if (advice.views.empty()) {
-    context.say(LogLevel::warning, "there is no photograph to add: {} is not written", file);
+    context.say(LogLevel::warning, "no next-best views found: {} is not written", file);
     return;
   }
   writeNextViews(file, advice);
-  context.say(LogLevel::info, "the photographs to add are in {}", file);
+  context.say(LogLevel::info, "next-best views written to {}", file);
 }
 
 ExitCode showScene(const Options& options, const Context& context) {
   if (isImageFile(options.scene)) {
     check(!options.isForScenes(), ErrorCode::unsupported,
-          "{} is a picture: --explain, --advice, --svg and --depth are for scenes", options.scene);
+          "{} is an image: --explain, --advice, --svg and --depth need a scene", options.scene);
     return showPicture(options.scene, context);
   }
   if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
     check(!options.isForScenes(), ErrorCode::unsupported,
-          "{} is no scene: --explain, --advice, --svg and --depth are for scenes", options.scene);
+          "{} is not a scene: --explain, --advice, --svg and --depth need a scene", options.scene);
     return *kind == AssetKind::htmModel ? showModel(options.scene, context) : showSequence(options.scene, context);
   }
   const Scene scene = loadScene(options.scene);
@@ -270,7 +270,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);
   if (const double kept = bytesBelow(scene.folder / ".build"); kept > 0) {
-    context.print("kept         {} in .build for further builds; may be deleted\n", bytesText(kept));
+    context.print("cache        {} in .build for further builds; may be deleted\n", bytesText(kept));
     report["kept"] = kept;
   }
   report["memory"] = {{"predicted", memoryJson(predicted)}, {"measured", nullptr}};
@@ -278,7 +278,7 @@ ExitCode showScene(const Options& options, const Context& context) {
 
   if (options.explain) {
     report["stages"] = Json::array();
-    context.print("\nstages that this scene needs\n");
+    context.print("\nrenderer stages (+ needed by this scene, - not needed)\n");
     const RendererOptions renderer =
         optionsFor(preset(Preset::balanced, deviceKindFor(context.options().device)), {1, 1});
     for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
@@ -294,12 +294,12 @@ ExitCode showScene(const Options& options, const Context& context) {
   }
   if (!options.svg.empty()) {
     writeFile(options.svg, graphSvg(scene, advice));
-    context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
+    context.say(LogLevel::info, "image graph written to {}", options.svg);
   }
   if (!options.depth.empty()) {
     const std::size_t written = writeDepthPictures(scene, options.depth, context);
     check(written > 0, ErrorCode::unsupported, "{}: no photograph has a depth texture", options.scene);
-    context.say(LogLevel::info, "the depth of {} photographs is in {}", written, options.depth);
+    context.say(LogLevel::info, "depth of {} photographs written to {}", written, options.depth);
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);

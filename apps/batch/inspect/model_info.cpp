@@ -65,13 +65,13 @@ ExitCode showModel(const std::string& path, const Context& context) {
   for (const auto& [size, count] : sizes) context.print(", {} of {}×{}", count, size.first, size.second);
   context.print("\nmesh         {} faces, {} vertices\n", faces, vertices);
   if (model.source) {
-    context.print("made from    {} faces, {} vertices\n", model.source->mesh.triangles.size(),
+    context.print("source mesh  {} faces, {} vertices\n", model.source->mesh.triangles.size(),
                   model.source->mesh.positions.size());
     report["source"] = {{"vertices", model.source->mesh.positions.size()},
                         {"faces", model.source->mesh.triangles.size()}};
   }
-  context.print("seen         {:.1f} cameras a vertex; {} vertices by none\n", meanMembers, unseen);
-  context.print("complements  {:.2f} px root mean square; {} predicted, {} real{}\n", rms, bytesText(double(predicted)),
+  context.print("visibility   {:.1f} cameras per vertex; {} vertices without camera\n", meanMembers, unseen);
+  context.print("complements  {:.2f} px RMS; {} predicted, {} actual{}\n", rms, bytesText(double(predicted)),
                 bytesText(double(real)), real == 0 ? ": all are 0" : "");
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
@@ -96,8 +96,8 @@ ExitCode showSequence(const std::string& path, const Context& context) {
     complements = std::max<std::uint64_t>(complements, model.complements.size() * sizeof(glm::vec2));
   }
   const double seconds = double(index.frames.size()) / index.fps;
-  context.print("frames       {} at {} a second: {:.2f} s\n", index.frames.size(), index.fps, seconds);
-  context.print("a frame      at most {} faces, {} vertices, {} cameras; {} of pictures, {} of complements\n", faces,
+  context.print("frames       {} at {} per second: {:.2f} s\n", index.frames.size(), index.fps, seconds);
+  context.print("per frame    at most {} faces, {} vertices, {} cameras; {} of images, {} of complements\n", faces,
                 vertices, cameras, bytesText(double(pictures)), bytesText(double(complements)));
   context.report(Json{
       {"sequence", path},

@@ -33,8 +33,8 @@ ExitCode view(const std::vector<std::string>& words) {
   for (std::string& word : line) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   execvp(program.c_str(), arguments.data());
-  fail(ErrorCode::io, "{} cannot be started: {}. It is built where GLFW and Dear ImGui are installed", program,
-       std::strerror(errno));
+  fail(ErrorCode::io, "{} cannot be started: {}; the viewer is only built if GLFW and Dear ImGui are installed",
+       program, std::strerror(errno));
 }
 
 }  // namespace

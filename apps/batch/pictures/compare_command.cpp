@@ -32,8 +32,8 @@ struct Options {
 ExitCode comparePictures(const Options& options, const Context& context) {
   const auto& tolerance = options.tolerance;
   const Image8 a = readImage(options.a), b = readImage(options.b);
-  check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput, "{} is {}×{} px, but {} {}×{}", options.a,
-        a.width, a.height, options.b, b.width, b.height);
+  check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput, "{} is {}×{} px, but {} is {}×{} px",
+        options.a, a.width, a.height, options.b, b.width, b.height);
   const Difference found = difference(a, b, tolerance ? tolerance->levels : 0);
   const double decibels = psnr(a, b), similarity = ssim(a, b), seen = flip(a, b), scales = msSsim(a, b),
                percent = 100 * found.shareAbove;
@@ -46,7 +46,7 @@ ExitCode comparePictures(const Options& options, const Context& context) {
   context.print("mean difference     {} levels\n", numberText(found.meanAbsolute, 4));
   context.print("pixels that differ  {} % by more than {} levels\n", numberText(percent, 4),
                 tolerance ? tolerance->levels : 0);
-  if (tolerance) context.print("{}\n", within ? "within the tolerance" : "over the tolerance");
+  if (tolerance) context.print("{}\n", within ? "within the tolerance" : "exceeds the tolerance");
   if (!options.output.empty()) writeImage(options.output, absoluteDifference(a, b, options.gain));
   Json report{{"a", options.a},           {"b", options.b},
               {"psnr", decibels},         {"ssim", similarity},

@@ -21,7 +21,7 @@ ExitCode showPicture(const std::filesystem::path& file, const Context& context) 
               {"channels", info.channels}, {"bitsPerChannel", info.bitsPerChannel},
               {"texts", Json::array()},    {"view", nullptr},
               {"settings", nullptr}};
-  context.print("picture      {}×{}, {} channels of {} bits\n", info.width, info.height, info.channels,
+  context.print("image        {}×{}, {} channels of {} bits\n", info.width, info.height, info.channels,
                 info.bitsPerChannel);
   for (const auto& [key, text] : texts) {
     context.print("text         {}: {}\n", key, text);
@@ -32,10 +32,10 @@ ExitCode showPicture(const std::filesystem::path& file, const Context& context) 
     addPose(report["view"], record->camera.pose);
     if (record->time) report["view"]["time"] = *record->time;
     report["settings"] = record->settings;
-    context.print("drawn by     ibr render SCENE --poses {} {} -o DIR\n", file.string(),
+    context.print("rendered by  ibr render SCENE --poses {} {} -o DIR\n", file.string(),
                   fmt::join(settingWords(record->settings), " "));
   } else {
-    context.print("drawn by     unknown: no view stands in this picture\n");
+    context.print("rendered by  unknown: no view is stored in this image\n");
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;

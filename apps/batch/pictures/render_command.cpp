@@ -155,7 +155,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
     }
     progress.show({"rendering", frames.size(), frames.size()});
   }
-  context.print("{} pictures in {}; coverage {:.4f}, at least {:.4f}\n", views.size(), options.output,
+  context.print("{} images in {}; mean coverage {:.4f}, minimum {:.4f}\n", views.size(), options.output,
                 sum / double(views.size()), least);
   Json reported = drawn;
   reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
@@ -223,9 +223,9 @@ const Command kRenderCommand{
         options->htm.model = options->scene;
         const std::optional<AssetKind> kind = assetKind(options->scene);
         if (kind == AssetKind::scene)
-          refuseGiven(ofModels, "is of harmonised models, and " + options->scene + " a scene");
+          refuseGiven(ofModels, "is for harmonised models, but " + options->scene + " is a scene");
         if (isHarmonised(kind)) {
-          refuseGiven(ofScenes, "is of scenes, and " + options->scene + " a harmonised model or 3D video");
+          refuseGiven(ofScenes, "is for scenes, but " + options->scene + " is a harmonised model or 3D video");
           checkHtmViews(options->htm, kind);
         }
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");

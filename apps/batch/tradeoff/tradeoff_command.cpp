@@ -100,7 +100,7 @@ Places placesOf(const Options& options) {
   Places places{{}, {options.scene}, {}};
   for (const std::string& build : options.builds) {
     const std::size_t at = build.find('=');
-    check(at != std::string::npos && at > 0, ErrorCode::invalidInput, "--build {}: is not NAME=SCENE", build);
+    check(at != std::string::npos && at > 0, ErrorCode::invalidInput, "--build {}: must be NAME=SCENE", build);
     places.names.push_back(build.substr(0, at));
     places.folders.push_back(build.substr(at + 1));
   }
@@ -175,12 +175,12 @@ Json aboutJson(const Options& options, const Places& places, const std::vector<T
         {"mipmapPrecisionBits", limits.mipmapPrecisionBits},
         {"timestampPeriodNs", limits.timestampPeriod}}},
       {"clock",
-       "planning: the processor's steady clock; drawing: the device's timestamps, from the first command of a frame "
-       "to its last, without the way back to the host"},
+       "planning: the host's steady clock; drawing: the device's timestamps, from the first command of a frame to the "
+       "last, without the copy to the host"},
       {"seed", context.options().seed},
       {"warmUp", 1},
       {"repeat", options.repeat},
-      {"order", "interleaved: every round measures all settings once, in an order of its own"},
+      {"order", "interleaved: each round measures all settings once, in random order"},
       {"command", options.command}};
 }
 
@@ -219,7 +219,7 @@ nlohmann::json sweepOf(const std::string& file) {
                              row.contains("ecc") && row.contains("scores") && row["scores"].is_object() &&
                              row["scores"].contains("psnrCovered");
                     });
-  check(good, ErrorCode::invalidInput, "{}: is no report of ibr-lab sweep (--sweep)", file);
+  check(good, ErrorCode::invalidInput, "{}: is not a report of ibr-lab sweep (--sweep)", file);
   return json;
 }
 
@@ -266,14 +266,17 @@ std::vector<std::string> missingKnobs(const Options& options, const Scene& scene
   std::vector<std::string> missing;
   if (options.sweep.empty())
     missing.emplace_back(
-        "the optimiser's M, R, D and t: ibr-lab sweep measures them; --sweep FILE shows what it found");
+        "settings M, R, D and t of the optimiser: measure these with ibr-lab sweep, then give its report with --sweep "
+        "FILE");
   if (options.builds.empty())
-    missing.emplace_back("mesh density: of builds by other options, which --build NAME=SCENE adds");
+    missing.emplace_back(
+        "mesh density: build the scene with other options, then give these builds with --build NAME=SCENE");
   if (!hasPlainTextures(scene))
     missing.emplace_back(
-        "formats of textures: this scene's are in blocks already; a build with --texture rgba8 has all");
-  missing.emplace_back("precision of the ECC: sums are exact on every device, there is nothing to choose");
-  missing.emplace_back("texture coordinate complements: of harmonised models, not of scenes (ibr htm eval)");
+        "texture formats: the scene's textures are block-compressed; to compare formats, build the scene with "
+        "--texture rgba8");
+  missing.emplace_back("precision of the ECC: there is no setting, because sums are exact on every device");
+  missing.emplace_back("texture coordinate complements: only harmonised models have these (ibr htm eval)");
   return missing;
 }
 
@@ -288,7 +291,8 @@ ExitCode tradeoff(const Options& options, const Context& context) {
   }
   for (const std::string& source : places.folders)
     check(!isInside(options.output, source), ErrorCode::invalidInput,
-          "--output {}: lies in {}, whose files tell what was measured before", options.output, source);
+          "--output {}: lies in {}, whose files identify cached measurements; choose another folder", options.output,
+          source);
   const std::vector<TradeoffSubject> subjects = subjectsOf(options, places.scenes[0], context);
   std::vector<View> walk;
   if (options.walk > 0)
@@ -309,7 +313,7 @@ ExitCode tradeoff(const Options& options, const Context& context) {
       check(progress.show({"measuring", done, total}), ErrorCode::cancelled, "stopped");
     });
     if (measure.found() > 0)
-      context.say(LogLevel::info, "{} parts of {} were measured before", measure.found(),
+      context.say(LogLevel::info, "{} of {} measurements are cached", measure.found(),
                   settings.all.size() + std::size_t(options.repeat));
     std::vector<View> first;  // views to compare with the reference implementation, which is slow
     for (std::size_t v = 0; v < std::min(kTwinViews, subjects.size()); ++v) first.push_back(subjects[v].view);
@@ -404,8 +408,8 @@ const Command kTradeoffCommand{
         for (const std::string& knob : options->knobs) {
           const std::vector<std::string> names = tradeoffKnobNames();
           if (std::ranges::find(names, knob) == names.end())
-            throw CLI::ValidationError("--knobs",
-                                       "'" + knob + "' is none of " + fmt::format("{}", fmt::join(names, "|")));
+            throw CLI::ValidationError(
+                "--knobs", "unknown setting '" + knob + "'; choose from " + fmt::format("{}", fmt::join(names, ", ")));
         }
         options->command = commandText("ibr tradeoff", givenWords(app));
       });

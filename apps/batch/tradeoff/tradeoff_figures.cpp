@@ -101,12 +101,12 @@ TradeoffFigure pareto(const TradeoffReport& report) {
   panel.yName = errorName(report);
   panel.logarithmicX = panel.joinAll = panel.lessIsBetter = true;
   panel.logarithmicY = spanAFactor(panel, 2);
-  PlotWords words = wordsOf(report, "joined: none is both faster and nearer");
-  words.interval = "middle half of the rounds";
+  PlotWords words = wordsOf(report, "line: Pareto front of time and error");
+  words.interval = "interquartile range of the rounds";
   return {"pareto.svg",
-          "Each mark is a setting: its frame time with the middle half of the rounds, and its error; larger marks take "
-          "more memory. Rings: presets.",
-          plotSvg("What time buys", {panel}, {subtitle(report)}, words)};
+          "Each marker is a setting: median frame time with the interquartile range of the rounds, and error. Larger "
+          "markers take more memory. Rings: presets.",
+          plotSvg("Frame time and error of the settings", {panel}, {subtitle(report)}, words)};
 }
 
 TradeoffFigure memory(const TradeoffReport& report) {
@@ -115,12 +115,12 @@ TradeoffFigure memory(const TradeoffReport& report) {
       report, [](const TradeoffRow& row) { return double(row.bytes()) / 1048576; },
       [truth](const TradeoffRow& row) { return truth ? row.truth().psnr : row.reference().psnr; });
   panel.title = "Memory and PSNR";
-  panel.xName = "memory of the device, MiB";
+  panel.xName = "device memory, MiB";
   panel.yName = truth ? "PSNR against the truth, dB" : "PSNR against the reference preset, dB";
   panel.logarithmicX = panel.joinAll = true;
-  return {"memory.svg", "Positions, indices, textures and working pictures together.",
-          plotSvg("What memory buys", {panel}, {subtitle(report)},
-                  wordsOf(report, "joined: none is both smaller and nearer"))};
+  return {"memory.svg", "Memory is the sum of positions, indices, textures and working images.",
+          plotSvg("Memory and accuracy of the settings", {panel}, {subtitle(report)},
+                  wordsOf(report, "line: Pareto front of memory and PSNR"))};
 }
 
 TradeoffFigure tornado(const TradeoffReport& report) {
@@ -135,12 +135,12 @@ TradeoffFigure tornado(const TradeoffReport& report) {
   }
   return {
       "knobs.svg",
-      "One knob at a time, from the default; photographs, colours, layers and voteScale from the default gathered; "
-      "those of cells from the default as cells, those of colours from that with colour mapping, eyeColours with two "
-      "views besides. Left: time, in "
-      "that of the default. Right: error, less that of the default: marks left of the line are better.",
-      tornadoSvg("What each knob costs and gives",
-                 {{"time of a frame, in the default's", 1, true}, {fmt::format("change of {}", errorName(report)), 0}},
+      "One knob at a time is varied from a base. The base is the default setting; for photographs, colours, layers and "
+      "voteScale it is gathered; for knobs of cells it draws cells; for knobs of colour tables it draws cells with "
+      "colour mapping; for eyeColours it also has two views. Left: time relative to the base. Right: error minus the "
+      "error of the base; markers left of the line are better.",
+      tornadoSvg("Time and error of each knob",
+                 {{"frame time, relative to the base", 1, true}, {fmt::format("change of {}", errorName(report)), 0}},
                  rows)};
 }
 
@@ -151,7 +151,7 @@ TradeoffFigure passes(const TradeoffReport& report) {
     StackedBar bar{name, {}};
     std::vector<double> plan;
     for (const std::vector<double>& round : row.planMs) plan.push_back(mean(round));
-    bar.parts.push_back({"plan (processor)", quantile(plan, 0.5)});
+    bar.parts.push_back({"plan (CPU)", quantile(plan, 0.5)});
     for (const auto& [pass, milliseconds] : row.passMs) bar.parts.push_back({pass, quantile(milliseconds, 0.5)});
     bars.push_back(std::move(bar));
   };
@@ -160,14 +160,14 @@ TradeoffFigure passes(const TradeoffReport& report) {
     for (const char* knob : {"colour", "order", "tiers", "filter"})
       if (const std::string* value = row.setting.valueOf(knob); value && row.setting.name() != "preset balanced")
         add(row, fmt::format("{} {}", knob, *value));
-  return {"passes.svg", "Medians of the parts of a frame; on a software device they overlap a little.",
-          stackedSvg("Where the time goes", bars, " ms")};
+  return {"passes.svg", "Median times of the parts of a frame. On a software device, parts overlap slightly.",
+          stackedSvg("Time of the parts of a frame", bars, " ms")};
 }
 
 TradeoffFigure optimiser(const nlohmann::json& sweep) {
   PlotPanel time, ecc;
   time.title = "Time and held-out PSNR";
-  time.xName = ecc.xName = "time of optimising, s";
+  time.xName = ecc.xName = "optimisation time, s";
   time.yName = "PSNR of held-out views, covered, dB";
   ecc.title = "Time and ECC";
   ecc.yName = "mean ECC, optimised";
@@ -192,19 +192,19 @@ TradeoffFigure optimiser(const nlohmann::json& sweep) {
 }
 
 TradeoffFigure histogram(const TradeoffReport& report) {
-  PlotPanel panel{
-      .title = "Colour tables from few pixels", .xName = "pixels counted", .yName = "mean error of the table, levels"};
+  PlotPanel panel{.title = "Colour tables from few pixels",
+                  .xName = "counted pixels",
+                  .yName = "mean error of the table, 8-bit levels"};
   panel.logarithmicX = true;
-  PlotSeries same{"both histograms of the same pixels", {}}, apart{"of pixels drawn separately", {}};
+  PlotSeries same{"both histograms of the same pixels", {}}, apart{"histograms of independently chosen pixels", {}};
   for (const MapError& error : report.mapErrors) {
     same.points.push_back({double(error.samples), error.same, ""});
     apart.points.push_back({double(error.samples), error.apart, ""});
   }
   panel.series = {same, apart};
-  return {
-      "histogram.svg",
-      "A photograph whose colours were changed by a known curve: how far the table that colour mapping makes is off.",
-      plotSvg("Histograms", {panel}, {}, {"", "", {}, ""})};
+  return {"histogram.svg",
+          "Error of the colour table that colour mapping computes for a photograph changed by a known curve.",
+          plotSvg("Errors of colour tables", {panel}, {}, {"", "", {}, ""})};
 }
 
 }  // namespace

@@ -96,13 +96,13 @@ std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows) {
     gates.push_back({"accurate has 99 % of the PSNR of reference", psnrs[2] >= kAccurateShare * psnrs[3],
                      fmt::format("{:.2f} dB of {:.2f} dB", psnrs[2], psnrs[3]), true});
   const auto times = ofPresets(rows, [](const TradeoffRow& row) { return row.medianMs(); });
-  gates.push_back({"presets rise in time", risesInTime(rows), numbers(times, 1) + " ms", false});
+  gates.push_back({"frame time rises from fast to reference", risesInTime(rows), numbers(times, 1) + " ms", false});
   auto errors = ofPresets(rows, errorOf);
   const std::string found = "FLIP " + numbers(errors, 4);
   gates.push_back({fmt::format("fast has at most {} times the error of balanced", kFastShare),
                    errors[0] <= kFastShare * errors[1], found, true});
   std::ranges::reverse(errors);
-  gates.push_back({"presets fall in error", rises(errors), found, true});
+  gates.push_back({"error falls from fast to reference", rises(errors), found, true});
   return gates;
 }
 

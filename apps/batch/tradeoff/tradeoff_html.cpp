@@ -69,7 +69,7 @@ std::string settingsTable(const TradeoffReport& report) {
 }
 
 std::string gatesTable(const TradeoffReport& report) {
-  std::vector<std::vector<std::string>> rows{{"", "gate", "found"}};
+  std::vector<std::vector<std::string>> rows{{"", "guarantee", "measured"}};
   for (const TradeoffGate& gate : report.gates())
     rows.push_back({gate.holds ? "holds" : "FAILS", gate.name, gate.found});
   return tableHtml(rows);
@@ -77,7 +77,7 @@ std::string gatesTable(const TradeoffReport& report) {
 
 std::string walksTable(const TradeoffReport& report) {
   std::vector<std::vector<std::string>> rows{
-      {"preset", "frames", "changes", "median step, levels", "at a change", "largest FLIP", "hole px"}};
+      {"preset", "frames", "switches", "median step, 8-bit levels", "step at a switch", "largest FLIP", "hole px"}};
   for (const TradeoffWalk& walk : report.walks)
     rows.push_back({walk.preset, std::to_string(walk.frames), std::to_string(walk.switches),
                     numberText(walk.medianStep, 3), numberText(walk.switchStep, 3), numberText(walk.pop, 4),
@@ -88,7 +88,7 @@ std::string walksTable(const TradeoffReport& report) {
 // Returns an empty text if no setting has two views.
 std::string eyesTable(const TradeoffReport& report) {
   std::vector<std::vector<std::string>> rows{
-      {"setting", "seen by both %", "by the same cell %", "difference, levels", "95 % differ by less than"}};
+      {"setting", "seen by both %", "by the same cell %", "mean difference, 8-bit levels", "95 % quantile"}};
   for (const TradeoffRow& row : report.rows)
     if (const auto eyes = row.eyes())
       rows.push_back({row.setting.name(), numberText(100 * eyes->seenByBoth, 1), numberText(100 * eyes->sameCell, 2),
@@ -97,8 +97,8 @@ std::string eyesTable(const TradeoffReport& report) {
 }
 
 std::string twinTable(const TradeoffReport& report) {
-  std::vector<std::vector<std::string>> rows{
-      {"view", "pixels compared %", "mean, levels", "largest, levels", "beyond the bound of texture filters %"}};
+  std::vector<std::vector<std::string>> rows{{"view", "compared pixels %", "mean difference, 8-bit levels", "largest",
+                                              "beyond the bound of texture filters %"}};
   for (const ImplementationError& error : report.implementation)
     rows.push_back({error.name, numberText(100 * error.compared, 1), numberText(error.meanLevels, 3),
                     numberText(error.largestLevels, 2), numberText(100 * error.beyondBound, 4)});
@@ -110,7 +110,7 @@ std::string worstHtml(const std::vector<WorstView>& worst, const fs::path& scrat
   for (const WorstView& view : worst) {
     out += fmt::format("<h3>{}: {}, FLIP {:.4f}</h3>\n<p>", escapedXml(view.preset), escapedXml(view.view), view.flip);
     for (const auto& [name, picture] :
-         {std::pair{"shown", &view.picture}, {"truth, or reference", &view.truth}, {"FLIP", &view.difference}})
+         {std::pair{"rendered", &view.picture}, {"truth or reference", &view.truth}, {"FLIP", &view.difference}})
       out += fmt::format("<img alt=\"{0}\" title=\"{0}\" src=\"{1}\"/>\n", name, dataUri(*picture, scratch));
     out += "</p>\n";
   }
@@ -148,16 +148,16 @@ std::string tradeoffHtml(const TradeoffReport& report, const std::vector<Tradeof
                      escapedXml(report.about.value("device", "")), escapedXml(report.about.value("processor", "")),
                      escapedXml(report.about.value("libibr", "")), escapedXml(report.about.value("command", "")));
   if (report.about.value("software", false))
-    out += "<p>This device is software: times are those of a processor and say nothing of a graphics card.</p>\n";
+    out += "<p>This is a software device: times are those of a CPU and do not predict those of a GPU.</p>\n";
   for (const TradeoffFigure& figure : figures)
     out += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", figure.svg, escapedXml(figure.caption));
-  out += "<h2>What presets promise</h2>\n" + gatesTable(report);
-  if (!report.walks.empty()) out += "<h2>A walk in small steps</h2>\n" + walksTable(report);
+  out += "<h2>Guarantees of the presets</h2>\n" + gatesTable(report);
+  if (!report.walks.empty()) out += "<h2>Walk in small steps</h2>\n" + walksTable(report);
   if (!report.implementation.empty())
-    out += "<h2>The device against its double-precision twin</h2>\n" + twinTable(report);
+    out += "<h2>Device against the double-precision reference implementation</h2>\n" + twinTable(report);
   if (const std::string eyes = eyesTable(report); !eyes.empty())
-    out += "<h2>What two eyes see at the same depth</h2>\n" + eyes;
-  if (!worst.empty()) out += "<h2>The view that each preset shows worst</h2>\n" + worstHtml(worst, scratch);
+    out += "<h2>Agreement of two eyes at the same depth</h2>\n" + eyes;
+  if (!worst.empty()) out += "<h2>Worst view of each preset</h2>\n" + worstHtml(worst, scratch);
   out += "<h2>All settings</h2>\n" + settingsTable(report);
   if (!report.missing.empty()) {
     out += "<h2>Not measured</h2>\n<ul>\n";

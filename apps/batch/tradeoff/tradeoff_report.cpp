@@ -19,7 +19,7 @@ std::string frontText(const TradeoffReport& report) {
 
 std::string walkTable(const std::vector<TradeoffWalk>& walks) {
   Table table;
-  table.row({"walk", "frames", "drawn", "changes", "median step", "at a change", "pop (FLIP)", "hole px"});
+  table.row({"walk", "frames", "drawn", "switches", "median step", "step at a switch", "pop (FLIP)", "hole px"});
   for (const TradeoffWalk& walk : walks)
     table.row({walk.preset, std::to_string(walk.frames), std::to_string(walk.drawn), std::to_string(walk.switches),
                numberText(walk.medianStep, 3), numberText(walk.switchStep, 3), numberText(walk.pop, 4),
@@ -29,7 +29,7 @@ std::string walkTable(const std::vector<TradeoffWalk>& walks) {
 
 std::string twinTable(const std::vector<ImplementationError>& errors) {
   Table table;
-  table.row({"against the twin", "compared %", "mean levels", "largest", "beyond the bound %"});
+  table.row({"device against reference", "compared %", "mean 8-bit levels", "largest", "beyond the bound %"});
   for (const ImplementationError& error : errors)
     table.row({error.name, numberText(100 * error.compared, 1), numberText(error.meanLevels, 3),
                numberText(error.largestLevels, 2), numberText(100 * error.beyondBound, 4)});
@@ -82,7 +82,7 @@ std::string reportJson(const TradeoffReport& report) {
 
 std::string reportText(const TradeoffReport& report) {
   std::string text = tradeoffTable(report.rows);
-  text += fmt::format("\nfront of time and error: {}\n", frontText(report));
+  text += fmt::format("\nPareto front of time and error: {}\n", frontText(report));
   if (!report.implementation.empty()) text += '\n' + twinTable(report.implementation);
   if (!report.walks.empty()) text += '\n' + walkTable(report.walks);
   text += '\n';

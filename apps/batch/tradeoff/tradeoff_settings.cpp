@@ -67,50 +67,53 @@ std::vector<std::pair<const char*, M>> listOf(const std::array<std::pair<const c
 const std::vector<Knob>& knobs() {
   using R = RenderSettings;
   static const std::vector<Knob> kKnobs{
-      {"composition", "where depth and colour come from", Around::usual,
+      {"composition", "source of depth and colour", Around::usual,
        words<Composition>(
            &R::composition,
            {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}})},
-      {"photographs", "photographs that vote and are gathered from", Around::gathered,
+      {"photographs", "maximum number of photographs per frame to gather from", Around::gathered,
        numbers<int>(&R::gatherCandidates, {4, 8, 12, 16})},
-      {"colours", "photographs of a pixel's colour", Around::gathered, numbers<int>(&R::gatherColours, {1, 2, 4, 8})},
-      {"layers", "surfaces of a pixel", Around::gathered, numbers<int>(&R::gatherLayers, {1, 2})},
-      {"voteScale", "sides of the vote, of the picture's", Around::gathered,
+      {"colours", "maximum number of photographs averaged in a pixel", Around::gathered,
+       numbers<int>(&R::gatherColours, {1, 2, 4, 8})},
+      {"layers", "maximum number of surfaces behind one another in a pixel", Around::gathered,
+       numbers<int>(&R::gatherLayers, {1, 2})},
+      {"voteScale", "size of the vote's image, as a factor on the drawn image's sides", Around::gathered,
        numbers<double>(&R::voteScale, {0.125, 0.25, 0.5, 1})},
-      {"cells", "cells drawn at most", Around::cells, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
-      {"extrapolation", "distance of cells at most, cell sizes", Around::cells,
+      {"cells", "maximum number of drawn cells", Around::cells,
+       numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
+      {"extrapolation", "maximum distance of drawn cells, cell sizes", Around::cells,
        numbers<double>(&R::extrapolationLimit, {0, 0.5, 1, 2, 4})},
-      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::maxTier, {0, 2, 3})},
-      {"renderScale", "sides of what is drawn, of the picture's", Around::usual,
+      {"tiers", "last tier that is drawn", Around::usual, numbers<int>(&R::maxTier, {0, 2, 3})},
+      {"renderScale", "size of the drawn image, as a factor on the result's sides", Around::usual,
        numbers<double>(&R::renderScale, {0.5, 0.7, 1, 1.5, 2})},
-      {"blend", "how members' colours become one", Around::cells,
+      {"blend", "combination of the members' colours", Around::cells,
        words<BlendMode>(&R::blend,
                         {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}})},
-      {"texture", "format of textures", Around::usual, formats()},
-      {"textureScale", "detail of photographs", Around::usual,
+      {"texture", "texture format", Around::usual, formats()},
+      {"textureScale", "share of the photographs' detail that is shown", Around::usual,
        numbers<double>(&R::textureScale, {2, 1.41, 1, 0.5, 0.25})},
-      {"filter", "how photographs are sampled", Around::usual, filters()},
-      {"morph", "where vertices are seen", Around::cells,
+      {"filter", "texture filter", Around::usual, filters()},
+      {"morph", "position of morphed vertices", Around::cells,
        words<Morph>(&R::morph, {{"ours", Morph::ours}, {"paper", Morph::paper}})},
-      {"order", "in which order cells are drawn", Around::cells,
+      {"order", "draw order of cells", Around::cells,
        words<DrawOrder>(&R::order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}})},
-      {"align", "cells moved so that they agree", Around::cells,
+      {"align", "shift of cells so that they agree", Around::cells,
        words<bool>(&R::alignCells, {{"off", false}, {"on", true}})},
-      {"exposure", "as how bright photographs are shown", Around::usual,
+      {"exposure", "exposure at which photographs are shown", Around::usual,
        words<Exposure>(&R::exposure, listOf(kExposures))},
-      {"colour", "how cells' colours adapt to the main cell's", Around::cells,
+      {"colour", "mapping of cells' colours to those of the main cell", Around::cells,
        words<ColourMapping>(&R::colourMapping, listOf(kColourMappings))},
-      {"colourTable", "colour tables beyond what was seen", Around::mapped,
+      {"colourTable", "extrapolation of colour tables beyond shared colours", Around::mapped,
        words<ColourTable>(
            &R::colourTable,
            {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}})},
-      {"colourSamples", "share of an overlap that is counted", Around::mapped,
+      {"colourSamples", "share of an overlap's pixels that are counted", Around::mapped,
        numbers<double>(&R::colourSamples, {1, 0.5, 0.25, 0.1, 0.01})},
-      {"colourProxy", "pixels a side to one that is counted", Around::mapped,
+      {"colourProxy", "factor by which the counted image is smaller in width and height", Around::mapped,
        numbers<int>(&R::colourProxy, {2, 4, 8, 16})},
-      {"colourPeriod", "frames from one count to the next", Around::mapped,
+      {"colourPeriod", "number of frames after which pixels are counted again", Around::mapped,
        numbers<int>(&R::colourPeriod, {1, 4, 8, 16})},
-      {"eyeColours", "two eyes: one colour table, or each its own", Around::twoEyes,
+      {"eyeColours", "one colour table for both eyes, or one for each", Around::twoEyes,
        words<bool>(&R::shareEyeColours, {{"shared", true}, {"own", false}})},
   };
   return kKnobs;
@@ -125,7 +128,7 @@ class Settings {
     for (const Knob& knob : knobs())
       if (wanted(knob)) addKnob(knob);
     if (!wish_.builds.empty()) {
-      made_.knobs.push_back({"build", "how the scene was built", kDefaultSetting});
+      made_.knobs.push_back({"build", "build of the scene", kDefaultSetting});
       label(kDefaultSetting, {"build", "SCENE"});
     }
     for (std::size_t b = 0; b < wish_.builds.size(); ++b) {

@@ -98,22 +98,23 @@ std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, cons
   std::vector<TradeoffGate> gates;
   for (const TradeoffWalk& walk : walks) {
     gates.push_back({walk.preset + ": no hole on the walk", walk.holePixels == 0,
-                     fmt::format("{} px of a frame at most", walk.holePixels), true});
+                     fmt::format("at most {} px in a frame", walk.holePixels), true});
     if (std::isfinite(walk.switchStep) && std::isfinite(walk.medianStep))
       gates.push_back(
-          {walk.preset + ": a change of the main cell is at most 1.5 times a step",
+          {walk.preset + ": the step at a switch of the main cell is at most 1.5 times the median step",
            walk.switchStep <= kMostSwitch * walk.medianStep,
-           fmt::format("{:.3f} levels to {:.3f}, {} changes", walk.switchStep, walk.medianStep, walk.switches), true});
+           fmt::format("{:.3f} levels, median {:.3f}, {} switches", walk.switchStep, walk.medianStep, walk.switches),
+           true});
   }
   const double least = kLeastDetail * sampledDetail;
   for (std::size_t p = 0; p < kPresets.size(); ++p)
     if (const double detail = rows[p].truth().detail; std::isfinite(detail))
       gates.push_back(
-          {fmt::format("{}: no less gradient energy than 0.9 of what the truth has where it is read between "
-                       "pixels, no more than 1.1 of the truth's",
+          {fmt::format("{}: gradient energy is at least 0.9 of that of the resampled truth, and at most 1.1 of "
+                       "that of the truth",
                        kPresets[p].first),
-           detail >= least && detail <= kMostDetail, fmt::format("{:.3f}, {:.3f} to {}", detail, least, kMostDetail),
-           true});
+           detail >= least && detail <= kMostDetail,
+           fmt::format("{:.3f}, allowed {:.3f} to {}", detail, least, kMostDetail), true});
   return gates;
 }
 

@@ -81,7 +81,7 @@ Json figuresJson(const MatchAccuracy& accuracy) {
 void writeExact(Scene scene, std::span<const DepthView> truth, const Options& options, const Context& context) {
   std::error_code ignored;
   check(!fs::equivalent(scene.folder, options.exact, ignored), ErrorCode::invalidInput,
-        "{}: the scene would overwrite itself; name another folder", options.exact);
+        "{}: the scene would overwrite itself; choose another folder for --exact", options.exact);
   ExactMatchOptions matches = options.matches;
   matches.seed = context.options().seed;
   std::size_t moved = 0;
@@ -90,7 +90,7 @@ void writeExact(Scene scene, std::span<const DepthView> truth, const Options& op
     moved = setExactMatches(scene, truth, matches, context.options().threads, progress.callback());
   }
   shareScene(scene, options.exact);
-  context.print("{}: {} points at their exact matches\n", options.exact, moved);
+  context.print("{}: {} points were moved to their exact matches\n", options.exact, moved);
 }
 
 ExitCode measure(const Options& options, const Context& context) {

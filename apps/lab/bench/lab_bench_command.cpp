@@ -56,8 +56,7 @@ void declareGenerated(CLI::App& app, Options& options) {
          [&options](const std::vector<std::string>& wanted) {
            for (const std::string& name : wanted) {
              const BenchShape* shape = findBenchShape(name);
-             if (!shape && name != "all")
-               throw CLI::ValidationError("NAME", "'" + name + "' is none of the generated scenes");
+             if (!shape && name != "all") throw CLI::ValidationError("NAME", "'" + name + "' is not a synthetic scene");
              for (const BenchShape& each : benchShapes())
                if (shape == &each || name == "all") options.generated.push_back(&each);
            }

@@ -161,7 +161,7 @@ void addVertex(const Scene& scene, Cell& cell, glm::dvec3 direction) {
     const Camera& camera = scene.nodes[cell.members[i]].camera;
     const glm::dvec3 ray = kRadius * direction - camera.pose.position;
     const auto match = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * ray);
-    check(match.has_value(), ErrorCode::invalidInput, "bench scene: a vertex that a member does not see");
+    check(match.has_value(), ErrorCode::invalidInput, "bench scene: a vertex is not visible in a member");
     cell.mesh.match[i].emplace_back(*match);
     sum += distance[i] = glm::length(ray);
   }

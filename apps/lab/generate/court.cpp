@@ -91,7 +91,7 @@ std::optional<glm::dvec2> seenAt(const SyntheticScene& shown, const Camera& came
 }  // namespace
 
 Court makeCourt(int photographs, int width, int height, std::uint64_t seed) {
-  check(photographs >= 2, ErrorCode::invalidInput, "a walk of {} photographs, fewer than 2", photographs);
+  check(photographs >= 2, ErrorCode::invalidInput, "court: {} photographs are fewer than 2", photographs);
   Random random(seed);
   const double side = sideOf(photographs);
   Court court;

@@ -155,8 +155,8 @@ MorphMesh makeSurfaceMesh(const SyntheticScene& scene, const std::vector<std::ui
     const TexturedPlane& plane = scene.planes[index];
     const double columns = std::max(1.0, std::ceil(plane.extentU / step * (1 - 1e-9)));
     const double rows = std::max(1.0, std::ceil(plane.extentV / step * (1 - 1e-9)));
-    check(columns * rows <= 1e7, ErrorCode::invalidInput, "synthetic scene: surface step {} makes {} quads of a plane",
-          step, columns * rows);
+    check(columns * rows <= 1e7, ErrorCode::invalidInput,
+          "synthetic scene: surface step {} gives {} quads in a plane, more than 1e7", step, columns * rows);
     auto placeOf = [&](double i, double j) {
       return glm::dvec2(plane.extentU * (i / columns - 0.5), plane.extentV * (j / rows - 0.5));
     };
@@ -210,7 +210,7 @@ void checkPlane(const TexturedPlane& plane, std::size_t index) {
   demand(within(plane.origin), "origin is not finite, or beyond 1e12");
   demand(std::abs(glm::length(plane.u) - 1) < kRounding && std::abs(glm::length(plane.v) - 1) < kRounding &&
              std::abs(glm::dot(plane.u, plane.v)) < kRounding,
-         "u and v are not unit vectors that are perpendicular");
+         "u and v are not perpendicular unit vectors");
   demand(plane.extentU > 0 && plane.extentV > 0 && largest <= kFarthest, "width or height is not within 0 to 1e12");
   demand(plane.wavelength >= 1e-9 * largest && plane.wavelength <= kFarthest,
          "wavelength is below 1e-9 of the larger side, or beyond 1e12");
@@ -229,7 +229,7 @@ glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at) {
 
 SyntheticScene makeScene(const SyntheticOptions& options) {
   check(options.gridStep >= 1 && options.samplesPerAxis >= 1, ErrorCode::invalidInput,
-        "synthetic scene: grid step {} or {} samples per axis below 1", options.gridStep, options.samplesPerAxis);
+        "synthetic scene: grid step {} or {} samples per axis is below 1", options.gridStep, options.samplesPerAxis);
   check(options.surfaceStep >= 0 && std::isfinite(options.surfaceStep), ErrorCode::invalidInput,
         "synthetic scene: surface step {} is negative or not finite", options.surfaceStep);
   for (std::size_t i = 0; i < options.planes.size(); ++i) checkPlane(options.planes[i], i);
@@ -251,10 +251,10 @@ SyntheticScene makeScene(const SyntheticOptions& options) {
   }
   for (const auto& members : cells) {
     check(members.size() >= 2 && members.size() <= 4, ErrorCode::invalidInput,
-          "synthetic scene: a cell with {} members, not 2 to 4", members.size());
+          "synthetic scene: a cell has {} members, not 2 to 4", members.size());
     for (std::uint32_t member : members)
-      check(member < options.cameras.size(), ErrorCode::invalidInput, "synthetic scene: member {} of {} cameras",
-            member, options.cameras.size());
+      check(member < options.cameras.size(), ErrorCode::invalidInput,
+            "synthetic scene: member {} is beyond the {} cameras", member, options.cameras.size());
     Cell cell;
     cell.members = members;
     cell.mesh = makeMesh(result, members, options);

@@ -97,7 +97,7 @@ ExitCode sweep(const Options& options, const Context& context) {
   }
   for (const fs::path& source : {fs::path(options.sweep.scene), fs::path(options.sweep.truth)})
     check(!isInside(options.output, source), ErrorCode::invalidInput,
-          "--output {}: lies in {}, whose files tell which settings were measured before", options.output,
+          "--output {}: lies in {}, whose files identify cached measurements; choose another folder", options.output,
           source.string());
   SweepMeasure measure(options.sweep, context);
   makeFolders(options.output);
@@ -108,8 +108,8 @@ ExitCode sweep(const Options& options, const Context& context) {
     rows[s] = keptRow(kept, measure.keyOf(settings[s]), settings[s]);
     if (!rows[s]) missing.push_back(s);
   }
-  context.say(LogLevel::info, "{} settings on cells {}; {} of them were measured before", settings.size(),
-              joined(measure.cells()), settings.size() - missing.size());
+  context.say(LogLevel::info, "{} settings on cells {}; {} cached", settings.size(), joined(measure.cells()),
+              settings.size() - missing.size());
   const Report report(options, measure);
   {
     ProgressLine progress(context);

@@ -68,12 +68,12 @@ SweepMeasure::SweepMeasure(const SweepOptions& options, const Context& context)
       key_(0) {
   if (options_.cells.empty()) {
     options_.cells = cellsShown(scene_, truth_.views(), options.evaluation.settings);
-    check(!options_.cells.empty(), ErrorCode::invalidInput, "{}: no cell of it is seen in the views of {}",
-          options.scene, options.truth);
+    check(!options_.cells.empty(), ErrorCode::invalidInput, "{}: no cell is drawn in the views of {}", options.scene,
+          options.truth);
   }
   for (const std::size_t cell : options_.cells)
-    check(cell < scene_.cells.size(), ErrorCode::invalidInput, "there is no cell {} (--cells-only): the scene has {}",
-          cell, scene_.cells.size());
+    check(cell < scene_.cells.size(), ErrorCode::invalidInput,
+          "there is no cell {} (--cells-only); the scene has {} cells", cell, scene_.cells.size());
   for (const View& view : truth_.views()) pictures_.push_back(truth_.picture(view));
   key_ = keyOfAll(options_, context);
 }

@@ -22,7 +22,7 @@ struct Figure {
   double SweepRow::*value;
 };
 constexpr Figure kFigures[] = {{"seconds", "s", 2, &SweepRow::seconds},
-                               {"processorSeconds", "processor s", 2, &SweepRow::processorSeconds},
+                               {"processorSeconds", "CPU s", 2, &SweepRow::processorSeconds},
                                {"mutations", "mutations", 0, &SweepRow::mutations},
                                {"cycles", "cycles", 0, &SweepRow::cycles},
                                {"ecc", "ECC", 4, &SweepRow::ecc},
@@ -128,12 +128,13 @@ double rankCorrelation(const std::vector<SweepRow>& rows, const std::string& met
 std::string verdict(const std::vector<SweepRow>& rows) {
   const double rho = rankCorrelation(rows);
   const std::string question = "Does ECC predict PSNR? ";
-  if (std::isnan(rho) || measured(rows) < kFewestForVerdict) return question + "Too few settings differ to say.";
+  if (std::isnan(rho) || measured(rows) < kFewestForVerdict)
+    return question + "There are too few different settings to answer.";
   const char* answer = rho >= 0.7   ? "Yes"
-                       : rho >= 0.3 ? "In part"
+                       : rho >= 0.3 ? "Partly"
                        : rho > -0.3 ? "No"
-                       : rho > -0.7 ? "No, rather the other way round"
-                                    : "No, the other way round";
+                       : rho > -0.7 ? "No, weakly the opposite"
+                                    : "No, the opposite";
   std::string each;
   const auto methods = methodsOf(rows);
   for (std::size_t m = 0; methods.size() > 1 && m < methods.size(); ++m)

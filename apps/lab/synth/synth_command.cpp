@@ -137,7 +137,7 @@ ExitCode synthesise(const Options& options, const Context& context) {
     const std::size_t steps = wanted.cameras.size() + views.size() + 1;
     std::size_t done = 0;
     const auto step = [&] {
-      check(progress.show({"making the scene", done++, steps}), ErrorCode::cancelled, "stopped");
+      check(progress.show({"generating the scene", done++, steps}), ErrorCode::cancelled, "stopped");
     };
     step();
     SyntheticScene made = makeScene(wanted);
@@ -164,7 +164,7 @@ ExitCode synthesise(const Options& options, const Context& context) {
     }
     writeColmapViews(truth / "sparse", views);
     saveScene(made.scene, folder);
-    progress.show({"making the scene", steps, steps});
+    progress.show({"generating the scene", steps, steps});
   }
   context.print("{}: {} photographs, {} of {} triangles; {} views in {}\n", options.output, photographs,
                 cells == 1 ? "1 cell" : fmt::format("{} cells", cells), triangles, views.size(), truth.string());
@@ -248,8 +248,8 @@ const Command kSynthCommand{
       addSize(app, "--size", options->size, "Size of the photographs [640x480; panoramas 1024x512; moving 512x512]");
       app.callback([options] {
         if ((options->kind == Kind::noise) == options->noise.model.empty())
-          throw CLI::ValidationError("--model",
-                                     options->noise.model.empty() ? "noise needs one" : "only noise takes one");
+          throw CLI::ValidationError(
+              "--model", options->noise.model.empty() ? "is required for KIND noise" : "is only valid for KIND noise");
       });
       return [options](const Context& context) { return synthesise(*options, context); };
     }};

@@ -54,7 +54,7 @@ ExitCode synthesiseCourt(const CourtOptions& options, const Context& context) {
     };
     check(runJobs(count, threadsFor(context.options().threads, 10.0 * size.width * size.height), take,
                   [&](std::size_t done) {
-                    return progress.show({"photographing the court", done, count});
+                    return progress.show({"rendering the court", done, count});
                   }),
           ErrorCode::cancelled, "stopped");
   }

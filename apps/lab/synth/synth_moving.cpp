@@ -75,15 +75,15 @@ ExitCode synthesiseMoving(const MovingOptions& options, const Context& context) 
     ProgressLine progress(context);
     std::size_t done = 0;
     const auto step = [&] {
-      check(progress.show({"photographing the figure", done++, pictures}), ErrorCode::cancelled, "stopped");
+      check(progress.show({"rendering the figure", done++, pictures}), ErrorCode::cancelled, "stopped");
     };
     for (int f = 0; f < options.frames; ++f)
       writeFrame(folder / fmt::format("frame{:04}", f), double(f) / options.frames, context.options().seed, cameras,
                  truth, step);
-    progress.show({"photographing the figure", pictures, pictures});
+    progress.show({"rendering the figure", pictures, pictures});
   }
   const std::size_t faces = movingFigure(0, context.options().seed).mesh.triangles.size();
-  context.print("{}: {} frames of {} cameras and {} views of the truth; {} faces\n", options.output, options.frames,
+  context.print("{}: {} frames with {} cameras and {} truth views each; {} faces\n", options.output, options.frames,
                 cameras.size(), truth.size(), faces);
   context.report(nlohmann::ordered_json{
       {"folder", options.output},

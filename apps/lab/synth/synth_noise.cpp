@@ -63,7 +63,7 @@ ExitCode synthesiseNoise(const NoiseOptions& options, const Context& context) {
   for (PosedImage& image : model.images) {
     Intrinsics& k = image.camera.intrinsics;
     check(k.model == CameraModel::pinhole && !image.lens, ErrorCode::unsupported,
-          "{}: noise is for pinholes; this is a panorama or has a lens that distorts", image.name);
+          "{}: noise needs a pinhole without lens distortion; this is a panorama or has a distorting lens", image.name);
     // Only two of the three rotation axes move the image's centre.
     const double radians = options.pixels / (k.fx * std::numbers::sqrt2);
     image.camera.pose.rotation = glm::normalize(image.camera.pose.rotation * turn(random.vector(radians)));

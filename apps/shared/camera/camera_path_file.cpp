@@ -39,10 +39,10 @@ CameraPath readCameraPath(const std::filesystem::path& file) {
     const JsonField time = key.at("time");
     const Pose pose = poseOf(key);
     path.keys.push_back({time.number(-kLongest, kLongest), pose.position, pose.rotation, fovOf(key)});
-    if (i > 0) time.wanted(path.keys[i].time - path.keys[i - 1].time >= kShortest, "later than the key before");
+    if (i > 0) time.wanted(path.keys[i].time - path.keys[i - 1].time >= kShortest, "later than the previous key");
   }
   const double frameCount = (path.keys.back().time - path.keys.front().time) * path.fps;
-  keys.wanted(frameCount <= kMostFrames, "at most {} frames", kMostFrames);
+  keys.wanted(frameCount <= kMostFrames, "keys for at most {} frames", kMostFrames);
   return path;
 }
 
@@ -51,20 +51,22 @@ void checkCameraPath(const CameraPath& path, const std::string& name) {
     check(holds, ErrorCode::invalidInput, "{}: /{}: {}", name, place, what);
   };
   const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
-  wanted(within(path.width, 1, kLargestSide) && within(path.height, 1, kLargestSide), "size", "is no size");
-  wanted(within(path.fps, kSlowest, kFastest), "fps", "is too small or too large");
-  wanted(!path.keys.empty(), "keys", "are none");
+  wanted(within(path.width, 1, kLargestSide) && within(path.height, 1, kLargestSide), "size",
+         "is not a valid image size");
+  wanted(within(path.fps, kSlowest, kFastest), "fps", "is out of range");
+  wanted(!path.keys.empty(), "keys", "must not be empty");
   for (std::size_t i = 0; i < path.keys.size(); ++i) {
     const CameraKey& key = path.keys[i];
     const std::string place = fmt::format("keys/{}/", i);
-    wanted(within(key.time, -kLongest, kLongest), place + "time", "is not within a day");
-    wanted(i == 0 || key.time - path.keys[i - 1].time >= kShortest, place + "time", "is not later than the key before");
+    wanted(within(key.time, -kLongest, kLongest), place + "time", "is more than a day from 0");
+    wanted(i == 0 || key.time - path.keys[i - 1].time >= kShortest, place + "time",
+           "is not later than the previous key");
     for (int axis = 0; axis < 3; ++axis)
       wanted(std::abs(key.position[axis]) <= kLargestCoordinate, place + "position", "is not finite or too large");
-    wanted(std::abs(glm::length(key.rotation) - 1.0) < 1e-3, place + "rotation", "is no unit quaternion");
-    wanted(within(key.fovY, kNarrowestFov, kWidestFov), place + "fovY", "is no field of view");
+    wanted(std::abs(glm::length(key.rotation) - 1.0) < 1e-3, place + "rotation", "is not a unit quaternion");
+    wanted(within(key.fovY, kNarrowestFov, kWidestFov), place + "fovY", "is not a valid field of view");
   }
-  wanted((path.keys.back().time - path.keys.front().time) * path.fps <= kMostFrames, "keys", "make too many frames");
+  wanted((path.keys.back().time - path.keys.front().time) * path.fps <= kMostFrames, "keys", "give too many frames");
 }
 
 void writeCameraPath(const std::filesystem::path& file, const CameraPath& path) {

@@ -40,7 +40,7 @@ int JsonField::integer(int low, int high) const {
 }
 
 std::string JsonField::text() const {
-  wanted(json_.is_string(), "a text");
+  wanted(json_.is_string(), "a string");
   return json_.get<std::string>();
 }
 
@@ -54,13 +54,13 @@ void JsonField::refuse(const std::string& what) const {
 Json parseJson(const std::string& text, const std::string& name) {
   std::vector<std::vector<std::string>> open;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    check(depth <= kDeepest, ErrorCode::invalidInput, "{}: nested more than {} deep", name, kDeepest);
+    check(depth <= kDeepest, ErrorCode::invalidInput, "{}: nested more than {} levels deep", name, kDeepest);
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
     if (event == Json::parse_event_t::key) {
       const auto& key = value.get_ref<const std::string&>();
       check(std::ranges::find(open.back(), key) == open.back().end(), ErrorCode::invalidInput,
-            "{}: \"{}\" stands twice", name, key);
+            "{}: duplicate key \"{}\"", name, key);
       open.back().push_back(key);
     }
     return true;

@@ -124,7 +124,8 @@ bool navigate(Navigation& state, const NavigationInput& input, const RoamingBoun
 }
 
 void flyTo(Navigation& state, const Pose& pose, double fovY, double seconds) {
-  check(std::isfinite(seconds) && seconds >= 0, ErrorCode::invalidInput, "navigation: a flight of {} s", seconds);
+  check(std::isfinite(seconds) && seconds >= 0, ErrorCode::invalidInput,
+        "navigation: a flight of {} s: the duration must be finite and at least 0", seconds);
   state.velocity = glm::dvec3(0);
   state.flight = Flight{state.pose, {pose.position, unitRotation(pose.rotation)}, state.fovY, fovY, seconds, 0};
   if (seconds == 0) follow(state, 0);

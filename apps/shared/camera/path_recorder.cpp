@@ -114,8 +114,8 @@ std::size_t moveKey(CameraPath& path, std::size_t key, double time) {
   changed.keys.erase(changed.keys.begin() + std::ptrdiff_t(key));
   moved.time = time;
   for (const CameraKey& other : changed.keys)
-    check(!(std::abs(other.time - time) < kApart), ErrorCode::invalidInput, "camera path: a key is at {} s already",
-          other.time);
+    check(!(std::abs(other.time - time) < kApart), ErrorCode::invalidInput,
+          "camera path: there is already a key at {} s", other.time);
   const std::size_t index = putKey(changed, moved);
   path = std::move(changed);
   return index;
@@ -147,7 +147,7 @@ void retimeAtSpeed(CameraPath& path, double unitsPerSecond) {
 }
 
 void retimeToLast(CameraPath& path, double seconds) {
-  check(seconds > 0 && std::isfinite(seconds), ErrorCode::invalidInput, "camera path: it must last longer than 0 s");
+  check(seconds > 0 && std::isfinite(seconds), ErrorCode::invalidInput, "camera path: the duration must be above 0 s");
   if (path.keys.size() > 1) path = checked(retimed(path, 0, seconds));
 }
 

@@ -35,7 +35,7 @@ glm::dvec3 centreOf(const std::vector<Pose>& cameras) {
 
 Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish) {
   const double spacing = wish.spacing.value_or(0.5 * wish.eyeHeight);
-  check(spacing > 0, ErrorCode::invalidInput, "--floor {}: above the photographs, it wants --floor-spacing",
+  check(spacing > 0, ErrorCode::invalidInput, "--floor {}: a floor above the photographs requires --floor-spacing",
         wish.eyeHeight);
   return {up, glm::dot(up, middle) - wish.eyeHeight, spacing, 16 * spacing};
 }
@@ -43,8 +43,7 @@ Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish) {
 Floor floorBelow(const Scene& scene, const FloorWish& wish) {
   const std::vector<Pose> poses = posesOf(scene);
   const auto up = upOf(poses);
-  check(up.has_value(), ErrorCode::invalidInput,
-        "--floor: the photographs were held in too many ways to tell where up is");
+  check(up.has_value(), ErrorCode::invalidInput, "--floor: the photographs have no common up direction");
   return floorBelow(centreOf(poses), *up, wish);
 }
 

@@ -44,8 +44,8 @@ TextView viewOf(const std::string& text) {
   if (root.has("up")) view.up = directionOf(root.at("up"));
   if (root.has("time")) root.at("time").number(-1e15, 1e15);
   for (const auto& [key, unused] : json.items())
-    check(std::ranges::find(kFields, key) != kFields.end(), ErrorCode::invalidInput, "{}: /{}: is no field of a view",
-          kName, key);
+    check(std::ranges::find(kFields, key) != kFields.end(), ErrorCode::invalidInput, "{}: /{}: unknown field", kName,
+          key);
   return view;
 }
 

@@ -51,7 +51,7 @@ std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::
     return kExitOk;
   } catch (const CLI::ParseError& e) {
     const std::string name = app.get_name();
-    return complain(name, fmt::format("{}\n{}: {} --help shows what there is", e.what(), name, name), kExitCommandLine);
+    return complain(name, fmt::format("{}\n{}: {} --help lists the options", e.what(), name, name), kExitCommandLine);
   }
 }
 

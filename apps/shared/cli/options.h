@@ -90,7 +90,7 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, T& value, std::ve
                 value = meaning;
                 return;
               }
-            throw CLI::ValidationError(name, "'" + text + "' is none of " + words);
+            throw CLI::ValidationError(name, "'" + text + "' is not one of " + words);
           },
           description)
       ->type_name(words);

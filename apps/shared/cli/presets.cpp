@@ -31,7 +31,7 @@ RenderSettings presetNamed(const std::string& text, const CLI::App& app) {
       if (text == std::string(word) + '-' + kindWord) return preset(meaning, kind);
   }
   throw CLI::ValidationError("--preset", "'" + text +
-                                             "' is none of fast|balanced|accurate|reference, nor one of these with "
+                                             "' is not one of fast|balanced|accurate|reference, with or without "
                                              "-software or -hardware");
 }
 
@@ -93,7 +93,7 @@ std::string presetName(const RenderSettings& settings) {
 
 std::string presetText(const RenderSettings& settings) {
   const NearestPreset nearest = nearestPreset(settings);
-  return nearest.but.empty() ? nearest.name : nearest.name + ", but for " + nearest.but;
+  return nearest.but.empty() ? nearest.name : nearest.name + " with " + nearest.but;
 }
 
 RenderSettings presetOver(const RenderSettings& settings, Preset preset, DeviceKind kind) {

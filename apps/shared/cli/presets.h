@@ -30,7 +30,7 @@ DeviceKind deviceKindFor(const std::string& wish);
 std::string presetName(Preset preset, DeviceKind kind);
 /// Returns the name of the preset that differs from these settings in the fewest options.
 std::string presetName(const RenderSettings& settings);
-/// Returns this name and the differing options: "balanced-software, but for --cells 4 --tiers 2".
+/// Returns this name and the differing options: "balanced-software with --cells 4 --tiers 2".
 std::string presetText(const RenderSettings& settings);
 
 }  // namespace ibr::app

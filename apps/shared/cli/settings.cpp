@@ -134,7 +134,7 @@ bool overlaysGoWith(const RenderSettings& settings) {
 
 void checkOverlays(const RenderSettings& settings) {
   if (settings.overlay != Overlay::none && !overlaysGoWith(settings))
-    throw CLI::ValidationError("--overlay", "does not go with the paper's ways of --colour");
+    throw CLI::ValidationError("--overlay", "cannot be combined with --colour paper or paper-redraw");
 }
 
 void checkCells(const RenderSettings& settings, const Scene& scene) {

@@ -35,7 +35,7 @@ void HtmPlayer::take(std::shared_ptr<const HtmFrame> frame) {
   frame_ = std::move(frame);
   const HtmModel& model = frame_->model;
   check(!onSource_ || model.source.has_value(), ErrorCode::invalidInput,
-        "{}: the model keeps no mesh of before it was optimised", model.folder.string());
+        "{}: the model has no source mesh, which --mesh source requires", model.folder.string());
   model_ = onSource_ ? std::make_shared<const HtmModel>(baselineModel(model))
                      : std::shared_ptr<const HtmModel>(frame_, &model);
 }

@@ -200,7 +200,7 @@ class Drawing {
     const double length = power * (longest >= 5 * power ? 5 : longest >= 2 * power ? 2 : 1);
     const double y = height_ - 18, end = 20 + length * scale_;
     put("<path d=\"M20 {0:.1f}v-8v4H{1:.1f}v-4v8\" stroke=\"#202830\" fill=\"none\"/>", y, end);
-    put("<text x=\"{:.1f}\" y=\"{:.1f}\">{:g} (unit of the poses)</text>", end + 8, y, length);
+    put("<text x=\"{:.1f}\" y=\"{:.1f}\">{:g} world units</text>", end + 8, y, length);
   }
 
   double drawLegend() {
@@ -214,7 +214,7 @@ class Drawing {
     line(fmt::format("{} photographs", scene_.nodes.size()), 0, " font-weight=\"bold\"");
     line(fmt::format("{} lines, {} triangles, {} tetrahedra", cells[2], cells[3], cells[4]), 0, "");
     y += 6;
-    line(best_ > 0 ? "score of cells" : "cells have no scores", 0, " font-weight=\"bold\"");
+    line(best_ > 0 ? "cell scores" : "cells have no scores", 0, " font-weight=\"bold\"");
     if (best_ > 0) {
       constexpr int kSteps = 20;
       for (int s = 0; s < kSteps; ++s)
@@ -227,7 +227,7 @@ class Drawing {
     }
     y += 6;
     if (!advice_.views.empty()) {
-      line("to add", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kAddColour).c_str());
+      line("next-best views", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kAddColour).c_str());
       for (std::size_t v = 0; v < advice_.views.size(); ++v) {
         bool first = true;
         for (const std::string& part : wrapped(advice_.views[v].where, kLetters)) {
@@ -238,7 +238,7 @@ class Drawing {
       y += 6;
     }
     if (!advice_.advice.empty()) {
-      line("amiss", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kTroubleColour).c_str());
+      line("problems", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kTroubleColour).c_str());
       for (std::size_t a = 0; a < std::min(advice_.advice.size(), kMostAmiss); ++a)
         for (const std::string& part : wrapped(advice_.advice[a].sentence, kLetters))
           line(part, 0, " font-size=\"11\"");

@@ -43,7 +43,7 @@ struct PlotPanel {
 /// Texts of the legend.
 struct PlotWords {
   std::string usual = "default";
-  std::string joined = "joined: none of its method is both faster and better";
+  std::string joined = "line: Pareto front of each method";
   std::vector<std::pair<double, std::string>> sizes;  // sizes of markers, and their meanings
   std::string interval;                               // meaning of a bar through a marker; empty: not shown
 };

@@ -83,7 +83,7 @@ JobPlan buildPlan(const fs::path& photographs) {
   const fs::path scene = folder.string() + "-scene";
   Words words{ibrProgram().string(), "build", folder.string(), "-o", scene.string()};
   append(words, posesIn(folder));
-  return {.name = scene.filename().string(), .steps = {{"begins", std::move(words)}}, .done = {}, .opens = scene};
+  return {.name = scene.filename().string(), .steps = {{"starting", std::move(words)}}, .done = {}, .opens = scene};
 }
 
 JobPlan videoPlan(const OpenItem& place, const fs::path& cameraPath, const GpuSceneOptions& gpuScene,
@@ -93,14 +93,14 @@ JobPlan videoPlan(const OpenItem& place, const fs::path& cameraPath, const GpuSc
                cameraPath.string(),   "-o",     pictures.string()};
   append(render, wordsOf(place, gpuScene));
   if (!device.empty()) append(render, {"--device", device});
-  JobPlan plan{.name = video.filename().string(), .steps = {{"begins", std::move(render)}}, .done = {}, .opens = {}};
+  JobPlan plan{.name = video.filename().string(), .steps = {{"starting", std::move(render)}}, .done = {}, .opens = {}};
   if (isOnPath("ffmpeg")) {
     const fs::path part = pictures.string() + ".part.mp4";  // temporary name: NAME.mp4 is always complete
-    plan.steps.push_back({"ffmpeg joins the pictures", encode(pictures, place.route.fps, part)});
+    plan.steps.push_back({"ffmpeg encodes the video", encode(pictures, place.route.fps, part)});
     plan.steps.push_back({"", {"mv", part.string(), video.string()}});
     plan.done = fmt::format("{} written", video.string());
   } else {
-    plan.done = fmt::format("{} holds the pictures; for a video of them install ffmpeg", pictures.string());
+    plan.done = fmt::format("{} contains the frames; install ffmpeg to get a video", pictures.string());
   }
   return plan;
 }

@@ -43,7 +43,7 @@ void Viewer::open(const fs::path& path) {
     JobPlan plan = buildPlan(path);
     if (std::ranges::any_of(jobs, [&](const auto& job) { return job->plan().opens == plan.opens; })) return;
     jobs.push_back(std::make_unique<Job>(std::move(plan)));
-    say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
+    say(LogLevel::info, fmt::format("building a scene from {}", path.string()));
     return;
   }
   opening.push_back({path, std::async(std::launch::async, [path] {
@@ -91,8 +91,8 @@ bool Viewer::takeOpened() {
         place()->showRoute();
       }
       if (place()->scene && keepCellsOf(*place()->scene, place()->settings))
-        say(LogLevel::warning, fmt::format("{}: it has {} cells; others cannot be muted or drawn alone", place()->name,
-                                           place()->scene->cells.size()));
+        say(LogLevel::warning, fmt::format("{}: the scene has {} cells; --mute and --solo of other cells are ignored",
+                                           place()->name, place()->scene->cells.size()));
       say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
     } catch (const std::exception& e) {
       say(LogLevel::error, e.what());

@@ -44,10 +44,10 @@ void measureNext(Effects& effects, PlaceOnDevice& place, std::uint64_t& frame) {
 }
 
 std::string text(const Effect& effect) {
-  if (!effect.measured) return "is measured ...";
+  if (!effect.measured) return "measuring ...";
   const Effect::Measured& m = *effect.measured;
   if (effect.name == std::string_view(kReference)) return fmt::format("{:.1f} ms", m.milliseconds);
-  if (std::isinf(m.psnr)) return fmt::format("{:.1f} ms, the reference's picture", m.milliseconds);
+  if (std::isinf(m.psnr)) return fmt::format("{:.1f} ms, identical to the reference", m.milliseconds);
   return fmt::format("{:.1f} ms, {:.1f} dB", m.milliseconds, m.psnr);
 }
 

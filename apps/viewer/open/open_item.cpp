@@ -51,7 +51,7 @@ OpenItem openPlace(const fs::path& path) {
   OpenItem place{.number = ++opened, .path = path, .name = folderName(path)};
   const std::optional<AssetKind> kind = assetKind(path);
   check(kind.has_value(), fs::exists(path) ? ErrorCode::invalidInput : ErrorCode::io, "{}: {}", path.string(),
-        fs::exists(path) ? "is no scene, harmonised model or 3D video" : "is missing");
+        fs::exists(path) ? "is not a scene, harmonised model or 3D video" : "does not exist");
   switch (*kind) {
     case AssetKind::scene:
       place.scene = loadScene(path);
@@ -66,7 +66,7 @@ OpenItem openPlace(const fs::path& path) {
       place.playing = true;
       break;
   }
-  check(!place.viewpoints.empty(), ErrorCode::invalidInput, "{}: has no photographs", path.string());
+  check(!place.viewpoints.empty(), ErrorCode::invalidInput, "{}: contains no photographs", path.string());
   const std::vector<Pose> poses = place.poses();
   place.step = neighbourDistance(poses).value_or(1);
   for (const Pose& pose : poses) place.bounds.places.push_back(pose.position);

@@ -50,9 +50,9 @@ void wireframe(const FramePlan& plan) {
 }
 
 void tiers() {
-  named(shader::tierColour(kTierAgrees), "photographs agree on its depth");
-  named(shader::tierColour(kTierCompleted), "its depth was completed");
-  named(shader::tierColour(kTierFilled), "filled, or a hole");
+  named(shader::tierColour(kTierAgrees), "confirmed depth");
+  named(shader::tierColour(kTierCompleted), "completed depth");
+  named(shader::tierColour(kTierFilled), "hole, filled or empty");
 }
 
 void weights(const Scene& scene, const FramePlan& plan) {
@@ -63,14 +63,14 @@ void weights(const Scene& scene, const FramePlan& plan) {
       named(shader::memberColour(int(i)),
             fmt::format("{:3.0f} %  {}", 100 * plan.cells[0].view[0].blend[i], scene.nodes[members[i]].name));
   }
-  if (!plan.photographs.empty()) ImGui::TextUnformatted("gathered, best photograph first:");
+  if (!plan.photographs.empty()) ImGui::TextUnformatted("gathered pixels, best photograph first:");
   for (int i = 0; i < 4 && !plan.photographs.empty(); ++i) named(shader::memberColour(i), fmt::format("{}", i + 1));
 }
 
 void confidence() {
   const auto share = [](float t) { return between(shader::kLargestUncertainty, shader::kLeastUncertainty, t); };
   ramp([&](float t) { return shader::confidenceColour(1, share(t)); },
-       fmt::format("depth \u00b1{:.0f} % or none", 100 * share(0)), fmt::format("\u00b1{:.1f} %", 100 * share(1)));
+       fmt::format("depth \u00b1{:.0f} % or unknown", 100 * share(0)), fmt::format("\u00b1{:.1f} %", 100 * share(1)));
 }
 
 void depth(const FramePlan& plan) {
@@ -95,7 +95,7 @@ void overlap() {
 
 void agreement() {
   ramp([](float t) { return shader::agreementColour(t); }, "correlation 0 or less", "1");
-  named(shader::unknownColour(), "no contrast, or one photograph");
+  named(shader::unknownColour(), "unknown: no contrast, or only one photograph");
 }
 
 }  // namespace

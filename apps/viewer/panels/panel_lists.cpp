@@ -36,7 +36,7 @@ bool muteAndSolo(RenderSettings& settings, std::uint32_t cell) {
   ImGui::PushID(int(cell));
   bool changed = toggle("M", settings.mutedCells, cell, "Mute: never draw this cell");
   ImGui::SameLine(0, 2);
-  changed |= toggle("S", settings.soloCells, cell, "Solo: draw this cell, and others so marked, alone");
+  changed |= toggle("S", settings.soloCells, cell, "Solo: draw only the soloed cells");
   ImGui::PopID();
   return changed;
 }
@@ -103,18 +103,18 @@ bool cellLeftOut(const Scene& scene, RenderSettings& settings, std::uint32_t cel
 
 void showCells(PanelInput& input) {
   if (!input.plan) {
-    ImGui::TextUnformatted("A harmonised model has no cells.");
+    ImGui::TextUnformatted("harmonised models have no cells");
     return;
   }
   OpenItem& place = *input.viewer.place();
   const Scene& scene = *place.scene;
   const FramePlan& plan = *input.plan;
   RenderSettings& settings = place.settings;
-  ImGui::TextWrapped("%zu of %zu cells; not drawn: %u beyond the picture, %u too far, %u too many, %u by choice",
+  ImGui::TextWrapped("%zu of %zu cells; not drawn: %u outside the view, %u too far, %u over the maximum, %u by M and S",
                      plan.cells.size(), scene.cells.size(), plan.culledByFrustum, plan.culledByDistance,
                      plan.culledByCount, plan.culledByChoice);
   ImGui::BeginDisabled(settings.mutedCells.empty() && settings.soloCells.empty());
-  if (ImGui::SmallButton("all")) {
+  if (ImGui::SmallButton("show all")) {
     settings.mutedCells.clear();
     settings.soloCells.clear();
     place.changed = true;
@@ -124,7 +124,7 @@ void showCells(PanelInput& input) {
                          ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingStretchProp))
     return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  for (const char* name : {"rank", "cell", "", "outside", "turned", "photographs"}) ImGui::TableSetupColumn(name);
+  for (const char* name : {"rank", "cell", "", "outside", "angle", "photographs"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (std::size_t rank = 0; rank < plan.cells.size(); ++rank) place.changed |= drawnCell(scene, settings, plan, rank);
   for (const std::uint32_t cell : cellsLeftOut(scene, settings, plan))

@@ -31,7 +31,7 @@ void showOpen(PanelInput& input) {
       ImGui::InputText("##folder", &viewer.typedFolder,
                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackCompletion, complete);
   const bool left = ImGui::IsItemDeactivated();
-  ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: not now");
+  ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: cancel");
   ImGui::End();
   if (!entered && !left) return;
   viewer.asksForFolder = false;

@@ -11,13 +11,13 @@ namespace {
 const char* descriptionOf(Preset preset) {
   switch (preset) {
     case Preset::fast:
-      return "the least of a frame's time, holes stay";
+      return "lowest frame time, holes stay";
     case Preset::balanced:
       return "the default";
     case Preset::accurate:
-      return "all that is seen to help";
+      return "every setting with a visible gain";
     case Preset::reference:
-      return "all that there is, at any cost";
+      return "maximum quality at any cost";
   }
   return "";
 }
@@ -58,13 +58,13 @@ void showPresets(PanelInput& input) {
   if (ImGui::Button("measure", {5.5f * ImGui::GetFontSize(), 0})) place.wantsEffects = true;
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip(
-        "Draws this view with each of them and as it is set: what a frame costs on this device,\n"
-        "and how near its picture comes to that of the reference (PSNR).");
+        "Draws this view with each preset and with the current settings. Shows the frame time on this\n"
+        "device, and the PSNR against the reference preset.");
   ImGui::SameLine();
   if (known)
-    ImGui::Text("as set: %s", text(place.effects->lines.back()).c_str());
+    ImGui::Text("current: %s", text(place.effects->lines.back()).c_str());
   else
-    ImGui::TextDisabled(place.effects ? "the view has moved since" : "what they cost and show here");
+    ImGui::TextDisabled(place.effects ? "the view has changed since" : "frame time and quality of this view");
   ImGui::Separator();
 }
 

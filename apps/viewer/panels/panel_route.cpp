@@ -11,9 +11,9 @@ namespace ibr::app {
 void showRoute(PanelInput& input) {
   OpenItem& place = *input.viewer.place();
   CameraPath& route = place.route;
-  if (ImGui::Button("key here (K)")) place.addRouteKey();
+  if (ImGui::Button("add key (K)")) place.addRouteKey();
   ImGui::SameLine();
-  if (ImGui::Button(place.showingRoute ? "stop" : "show (J)")) {
+  if (ImGui::Button(place.showingRoute ? "stop" : "play (J)")) {
     if (place.showingRoute)
       place.showingRoute = false;
     else
@@ -21,12 +21,13 @@ void showRoute(PanelInput& input) {
   }
   if (ImGui::Button("save (ctrl S)")) input.viewer.wantsRoute = true;
   if (ImGui::Button("video (ctrl M)")) input.viewer.wantsVideo = true;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Made beside the viewer, of the window's size, as it is drawn now");
-  ImGui::Checkbox("again and again", &place.repeatingRoute);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("Rendered in the background, at the window's size, with the current settings");
+  ImGui::Checkbox("loop", &place.repeatingRoute);
   if (route.keys.empty()) {
     ImGui::TextWrapped(
-        "Keys are put where the view is; the camera goes from each to the next along a spline. What is saved, "
-        "ibr render --poses plays as it is shown here.");
+        "A key stores the current view. The camera follows a spline through the keys. ibr render --poses renders "
+        "a saved path exactly as the viewer plays it.");
     return;
   }
   if (route.keys.size() > 1) {
@@ -34,7 +35,7 @@ void showRoute(PanelInput& input) {
     if (ImGui::SliderFloat("seconds", &seconds, 0.5f, 120, "%.1f",
                            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
       retimeToLast(route, double(seconds));
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("From the first key to the last, at one speed");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Duration from the first to the last key, at constant speed");
   }
   if (ImGui::BeginChild("keys"))
     for (std::size_t k = 0; k < route.keys.size(); ++k) {

@@ -57,7 +57,7 @@ bool chooseOverlay(RenderSettings& s) {
     }
     ImGui::EndCombo();
   }
-  hint("What is shown over the picture or in its place (O)");
+  hint("Diagnostic image over the rendered image or in its place (O)");
   ImGui::EndDisabled();
   return changed;
 }
@@ -68,44 +68,44 @@ bool sceneSettings(RenderSettings& s) {
   changed |= choose("composition", s.composition,
                     std::array{Way{"cells", Composition::cells}, Way{"gathered", Composition::gathered},
                                Way{"hybrid", Composition::hybrid}},
-                    "cells: morphing cells alone; gathered: every pixel from the photographs that saw it; "
-                    "hybrid: cells where all members agree, the rest gathered (C)");
+                    "cells: morphing cells only; gathered: each pixel from the photographs that see it; "
+                    "hybrid: cells where all members agree, gathered elsewhere (C)");
   if (s.composition != Composition::cells) {
     changed |= count("photographs", s.gatherCandidates, 1, int(kMaxGatherCandidates),
-                     "At most so many vote for depth and are gathered from in a frame");
+                     "Maximum number of photographs per frame to gather from");
     changed |= count("colours", s.gatherColours, 1, int(kMaxGatherColours),
-                     "At most so many photographs are mixed in a gathered pixel");
+                     "Maximum number of photographs averaged in a gathered pixel");
   }
   using Blend = std::pair<const char*, BlendMode>;
   changed |= choose("blending", s.blend,
                     std::array{Blend{"blend", BlendMode::blend}, Blend{"dither", BlendMode::dither},
                                Blend{"mixed", BlendMode::mixed}},
-                    "blend: weighted sum of the photographs; dither: one of them a pixel, faster and sharper");
+                    "blend: weighted sum of the photographs; dither: one photograph per pixel, faster and sharper");
   using Colour = std::pair<const char*, ColourMapping>;
-  changed |= choose("colours", s.colourMapping,
-                    std::array{Colour{"as photographed", ColourMapping::off}, Colour{"mapped", ColourMapping::ours}},
-                    "mapped: cells take on the colours of the one that is best, so that exposures do not show");
+  changed |= choose("colour mapping", s.colourMapping,
+                    std::array{Colour{"off", ColourMapping::off}, Colour{"mapped", ColourMapping::ours}},
+                    "mapped: colours of all cells are matched to the main cell, which hides differences of exposure");
   using Light = std::pair<const char*, Exposure>;
   changed |=
       choose("exposure", s.exposure,
-             std::array{Light{"as photographed", Exposure::off}, Light{"the scene's mean", Exposure::scene},
+             std::array{Light{"off", Exposure::off}, Light{"scene mean", Exposure::scene},
                         Light{"adapted", Exposure::adapted}},
-             "Photographs whose exposure was measured are shown with one: that of all of them in the mean, or of "
-             "those that are nearest");
+             "Exposure of the photographs: unchanged (off), the mean of the scene, or the mean of the photographs in "
+             "the main cell (adapted)");
   using Shape = std::pair<const char*, Morph>;
-  changed |= choose("morphing", s.morph, std::array{Shape{"ours", Morph::ours}, Shape{"the paper's", Morph::paper}},
-                    "ours: right for static points everywhere; the paper's: unclamped weights, no depth");
-  changed |= ImGui::Checkbox("cells aligned", &s.alignCells);
-  hint("Cells that share photographs move a little, so that they agree where poses are wrong");
-  changed |= count("cells", s.maxCells, 1, int(kMaxCellCount), "At most so many are drawn, best first");
+  changed |= choose("morphing", s.morph, std::array{Shape{"ours", Morph::ours}, Shape{"paper", Morph::paper}},
+                    "ours: exact for static points everywhere; paper: unclamped weights, no depth");
+  changed |= ImGui::Checkbox("align cells", &s.alignCells);
+  hint("Shift cells that share photographs slightly until the cells agree, for inaccurate poses");
+  changed |= count("cells", s.maxCells, 1, int(kMaxCellCount), "Maximum number of cells to draw, best first");
   const auto tier = [&] {
-    return ImGui::SliderInt("lowest tier", &s.maxTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
+    return ImGui::SliderInt("maximum tier", &s.maxTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
   };
   changed |= tier();
-  hint("0: what photographs agree on; 2: also what no second one confirms; 3: holes are filled");
+  hint("0: depth confirmed by several photographs; 2: adds unconfirmed depth; 3: fills holes");
   changed |= slide("extrapolation", s.extrapolationLimit, 0, 8, "%.2f cells",
-                   "Cells further off than this many of their sizes are not drawn");
-  changed |= slide("switches", s.switchSeconds, 0, 2, "%.2f s", "A change of the main cell is mixed over so long");
+                   "Cells farther away than this many times their size are not drawn");
+  changed |= slide("cross-fade", s.switchSeconds, 0, 2, "%.2f s", "Duration after a change of the main cell; 0: cut");
   changed |= slide("render scale", s.renderScale, 0.25, 2, "%.2f", "Below 1: faster and softer");
   changed |=
       slide("texture scale", s.textureScale, 0.125, 2, "%.2f", "Below 1: coarser photographs, less memory traffic");
@@ -120,8 +120,8 @@ bool modelSettings(HtmSettings& s) {
       choose("method", s.method,
              std::array{Method{"harmonised", HtmMethod::harmonised}, Method{"blended (VDTBM)", HtmMethod::blended},
                         Method{"vertex colours (VDVBM)", HtmMethod::vertexColours}},
-             "harmonised: photographs are bent to agree before they are blended");
-  changed |= slide("gamma", s.gamma, 1, 1000, "%.0f", "How strongly cameras that look alike count more than others",
+             "harmonised: photographs are displaced until they agree, then blended");
+  changed |= slide("gamma", s.gamma, 1, 1000, "%.0f", "Preference for cameras that look in the view's direction",
                    ImGuiSliderFlags_Logarithmic);
   changed |= slide("smoothing", s.smoothSeconds, 0, 2, "%.2f s", "Time constant with which weights follow the view");
   return changed;

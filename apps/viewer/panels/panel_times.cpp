@@ -50,7 +50,7 @@ struct Graph {
 void tellFrame(const FrameTimes& times, const FrameHistory& history) {
   ImGui::BeginTooltip();
   ImGui::Text("frame %zu", times.frame);
-  if (!std::isnan(times.sinceLast)) ImGui::Text("%8.2f ms since the one before", double(times.sinceLast));
+  if (!std::isnan(times.sinceLast)) ImGui::Text("%8.2f ms since the previous frame", double(times.sinceLast));
   for (const auto& [pass, milliseconds] : times.passes) {
     swatchOf(pass);
     ImGui::Text("%6.2f ms  %s", double(milliseconds), history.names()[pass].c_str());
@@ -134,11 +134,11 @@ void showTimes(PanelInput& input) {
   drawGraph(viewer.history, viewer.frames);
   const float last = viewer.history.of(viewer.frames).sinceLast;
   if (std::isnan(last))
-    ImGui::TextUnformatted("drawn only while something moves");
+    ImGui::TextUnformatted("no frame interval: the view is at rest");
   else
-    ImGui::Text("line: frame to frame, %.1f ms, %.0f a second", double(last), 1000 / std::max(1e-3, double(last)));
+    ImGui::Text("line: frame interval, %.1f ms, %.0f frames/s", double(last), 1000 / std::max(1e-3, double(last)));
   ImGui::Separator();
-  ImGui::TextUnformatted("on the device:");
+  ImGui::TextUnformatted("device times:");
   for (const ScopeTime& scope : viewer.deviceTimes) {
     const float indent = float(scope.depth) * ImGui::GetFontSize() + 0.01f;
     ImGui::Indent(indent);
@@ -153,12 +153,12 @@ void showTimes(PanelInput& input) {
 
 void showMemory(PanelInput& input) {
   if (input.sceneBudget > 0) {
-    ImGui::Text("scene: %.1f of %.1f MiB (--vram-budget)", inMiB(sumOf(input.memory, true)), inMiB(input.sceneBudget));
+    ImGui::Text("budget: %.1f of %.1f MiB (--vram-budget)", inMiB(sumOf(input.memory, true)), inMiB(input.sceneBudget));
     drawBar(input.memory, true, input.sceneBudget);
   }
   const MemoryBudget& device = input.budget;
-  ImGui::Text("place: %.1f of %.0f MiB %s", inMiB(sumOf(input.memory, false)), inMiB(device.bytes),
-              device.used ? "that the device has for this program" : "of the device");
+  ImGui::Text("open scene: %.1f of %.0f MiB %s", inMiB(sumOf(input.memory, false)), inMiB(device.bytes),
+              device.used ? "available to this program" : "of the device");
   drawBar(input.memory, false, device.bytes);
   ImGui::Separator();
   for (std::size_t i = 0; i < input.memory.size(); ++i) {
@@ -166,12 +166,11 @@ void showMemory(PanelInput& input) {
     ImGui::Text("%9.1f MiB  %s", inMiB(input.memory[i].bytes), input.memory[i].name.c_str());
   }
   if (device.used)
-    ImGui::TextWrapped("%.1f MiB in all: also other places, the window, and what the driver needs",
-                       inMiB(*device.used));
+    ImGui::TextWrapped("%.1f MiB in total, with other open scenes, the window and the driver", inMiB(*device.used));
   if (!input.streamed || input.streamed->needed == 0) return;
   const GpuScene::Streamed& s = *input.streamed;
   ImGui::Separator();
-  ImGui::Text("%u photographs are seen; %u on their way, %u without room, %u cannot be read", s.needed, s.waiting,
+  ImGui::Text("%u photographs in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting,
               s.withoutRoom, s.failed);
 }
 

@@ -24,22 +24,22 @@ void showRoaming(OpenItem& place) {
   ImGui::SameLine();
   ImGui::TextColored(away <= place.bounds.radius ? kNear : kFar, "%s",
                      away <= place.bounds.radius
-                         ? "near them"
-                         : fmt::format("{:.1f} steps beyond", (away - place.bounds.radius) / place.step).c_str());
+                         ? "inside"
+                         : fmt::format("{:.1f} steps outside", (away - place.bounds.radius) / place.step).c_str());
   float radius = float(place.bounds.radius / place.step);
-  if (ImGui::SliderFloat("how near", &radius, 0.1f, 20, "%.2f steps",
+  if (ImGui::SliderFloat("max. distance", &radius, 0.1f, 20, "%.2f steps",
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
     place.bounds.radius = double(radius) * place.step;
   if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
+    ImGui::SetTooltip("From a photograph, or from a line between neighbours; a step is the distance of neighbours");
 }
 
 struct TierText {
   std::size_t tier;
   const char* text;
 };
-constexpr std::array kTiers{TierText{kTierAgrees, "photographs agree"}, TierText{kTierCompleted, "depth completed"},
-                            TierText{kTierFilled, "invented, or nothing"}};
+constexpr std::array kTiers{TierText{kTierAgrees, "confirmed depth"}, TierText{kTierCompleted, "completed depth"},
+                            TierText{kTierFilled, "holes, filled or empty"}};
 
 // The colour of Overlay::tiers.
 ImVec4 colourOf(std::size_t tier) {
@@ -68,18 +68,18 @@ void showTrust(const std::optional<Trust>& trust) {
     ImGui::EndTooltip();
   }
   if (!trust) {
-    ImGui::TextWrapped("how far this view may be trusted is told once it stands");
+    ImGui::TextWrapped("trust is measured when the view is at rest");
     return;
   }
   const std::string depth =
       std::isfinite(trust->depthError) ? fmt::format("depth ±{:.1f} %", 100 * trust->depthError) : "depth unknown";
-  const std::string place = !std::isfinite(trust->extrapolation) ? "no cell is near"
+  const std::string place = !std::isfinite(trust->extrapolation) ? "no cell nearby"
                             : trust->extrapolation > 0
-                                ? fmt::format("{:.2f} cells outside the best", trust->extrapolation)
+                                ? fmt::format("{:.2f} cell sizes outside the best cell", trust->extrapolation)
                                 : "inside the best cell";
-  ImGui::TextWrapped("%s", fmt::format("{:.0f} % of the picture agrees in all photographs\n{}, {}",
-                                       100 * trust->tiers[0], depth, place)
-                               .c_str());
+  ImGui::TextWrapped(
+      "%s",
+      fmt::format("{:.0f} % of the image has confirmed depth\n{}, {}", 100 * trust->tiers[0], depth, place).c_str());
 }
 
 }  // namespace
@@ -88,15 +88,15 @@ void showView(PanelInput& input) {
   Viewer& viewer = input.viewer;
   OpenItem& place = *viewer.place();
   const glm::dvec3 p = place.walk.pose.position, forward = place.walk.pose.rotation * glm::dvec3(0, 0, -1);
-  ImGui::Text("at      %.3f  %.3f  %.3f", p.x, p.y, p.z);
-  ImGui::Text("looking %.3f  %.3f  %.3f", forward.x, forward.y, forward.z);
+  ImGui::Text("position  %.3f  %.3f  %.3f", p.x, p.y, p.z);
+  ImGui::Text("direction %.3f  %.3f  %.3f", forward.x, forward.y, forward.z);
   float degrees = float(glm::degrees(place.walk.fovY));
-  if (ImGui::SliderFloat("field of view", &degrees, 10, 120, "%.0f degrees high", ImGuiSliderFlags_AlwaysClamp)) {
+  if (ImGui::SliderFloat("field of view", &degrees, 10, 120, "%.0f degrees", ImGuiSliderFlags_AlwaysClamp)) {
     place.walk.fovY = glm::radians(double(degrees));
     place.changed = true;
   }
   float speed = float(place.walk.speed / place.step);
-  if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s",
+  if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f steps/s",
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
     place.walk.speed = double(speed) * place.step;
   showRoaming(place);

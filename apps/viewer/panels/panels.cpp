@@ -170,10 +170,9 @@ void showWelcome(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
   ImGui::PushTextWrapPos(std::min(0.9f * size.x, 42 * ImGui::GetFontSize()));
-  ImGui::TextUnformatted("Drop a folder here, or type its name (ctrl O):");
-  for (const char* kind :
-       {"photographs of one place, which overlap well: they are made a scene", "a scene, as ibr build makes it",
-        "a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them"}) {
+  ImGui::TextUnformatted("Drop a folder here, or type its path (ctrl O):");
+  for (const char* kind : {"overlapping photographs of one site: a scene is built from them", "a scene of ibr build",
+                           "a harmonised model of ibr htm build, or a 3D video of ibr htm sequence"}) {
     ImGui::Bullet();
     ImGui::TextUnformatted(kind);
   }

@@ -11,7 +11,7 @@ void EyeCapture::record(VkCommandBuffer commands, const EyeImages& images) {
   const VkDeviceSize size = VkDeviceSize(4) * extent_.width * extent_.height;
   for (std::uint32_t eye = 0; eye < 2; ++eye) {
     if (bytes_[eye].size() < size)
-      bytes_[eye] = Buffer(device_, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "an eye's picture");
+      bytes_[eye] = Buffer(device_, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "an eye's image");
     const EyeImages::Picture picture = images.picture(eye);
     const VkImageSubresourceRange layer{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, picture.layer, 1};
     transition(commands, picture.image, use::kColourAttachment, use::kTransferSource, layer);

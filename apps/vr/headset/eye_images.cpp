@@ -116,7 +116,7 @@ EyeImages::EyeImages(Headset& headset, const Device& device, const Session& sess
                        .layers = 2,
                        .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-                      "the eyes' pictures");
+                      "the eyes' images");
     for (std::uint32_t eye = 0; eye < 2; ++eye) drawnViews_[eye] = makeLayerView(device, *drawn_, eye);
   }
   if (headset.takesDepth())
@@ -146,8 +146,8 @@ EyeImages::Format EyeImages::colourFormat(const std::vector<std::int64_t>& offer
     if (has(offered, format) && can.optimalTilingFeatures & VK_FORMAT_FEATURE_BLIT_DST_BIT)
       return {VK_FORMAT_R8G8B8A8_SRGB, format};
   }
-  fail(ErrorCode::unsupported, "{} takes pictures in none of the formats that can be made; it offers VkFormat {}",
-       headset_.name(), fmt::join(offered, ", "));
+  fail(ErrorCode::unsupported, "{} offers no supported swapchain format; it offers VkFormat {}", headset_.name(),
+       fmt::join(offered, ", "));
 }
 
 std::vector<XrImages> EyeImages::make(VkFormat format, XrSwapchainUsageFlags usage) const {
@@ -165,9 +165,9 @@ std::string EyeImages::description() const {
   const auto layers = [](const std::vector<XrImages>& images) {
     return images.size() == 1 ? "two layers" : "two images";
   };
-  return fmt::format("{}×{} each eye, {}, VkFormat {}{}, depth {}", extent_.width, extent_.height, layers(colour_),
+  return fmt::format("{}×{} per eye, {}, VkFormat {}{}, depth {}", extent_.width, extent_.height, layers(colour_),
                      int(colour_[0].format()), drawn_ ? " by a blit" : "",
-                     depth_.empty() ? std::string("not taken")
+                     depth_.empty() ? std::string("not submitted")
                                     : fmt::format("VkFormat {}, {}", int(depth_[0].format()), layers(depth_)));
 }
 

@@ -67,7 +67,7 @@ Json FrameLog::finish() {
 }
 
 void FrameLog::check() const {
-  ibr::check(path_.empty() || file_.good(), ErrorCode::io, "{}: cannot be written to its end", path_.string());
+  ibr::check(path_.empty() || file_.good(), ErrorCode::io, "{}: cannot be written completely", path_.string());
 }
 
 }  // namespace ibr::app

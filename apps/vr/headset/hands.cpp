@@ -77,10 +77,10 @@ void Hands::makeActions(XrInstance instance) {
   set_ = xrMake<XrActionSetOwner>(xrCreateActionSet, instance, info, "xrCreateActionSet");
   for (std::size_t hand = 0; hand < 2; ++hand) paths_[hand] = pathOf(instance, kHands[hand]);
   aim_ = makeAction(XR_ACTION_TYPE_POSE_INPUT, "aim", "Point");
-  select_ = makeAction(XR_ACTION_TYPE_BOOLEAN_INPUT, "select", "Choose, go there");
+  select_ = makeAction(XR_ACTION_TYPE_BOOLEAN_INPUT, "select", "Select, teleport");
   menu_ = makeAction(XR_ACTION_TYPE_BOOLEAN_INPUT, "menu", "Map and settings");
   stick_ = makeAction(XR_ACTION_TYPE_VECTOR2F_INPUT, "stick", "Turn, move");
-  pressed_ = makeAction(XR_ACTION_TYPE_BOOLEAN_INPUT, "pressed", "Turn, move: pad is pressed");
+  pressed_ = makeAction(XR_ACTION_TYPE_BOOLEAN_INPUT, "pressed", "Turn, move: press the pad");
   buzz_ = makeAction(XR_ACTION_TYPE_VIBRATION_OUTPUT, "buzz", "Buzz");
 }
 

@@ -59,8 +59,7 @@ LogCallback Headset::counting(const HeadsetOptions& options) {
       if (count && text.starts_with("Vulkan validation")) ++*count;
       if (log) log(level, text);
     } else if (!blamed_.exchange(true) && log) {
-      log(LogLevel::info,
-          "the OpenXR runtime makes the device with features named twice (VUID 02830), which is its own");
+      log(LogLevel::info, "validation error of the OpenXR runtime, ignored: device features passed twice (VUID 02830)");
     }
   };
 }
@@ -70,13 +69,13 @@ Headset::Headset(const HeadsetOptions& options) : messages_(counting(options)) {
   findSystem();
   makeVulkanInstance(options);
   makeVulkanDevice(options);
-  messages_.send(LogLevel::info, fmt::format("Headset: {}", name_));
+  messages_.send(LogLevel::info, fmt::format("headset: {}", name_));
 }
 
 void Headset::makeInstance() {
   const auto offered = instanceExtensions();
   check(has(offered, XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME), ErrorCode::unsupported,
-        "the OpenXR runtime cannot be drawn to with Vulkan: it has no {}", XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
+        "the OpenXR runtime does not support Vulkan: it lacks {}", XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
   std::vector<const char*> enabled{XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME};
   const auto wish = [&](const char* name) {
     if (!has(offered, name)) return false;
@@ -115,7 +114,7 @@ void Headset::makeVulkanInstance(const HeadsetOptions& options) {
   const DeviceRequirements needs = Device::requirements();
   const XrVersion wanted =
       XR_MAKE_VERSION(VK_API_VERSION_MAJOR(needs.apiVersion), VK_API_VERSION_MINOR(needs.apiVersion), 0);
-  check(wanted >= range.minApiVersionSupported, ErrorCode::unsupported, "{} wants Vulkan {} at least, wanted {}", name_,
+  check(wanted >= range.minApiVersionSupported, ErrorCode::unsupported, "{} requires at least Vulkan {}, not {}", name_,
         versionText(range.minApiVersionSupported), versionText(wanted));
 
   std::vector<std::string> names = needs.instanceExtensions;

@@ -26,11 +26,11 @@ const char* nameOf(XrResult result) noexcept {
 const char* adviceFor(XrResult result) noexcept {
   switch (result) {
     case XR_ERROR_RUNTIME_UNAVAILABLE:
-      return ": is an OpenXR runtime installed, the active one (XR_RUNTIME_JSON), and running?";
+      return ": is an OpenXR runtime installed, active (XR_RUNTIME_JSON) and running?";
     case XR_ERROR_FORM_FACTOR_UNAVAILABLE:
       return ": is the headset connected and switched on?";
     case XR_ERROR_FORM_FACTOR_UNSUPPORTED:
-      return ": the runtime knows no headsets";
+      return ": the runtime does not support headsets";
     default:
       return "";
   }

@@ -50,7 +50,7 @@ Session::Session(Headset& headset, std::optional<SpaceKind> space, double eyeHei
   });
   const bool hasStage = std::ranges::find(spaces, XR_REFERENCE_SPACE_TYPE_STAGE) != spaces.end();
   check(hasStage || space != SpaceKind::stage, ErrorCode::unsupported,
-        "{} has no STAGE space here: no room has been set up (--space local does without)", headset.name());
+        "{} has no STAGE space: set up a room, or use --space local", headset.name());
   kind_ = space.value_or(hasStage ? SpaceKind::stage : SpaceKind::local);
   makeSpace(eyeHeight);
 }
@@ -60,7 +60,7 @@ void Session::chooseView() {
       {.type = XR_TYPE_VIEW_CONFIGURATION_VIEW}, "xrEnumerateViewConfigurationViews", [&](auto... arguments) {
         return xrEnumerateViewConfigurationViews(headset_.instance(), headset_.system(), kStereo, arguments...);
       });
-  check(views.size() == 2, ErrorCode::unsupported, "{} has {} views, wanted two", headset_.name(), views.size());
+  check(views.size() == 2, ErrorCode::unsupported, "{} has {} views, not two", headset_.name(), views.size());
   eyeExtent_ = {std::max(views[0].recommendedImageRectWidth, views[1].recommendedImageRectWidth),
                 std::max(views[0].recommendedImageRectHeight, views[1].recommendedImageRectHeight)};
   const auto modes = enumerated<XrEnvironmentBlendMode>({}, "xrEnumerateEnvironmentBlendModes", [&](auto... arguments) {
@@ -101,7 +101,7 @@ void Session::enter(XrSessionState state) {
       xr(xrEndSession(get()), "xrEndSession");
       break;
     case XR_SESSION_STATE_LOSS_PENDING:
-      fail(ErrorCode::deviceLost, "the runtime is about to lose the session");
+      fail(ErrorCode::deviceLost, "the OpenXR runtime announces the loss of the session");
     case XR_SESSION_STATE_EXITING:
       ended_ = true;
       break;
@@ -122,7 +122,7 @@ SessionEvents Session::handleEvents() {
         break;
       }
       case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
-        fail(ErrorCode::deviceLost, "the runtime is about to end");
+        fail(ErrorCode::deviceLost, "the OpenXR runtime announces its end");
       case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: {
         const auto& event = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(buffer);
         const auto ours = kind_ == SpaceKind::stage ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL;

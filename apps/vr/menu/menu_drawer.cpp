@@ -28,7 +28,7 @@ void clear(VkCommandBuffer commands, VkImage image) {
 }  // namespace
 
 MenuDrawer::MenuDrawer(const Device& device, const MenuPanel& panel, VkFormat format, std::uint32_t framesInFlight)
-    : panel_(panel), drawn_(device, imageInfo(format, panel), "the menu's picture") {
+    : panel_(panel), drawn_(device, imageInfo(format, panel), "the menu's image") {
   const CurrentContext current(panel.context());
   drawer_.emplace(device, rawFormat(format), framesInFlight);
 }

@@ -56,7 +56,7 @@ CurrentContext::~CurrentContext() {
 }
 
 MenuPanel::MenuPanel(int width, int height) : width_(width), height_(height) {
-  check(width >= 64 && height >= 64, ErrorCode::invalidInput, "the menu's panel is {}×{} pixels", width, height);
+  check(width >= 64 && height >= 64, ErrorCode::invalidInput, "the menu's panel is only {}×{} px", width, height);
   IMGUI_CHECKVERSION();
   ImGuiContext* before = ImGui::GetCurrentContext();  // CreateContext may make the new context current
   context_ = ImGui::CreateContext();

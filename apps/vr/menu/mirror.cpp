@@ -14,7 +14,7 @@ constexpr VkImageSubresourceLayers kColour{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
 
 GpuImageInfo imageInfo(VkFormat format, VkExtent2D extent) {
   check(rawFormat(format) != VK_FORMAT_UNDEFINED, ErrorCode::unsupported,
-        "a window cannot show the headset's pictures: VkFormat {}", int(format));
+        "the mirror window cannot show the headset's images: VkFormat {}", int(format));
   return {.format = rawFormat(format),
           .extent = extent,
           .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
@@ -42,7 +42,7 @@ VkRect2D letterbox(VkExtent2D picture, VkExtent2D window) noexcept {
 }
 
 Mirror::Mirror(const Device& device, VkFormat format, VkExtent2D most)
-    : values_(device, imageInfo(format, most), "the window's picture of an eye") {}
+    : values_(device, imageInfo(format, most), "the mirror window's image") {}
 
 // Copies bit by bit first: a blit would decode the values of an SRGB source, and the window's frame is UNORM.
 void Mirror::record(VkCommandBuffer commands, const MirrorSource& source,

@@ -19,7 +19,7 @@ MenuLayer::MenuLayer(Headset& headset, const Device& device, const Session& sess
     : headset_(headset), panel_(kWidth, kHeight) {
   const std::optional<VkFormat> format = pictureFormat(session);
   if (!format) {
-    if (log) log(LogLevel::warning, "there is no menu: the runtime has no sRGB images of 8 bits");
+    if (log) log(LogLevel::warning, "no menu: the OpenXR runtime offers no 8-bit sRGB format");
     return;
   }
   images_ =

@@ -41,8 +41,8 @@ Show::Show(Visit& visit)
   visit_.headset = headset_.name();
   visit_.eyes = images_.description();
   say(LogLevel::info, session_.spaceKind() == SpaceKind::stage
-                          ? "STAGE space: the floor is the room's"
-                          : fmt::format("LOCAL space: the eyes begin {:.2f} m above the floor", visit.eyeHeight));
+                          ? "STAGE space: floor of the room"
+                          : fmt::format("LOCAL space: initial eye height {:.2f} m", visit.eyeHeight));
   makeMirror();
   beginLoading();
 }
@@ -84,7 +84,7 @@ void Show::obey(const SessionEvents& events) {
   if (events.handsChanged) {
     const auto [left, right] = hands_.profiles(headset_, session_);
     const auto named = [](const std::string& profile) { return profile.empty() ? std::string("none") : profile; };
-    say(LogLevel::info, fmt::format("Controllers: left {}, right {}", named(left), named(right)));
+    say(LogLevel::info, fmt::format("controllers: left {}, right {}", named(left), named(right)));
   }
 }
 

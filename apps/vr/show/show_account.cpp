@@ -48,9 +48,10 @@ void Show::tellPace(const FrameTimes& times, double periodMs) {
   paceSeconds_ += 1e-3 * times.intervalMs;
   if (paceSeconds_ < kSeconds) return;
   paceSeconds_ = 0;
-  pace_ = fmt::format("{:.1f} ms of {:.1f} ms a frame, {} cells", std::max(times.processorMs, times.deviceMs), periodMs,
-                      times.cells);
-  if (times.level > 0) pace_ += fmt::format(", {} of {} steps down", times.level, governor_.levels.size() - 1);
+  pace_ = fmt::format("{:.1f} ms of {:.1f} ms per frame, {} cells", std::max(times.processorMs, times.deviceMs),
+                      periodMs, times.cells);
+  if (times.level > 0)
+    pace_ += fmt::format(", detail reduced by {} of {} levels", times.level, governor_.levels.size() - 1);
 }
 
 bool Show::wantsPicture() const {
@@ -68,7 +69,7 @@ void Show::writePictures(const std::vector<Camera>& eyes) {
     const auto written =
         writeEyes(file, capture_.read(), eyes, pictureSettingsJson(drawnWith_, options().gpuScene, floor_));
     visit_.pictures.insert(visit_.pictures.end(), written.begin(), written.end());
-    say(LogLevel::info, fmt::format("{} and {} are written", written[0].string(), written[1].string()));
+    say(LogLevel::info, fmt::format("{} and {} written", written[0].string(), written[1].string()));
   } catch (const std::exception& e) {
     if (last) throw;  // the requested screenshot failed, so the program fails
     trouble_ = e.what();

@@ -157,7 +157,7 @@ void Show::makeMirror() try {
   mirror_.emplace(device_, images_.format(), images_.extent());
 } catch (const Error& e) {
   window_.reset();
-  say(LogLevel::warning, fmt::format("there is no mirror: {}", e.what()));
+  say(LogLevel::warning, fmt::format("no mirror window: {}", e.what()));
 }
 
 // Errors of the mirror do not stop the headset. A lost device will be reported by the headset's own calls.
@@ -170,7 +170,7 @@ void Show::showInMirror() try {
   window_->end(*frame);
 } catch (const Error& e) {
   window_.reset();
-  say(LogLevel::warning, fmt::format("the mirror has ended: {}", e.what()));
+  say(LogLevel::warning, fmt::format("the mirror window has stopped: {}", e.what()));
 }
 
 }  // namespace ibr::app

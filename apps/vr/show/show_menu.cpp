@@ -79,7 +79,7 @@ void Show::obeyWaitingMenu(double seconds) {
   }
   if (!menu_.isOpen()) return;
   MenuModel model;
-  model.line = fmt::format("reading {}", options().places[visit_.current].string());
+  model.line = fmt::format("loading {}", options().places[visit_.current].string());
   const MenuWishes wishes = menu_.show(model, hands, seconds);
   visit_.leaving |= wishes.exit;
   if (wishes.close) menu_.close();

@@ -69,7 +69,7 @@ void Show::settle(std::unique_ptr<StereoPlace> place) {
   const PlaceFiles& files = place_->files();
   if (!files.level)
     say(LogLevel::warning,
-        fmt::format("{}: the photographs were held in too many ways to tell where up is", files.path.string()));
+        fmt::format("{}: the photographs have no common up direction; y is used", files.path.string()));
   governor_ = startGovernor(levelsOf(files));
   excuse(governor_);
   pending_ = {};

@@ -57,7 +57,7 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
 
 PlaceFiles readPlace(const std::filesystem::path& path, double unitsPerMetre) {
   check(assetKind(path).value_or(AssetKind::scene) == AssetKind::scene, ErrorCode::unsupported,
-        "{}: harmonised models are for flat screens (ibr-viewer); ibr-vr shows scenes", path.string());
+        "{}: ibr-vr shows scenes only; open harmonised models in ibr-viewer", path.string());
   PlaceFiles files{.path = path, .scene = loadScene(path)};
   check(!files.scene.nodes.empty(), ErrorCode::invalidInput, "{}: the scene has no photographs", path.string());
   files.bounds = sceneBounds(files.scene);

@@ -72,7 +72,7 @@ Decision stepDown(GovernorState& state, const Reason& why, std::size_t steps) {
   state.roomSeconds = 0;
   if (state.level + 1 == state.levels.size()) {
     if (std::exchange(state.exhausted, true)) return {state.level, ""};
-    return {state.level, line(state, why, "nothing is left to leave out")};
+    return {state.level, line(state, why, "the lowest level of detail is reached")};
   }
   if (state.climbed) noteTakenBack(state);
   return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), why);

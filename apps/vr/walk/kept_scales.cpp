@@ -58,7 +58,7 @@ void KeptScales::keep(const fs::path& scene, double unitsPerMetre) {
 }
 
 void KeptScales::warn(const std::string& text) const {
-  if (log_) log_(LogLevel::warning, "scales are not kept: " + text);
+  if (log_) log_(LogLevel::warning, "scales are not saved: " + text);
 }
 
 }  // namespace ibr::app

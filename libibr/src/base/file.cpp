@@ -115,7 +115,7 @@ void writeFile(const fs::path& path, std::string_view text) {
 void makeFolders(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  check(!error, ErrorCode::io, "{}: cannot be made: {}", folder.string(), error.message());
+  check(!error, ErrorCode::io, "{}: the folder cannot be created: {}", folder.string(), error.message());
 }
 
 void checkFolderWritable(const fs::path& folder) {
@@ -123,8 +123,8 @@ void checkFolderWritable(const fs::path& folder) {
   fs::path there = fs::absolute(folder);
   while (!fs::exists(there, ignored) && there.has_parent_path() && there != there.parent_path())
     there = there.parent_path();
-  check(fs::is_directory(there, ignored), ErrorCode::io, "{}: cannot be made: {} is no folder", folder.string(),
-        there.string());
+  check(fs::is_directory(there, ignored), ErrorCode::io, "{}: the folder cannot be created: {} is not a folder",
+        folder.string(), there.string());
   check(::access(there.c_str(), W_OK) == 0, ErrorCode::io, "{}: cannot be written: {}", there.string(),
         std::strerror(errno));
 }
@@ -143,7 +143,7 @@ fs::path pathInside(const fs::path& folder, const fs::path& relative) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);
   const fs::path path = error ? fs::path() : fs::weakly_canonical(root / relative, error);
-  check(!error, ErrorCode::invalidInput, "{}: is no path in {}: {}", relative.string(), folder.string(),
+  check(!error, ErrorCode::invalidInput, "{}: is not a valid path in {}: {}", relative.string(), folder.string(),
         error.message());
   const auto [rootEnd, unused] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
   check(relative.is_relative() && rootEnd == root.end() && path != root, ErrorCode::invalidInput,

@@ -12,8 +12,8 @@
 namespace ibr {
 
 HtmCoordinatesPass::HtmCoordinatesPass(const Device& device, const HtmFrameSet& set, std::uint32_t mostGroups)
-    : rank_(makeComputePipeline(
-          device, {.name = "members in order", .shader = shaders::htm_rank_comp, .layout = set.layout()})),
+    : rank_(makeComputePipeline(device,
+                                {.name = "rank members", .shader = shaders::htm_rank_comp, .layout = set.layout()})),
       harmonise_(makeComputePipeline(
           device, {.name = "harmonise", .shader = shaders::htm_harmonise_comp, .layout = set.layout()})),
       colours_(makeComputePipeline(

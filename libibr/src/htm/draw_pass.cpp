@@ -51,7 +51,7 @@ HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const Htm
               .extent = options.maxExtent,
               .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
               .aspect = VK_IMAGE_ASPECT_DEPTH_BIT},
-             "depth of a harmonised model's picture"),
+             "depth of a harmonised model's image"),
       depthPipeline_(makeGraphicsPipeline(device, {.name = "depth of a harmonised model",
                                                    .vertex = shaders::htm_depth_vert,
                                                    .layout = set.layout(),

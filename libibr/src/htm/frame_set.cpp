@@ -55,7 +55,7 @@ void HtmFrameSet::show(const Device& device, const GpuHtmModel::State& model) {
   makeHtmBuffer(device, cameras_, count * sizeof(shader::HtmCameraParameters), "planned cameras");
   makeHtmBuffer(device, displacements_, (model.hasComplements ? count * vertices : 1) * sizeof(glm::vec2),
                 "harmonised displacements");
-  makeHtmBuffer(device, ranked_, vertices * sizeof(glm::uvec2), "members in a plan's order");
+  makeHtmBuffer(device, ranked_, vertices * sizeof(glm::uvec2), "members by rank");
   makeHtmBuffer(device, colours_, vertices * sizeof(glm::vec4), "vertex colours");
   writeStorageBuffer(device, set_, shader::kBindingHtmPositions, model.positions.get());
   writeStorageBuffer(device, set_, shader::kBindingHtmTriangles, model.triangles.get());

@@ -60,8 +60,9 @@ void checkPicture(const HtmPicture& picture, const HtmCamera& camera) {
   const int width = camera.camera.intrinsics.width, height = camera.camera.intrinsics.height;
   const auto fits = [&](const char* what, const Image8& image, bool channels) {
     check(image.width == width && image.height == height && channels, ErrorCode::invalidInput,
-          "camera '{}': its {} is {}x{} with {} channels, not {}x{} {}", camera.name, what, image.width, image.height,
-          image.channels, width, height, image.channels == 1 ? "in colour" : "in grey");
+          "camera '{}': {} is {}x{} with {} channels, must be {}x{} ({})", camera.name, what, image.width, image.height,
+          image.channels, width, height,
+          image.channels == 1 ? "photographs: 3 or 4 channels" : "visibility: 1 channel");
   };
   fits("photograph", picture.photograph, picture.photograph.channels == 3 || picture.photograph.channels == 4);
   if (!picture.visibility.empty()) fits("visibility", picture.visibility, picture.visibility.channels == 1);
@@ -106,8 +107,8 @@ const HtmModel& checked(const HtmModel& model) {
 
 void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, const char* name) {
   const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
-  check(bytes <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}", name,
-        bytes, most);
+  check(bytes <= most, ErrorCode::unsupported,
+        "harmonised model: {} take {} bytes, more than the storage buffer limit of {} bytes", name, bytes, most);
   if (buffer.get() && buffer.size() >= bytes) return;
   buffer = Buffer();  // first, so that memory never holds two
   buffer =
@@ -185,7 +186,7 @@ void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmPictu
     const std::vector<Image8>& mips = *picture.levels;
     check(mips.size() == photographs.info().mipLevels && mips[0].width == int(page.width) &&
               mips[0].height == int(page.height),
-          ErrorCode::invalidInput, "camera '{}': its levels are those of another model", model.cameras[i].name);
+          ErrorCode::invalidInput, "camera '{}': prepared mip levels belong to another model", model.cameras[i].name);
     for (std::uint32_t level = 0; level < mips.size(); ++level)
       uploader.image(photographs, i, level, {std::uint32_t(mips[level].width), std::uint32_t(mips[level].height)},
                      std::as_bytes(std::span(mips[level].values)));

@@ -22,7 +22,8 @@ void checkInput(const HtmBounds& bounds, const HtmInput& input) {
   checkCamera(input.view, "view", faults);
   const std::vector<Fault> found = faults.take();
   if (!found.empty()) fail(ErrorCode::invalidInput, "{} {}", found[0].field, found[0].message);
-  check(input.view.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "view.intrinsics is no pinhole");
+  check(input.view.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput,
+        "view.intrinsics: the camera model must be pinhole");
   const HtmSettings& s = input.settings;
   const auto inRange = [](const char* name, bool holds, double value) {
     check(holds, ErrorCode::invalidInput, "settings.{} is {}", name, value);
@@ -32,16 +33,16 @@ void checkInput(const HtmBounds& bounds, const HtmInput& input) {
   inRange("depthTolerance (above 0)", s.depthTolerance > 0 && std::isfinite(s.depthTolerance), s.depthTolerance);
   inRange("smoothSeconds (0 or more)", s.smoothSeconds >= 0, s.smoothSeconds);
   for (int c = 0; c < 3; ++c) inRange("background (finite)", std::isfinite(s.background[c]), s.background[c]);
-  check(std::isfinite(input.dtSeconds), ErrorCode::invalidInput, "dtSeconds is {}", input.dtSeconds);
+  check(std::isfinite(input.dtSeconds), ErrorCode::invalidInput, "dtSeconds {} must be finite", input.dtSeconds);
   check(finite(bounds.middle), ErrorCode::invalidInput, "bounds.middle is not finite");
-  check(bounds.radius > 0 && std::isfinite(bounds.radius), ErrorCode::invalidInput, "bounds.radius is {}",
-        bounds.radius);
+  check(bounds.radius > 0 && std::isfinite(bounds.radius), ErrorCode::invalidInput,
+        "bounds.radius {} must be positive and finite", bounds.radius);
 }
 
 void checkState(const std::vector<double>& logWeights) {
   for (std::size_t i = 0; i < logWeights.size(); ++i)
-    check(std::isfinite(logWeights[i]) && logWeights[i] <= 0, ErrorCode::invalidInput, "state.logWeights[{}] is {}", i,
-          logWeights[i]);
+    check(std::isfinite(logWeights[i]) && logWeights[i] <= 0, ErrorCode::invalidInput,
+          "state.logWeights[{}] {} must be finite and at most 0", i, logWeights[i]);
 }
 
 glm::dvec3 directionOf(const Pose& pose, const HtmBounds& bounds, HtmDirection direction) {

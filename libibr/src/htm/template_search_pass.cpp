@@ -56,16 +56,17 @@ std::vector<SearchPicture> placesOf(std::span<const Image8* const> pictures) {
 
 void checkLimits(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity) {
   check(capacity.tasks > 0 && capacity.samples > 0, ErrorCode::invalidInput,
-        "template search: a capacity of {} tasks and {} samples", capacity.tasks, capacity.samples);
+        "template search: capacity of {} tasks and {} samples must be positive", capacity.tasks, capacity.samples);
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const std::size_t most = limits.maxStorageBufferRange;
   std::size_t pixels = 0;
   for (const Image8* picture : pictures) pixels += std::size_t(picture->width) * std::size_t(picture->height);
   check(pixels <= most / sizeof(std::uint32_t), ErrorCode::unsupported,
-        "{}: pictures of {} MiB in all do not fit into a buffer; match on the processor", device.name(), pixels >> 18);
+        "{}: images of {} MiB in total do not fit into a storage buffer; match on the CPU", device.name(),
+        pixels >> 18);
   check(capacity.tasks <= std::min<std::size_t>(limits.maxComputeWorkGroupCount[0], most / sizeof(SearchTask)) &&
             capacity.samples <= most / sizeof(TemplateSample),
-        ErrorCode::unsupported, "{}: {} tasks with {} samples in all are too many at once", device.name(),
+        ErrorCode::unsupported, "{}: {} tasks with {} samples exceed the limits of a dispatch", device.name(),
         capacity.tasks, capacity.samples);
 }
 
@@ -105,17 +106,17 @@ TemplateSearchPass::State::State(const Device& device, std::span<const Image8* c
   const std::vector<SearchPicture> places = placesOf(pictures);
   const SearchPicture& last = places.empty() ? SearchPicture{} : places.back();
   const std::size_t texelCount = last.firstTexel + std::size_t(last.size.x) * std::size_t(last.size.y);
-  make(kBindingTemplateTexels, texelCount * sizeof(std::uint32_t), "pictures that are searched");
-  make(kBindingTemplatePictures, places.size() * sizeof(SearchPicture), "their places");
+  make(kBindingTemplateTexels, texelCount * sizeof(std::uint32_t), "searched images");
+  make(kBindingTemplatePictures, places.size() * sizeof(SearchPicture), "layout of searched images");
   make(kBindingTemplateTasks, capacity.tasks * sizeof(SearchTask), "templates");
   make(kBindingTemplateSamples, capacity.samples * sizeof(TemplateSample), "samples of templates");
   make(kBindingTemplateFound, capacity.tasks * sizeof(SearchFound), "found templates");
   hostTasks = Buffer(device, capacity.tasks * sizeof(SearchTask), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload,
-                     "templates, from the host");
+                     "templates upload");
   hostSamples = Buffer(device, capacity.samples * sizeof(TemplateSample), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-                       MemoryKind::upload, "samples of templates, from the host");
+                       MemoryKind::upload, "samples of templates upload");
   hostFound = Buffer(device, capacity.tasks * sizeof(SearchFound), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                     MemoryKind::readback, "found templates, read back");
+                     MemoryKind::readback, "found templates readback");
 
   Uploader uploader(device);
   if (!places.empty()) uploader.buffer(buffers[kBindingTemplatePictures], 0, std::as_bytes(std::span(places)));
@@ -152,8 +153,8 @@ void TemplateSearchPass::set(std::span<const TemplateTask> tasks, std::span<cons
                              TemplateMeasure measure) {
   checkTemplateTasks(tasks, samples, radius, state_->pictureCount);
   check(tasks.size() <= state_->capacity.tasks && samples.size() <= state_->capacity.samples, ErrorCode::invalidInput,
-        "template search: {} tasks with {} samples exceed {} and {}", tasks.size(), samples.size(),
-        state_->capacity.tasks, state_->capacity.samples);
+        "template search: {} tasks with {} samples exceed the capacity of {} tasks and {} samples", tasks.size(),
+        samples.size(), state_->capacity.tasks, state_->capacity.samples);
   state_->set.assign(tasks.begin(), tasks.end());
   state_->samples = samples.size();
   state_->step = {radius, measure == TemplateMeasure::correlation ? kMeasureCorrelation : kMeasureDifferences};

@@ -39,7 +39,7 @@ DepthTexture depthTexture(const DepthMaps& maps, int photographWidth) {
   const ImageF &depth = maps.inverseDepth, &consensus = maps.consensus;
   check(!depth.empty() && depth.channels == 1 && consensus.channels == 1 && depth.width == consensus.width &&
             depth.height == consensus.height,
-        ErrorCode::invalidInput, "depth maps are {}x{} and {}x{}, not of one size with one channel", depth.width,
+        ErrorCode::invalidInput, "depth maps of {}x{} and {}x{} do not have the same size and one channel", depth.width,
         depth.height, consensus.width, consensus.height);
   check(isIn(depth, 0, std::numeric_limits<float>::max()) && isIn(consensus, 0, 1), ErrorCode::invalidInput,
         "depth maps: an inverse depth is negative or not finite, or a consensus is not within 0 to 1");
@@ -72,7 +72,7 @@ DepthMaps readDepthTexture(const Texture& texture, double scale) {
         texture.levels.size());
   check(texture.width > 0 && texture.height > 0 &&
             texture.levels[0].size() == textureBytes(texture.format, texture.width, texture.height),
-        ErrorCode::invalidInput, "a depth texture of {}x{} has {} bytes", texture.width, texture.height,
+        ErrorCode::invalidInput, "a depth texture of {}x{} has a wrong length, {} bytes", texture.width, texture.height,
         texture.levels[0].size());
   check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "the scale of a depth texture, {}, is not positive",
         scale);

@@ -207,11 +207,11 @@ Seen seen(const Image8& picture, const Eye& eye) {
 
 ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree) {
   check(a.width == b.width && a.height == b.height && !a.empty(), ErrorCode::invalidInput,
-        "pictures of {}x{} and {}x{} are empty or differ in size", a.width, a.height, b.width, b.height);
-  check(a.channels >= 3 && b.channels >= 3, ErrorCode::invalidInput, "pictures of {} and {} channels have no colour",
-        a.channels, b.channels);
+        "images of {}x{} and {}x{} are empty or differ in size", a.width, a.height, b.width, b.height);
+  check(a.channels >= 3 && b.channels >= 3, ErrorCode::invalidInput,
+        "images of {} and {} channels: at least 3 are needed", a.channels, b.channels);
   check(pixelsPerDegree >= 1 && pixelsPerDegree <= 1000, ErrorCode::invalidInput,
-        "{} pixels per degree are not 1 to 1000", pixelsPerDegree);
+        "{} pixels per degree is not within 1 to 1000", pixelsPerDegree);
   const Eye eye(pixelsPerDegree);
   const Seen p = seen(a, eye), q = seen(b, eye);
   ImageF map(a.width, a.height, 1);

@@ -24,7 +24,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "fields are copied as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "fields are copied without byte swapping");
 
 constexpr std::array<std::uint8_t, 12> kIdentifier{0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'};
 constexpr std::uint32_t kLargestSide = 1 << 16;  // texels; limit of validate() for photographs
@@ -153,26 +153,27 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
   const FileFormat* format = formatOf(h.vkFormat);
   supported(format != nullptr, "vkFormat", h.vkFormat,
             "only R8G8B8A8 (43, 37), BC1_RGB (132, 131) and BC7 (146, 145), SRGB and UNORM, and R16G16_SFLOAT (83) are "
-            "read");
+            "supported");
   result.format = format->format;
   demand(h.typeSize == format->typeSize, "typeSize", h.typeSize,
-         format->typeSize == 1 ? "is not 1" : "is not 2, that of half floats");
+         format->typeSize == 1 ? "is not 1" : "is not 2, the size of a half float");
   demand(h.width >= 1 && h.width <= kLargestSide, "pixelWidth", h.width, "is not within 1 to 65536");
   demand(h.height >= 1 && h.height <= kLargestSide, "pixelHeight", h.height, "is not within 1 to 65536");
-  supported(h.depth == 0, "pixelDepth", h.depth, "only 2D textures are read");
-  supported(h.layers == 0, "layerCount", h.layers, "arrays are not read");
-  supported(h.faces == 1, "faceCount", h.faces, "cubes are not read");
-  supported(h.supercompression == 0, "supercompressionScheme", h.supercompression, "only 0 is read");
+  supported(h.depth == 0, "pixelDepth", h.depth, "only 2D textures are supported");
+  supported(h.layers == 0, "layerCount", h.layers, "texture arrays are not supported");
+  supported(h.faces == 1, "faceCount", h.faces, "cube maps are not supported");
+  supported(h.supercompression == 0, "supercompressionScheme", h.supercompression, "only 0 is supported");
   const auto most = std::uint32_t(std::bit_width(std::max(h.width, h.height)));
-  demand(h.levels >= 1 && h.levels <= most, "levelCount", h.levels, "does not fit the picture's size");
+  demand(h.levels >= 1 && h.levels <= most, "levelCount", h.levels, "does not fit the image size");
   const std::uint64_t indexEnd = sizeof h + h.levels * sizeof(Level);
   check(start.size() >= indexEnd, ErrorCode::invalidInput, "{}: level index: ends after {} of {} bytes", file,
         start.size(), indexEnd);
   const auto inFile = [&](std::uint64_t offset, std::uint64_t bytes) {
     return offset >= indexEnd && offset <= fileBytes && bytes <= fileBytes - offset;
   };
-  demand(inFile(h.descriptorOffset, h.descriptorBytes), "dfdByteOffset", h.descriptorOffset, "leads out of the file");
-  demand(h.keysBytes == 0 || inFile(h.keysOffset, h.keysBytes), "kvdByteOffset", h.keysOffset, "leads out of the file");
+  demand(inFile(h.descriptorOffset, h.descriptorBytes), "dfdByteOffset", h.descriptorOffset, "points outside the file");
+  demand(h.keysBytes == 0 || inFile(h.keysOffset, h.keysBytes), "kvdByteOffset", h.keysOffset,
+         "points outside the file");
   demand(h.globalBytes == 0, "sgdByteLength", h.globalBytes, "is not 0 without supercompression");
   result.levels.resize(h.levels);
   std::memcpy(result.levels.data(), &start[sizeof h], h.levels * sizeof(Level));
@@ -180,10 +181,10 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
     const Level& level = result.levels[l];
     const std::uint64_t wanted = textureBytes(result.format, side(int(h.width), l), side(int(h.height), l));
     check(level.bytes == wanted && level.plainBytes == wanted, ErrorCode::invalidInput,
-          "{}: levels[{}].byteLength {} ({} uncompressed): is not the {} of {}x{} texels", file, l, level.bytes,
+          "{}: levels[{}].byteLength {} ({} uncompressed): is not {}, the length of {}x{} texels", file, l, level.bytes,
           level.plainBytes, wanted, side(int(h.width), l), side(int(h.height), l));
     check(inFile(level.offset, level.bytes) && level.offset % format->blockBytes == 0, ErrorCode::invalidInput,
-          "{}: levels[{}].byteOffset {}: leads out of the file of {} bytes, or is not a multiple of {}", file, l,
+          "{}: levels[{}].byteOffset {}: points outside the file of {} bytes, or is not a multiple of {}", file, l,
           level.offset, fileBytes, format->blockBytes);
   }
   return result;
@@ -201,7 +202,7 @@ Checked probe(const fs::path& path) {
 
 void writeKtx2(const fs::path& path, const Texture& texture) {
   const std::vector<std::vector<std::byte>>& levels = texture.levels;
-  check(!levels.empty() && levels.size() <= kMostLevels, ErrorCode::invalidInput, "{}: {} levels to write",
+  check(!levels.empty() && levels.size() <= kMostLevels, ErrorCode::invalidInput, "{}: {} levels cannot be written",
         path.string(), levels.size());
   check(texture.width > 0 && texture.height > 0 &&
             levels.size() <= std::size_t(std::bit_width(unsigned(std::max(texture.width, texture.height)))),
@@ -257,8 +258,8 @@ Texture readKtx2(const fs::path& path, int firstLevel) {
   for (std::size_t l = first; l < file.levels.size(); ++l)
     end = std::max(end, file.levels[l].offset + file.levels[l].bytes);
   const std::vector<std::byte> bytes = readFileStart(path, end);
-  check(bytes.size() == end, ErrorCode::io, "{}: ends after {} bytes; it is being written", path.string(),
-        bytes.size());
+  check(bytes.size() == end, ErrorCode::io, "{}: ends after {} bytes; another program may still be writing it",
+        path.string(), bytes.size());
   Texture texture;
   texture.format = file.format;
   texture.width = side(int(file.header.width), first);

@@ -8,8 +8,8 @@ namespace ibr {
 void checkTemplatePictures(std::span<const Image8* const> pictures) {
   for (const Image8* picture : pictures)
     check(picture->channels == 3 && !picture->empty(), ErrorCode::invalidInput,
-          "template search: a picture has {} channels and {} × {} px", picture->channels, picture->width,
-          picture->height);
+          "template search: an image has {} channels and {} × {} px, not 3 channels and a size", picture->channels,
+          picture->width, picture->height);
 }
 
 void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
@@ -20,10 +20,10 @@ void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const Tem
     const TemplateTask& task = tasks[t];
     check(task.picture < pictures && task.count <= kMaxTemplateSampleCount && task.first <= samples.size() &&
               task.count <= samples.size() - task.first,
-          ErrorCode::invalidInput, "template search: task {} is beyond its pictures or samples", t);
+          ErrorCode::invalidInput, "template search: task {} refers to images or samples that do not exist", t);
     const auto near = [](int start) { return start >= -kMaxTemplateStartPx && start <= kMaxTemplateStartPx; };
     check(near(task.start.x) && near(task.start.y), ErrorCode::invalidInput,
-          "template search: task {} starts at ({}, {}), more than {} px away", t, task.start.x, task.start.y,
+          "template search: task {} starts at ({}, {}), more than {} px from the origin", t, task.start.x, task.start.y,
           kMaxTemplateStartPx);
   }
 }

@@ -50,7 +50,7 @@ Image8 decodeLevel(const std::vector<std::byte>& bytes, TextureFormat format, in
         "a texture level of {}x{} in {} has {} bytes, not {}", width, height, textureFormatName(format), bytes.size(),
         textureBytes(format, width, height));
   check(format != TextureFormat::rg16f, ErrorCode::unsupported,
-        "a texture in rg16f holds depth, not a picture; read it with readDepthTexture");
+        "a texture in rg16f holds depth, not an image; read it with readDepthTexture");
   Image8 image(width, height, 4);
   if (format == TextureFormat::rgba8) {
     std::memcpy(image.values.data(), bytes.data(), bytes.size());
@@ -63,7 +63,7 @@ Image8 decodeLevel(const std::vector<std::byte>& bytes, TextureFormat format, in
       pixels = decodeBc1(std::span<const std::byte, kBc1BlockBytes>(in, kBc1BlockBytes));
     else
       check(decodeBc7(std::span<const std::byte, kBc7BlockBytes>(in, kBc7BlockBytes), pixels), ErrorCode::unsupported,
-            "a BC7 block is not of mode 6, the only one that is decoded here; use a device that samples BC7");
+            "a BC7 block has another mode than 6, which the decoder does not support; use a device that samples BC7");
     for (int y = y0; y < std::min(y0 + 4, height); ++y)
       for (int x = x0; x < std::min(x0 + 4, width); ++x)
         std::ranges::copy(pixels[std::size_t(4 * (y - y0) + x - x0)], image.pixel(x, y).begin());
@@ -115,7 +115,7 @@ Texture smallerLevels(const Texture& texture, int firstLevel) {
 
 Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format) {
   check(format != TextureFormat::rg16f, ErrorCode::invalidInput,
-        "a picture is not stored in rg16f, which holds depth; choose rgba8, bc7 or bc1");
+        "rg16f holds depth, not images; choose rgba8, bc7 or bc1");
   checkChain(rgba);
   Texture texture;
   texture.format = format;

@@ -31,7 +31,7 @@ using Transform = std::unique_ptr<void, Delete>;
 class Context {
  public:
   Context() : context_(cmsCreateContext(nullptr, nullptr)) {
-    check(context_ != nullptr, ErrorCode::outOfMemory, "no memory for colours");
+    check(context_ != nullptr, ErrorCode::outOfMemory, "out of memory in lcms2");
   }
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -109,7 +109,7 @@ void adobeRgbToSrgb(Image8& picture) {
   cmsToneCurve* const curves[3] = {curve, curve, curve};
   const Profile from(cmsCreateRGBProfileTHR(context.get(), &white, &primaries, curves));
   cmsFreeToneCurve(curve);
-  check(from != nullptr, ErrorCode::outOfMemory, "no memory for colours");
+  check(from != nullptr, ErrorCode::outOfMemory, "out of memory in lcms2");
   convert(picture, context, from);
 }
 

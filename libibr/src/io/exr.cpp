@@ -40,7 +40,7 @@ class MemoryStream : public Imf::IStream {
   MemoryStream(std::span<const std::byte> bytes, const std::string& name) : Imf::IStream(name.c_str()), bytes_(bytes) {}
 
   bool read(char to[], int count) override {
-    check(count >= 0 && std::size_t(count) <= bytes_.size() - at_, ErrorCode::invalidInput, "{}: is cut short",
+    check(count >= 0 && std::size_t(count) <= bytes_.size() - at_, ErrorCode::invalidInput, "{}: the file is truncated",
           fileName());
     std::memcpy(to, bytes_.data() + at_, std::size_t(count));
     at_ += std::size_t(count);
@@ -48,7 +48,7 @@ class MemoryStream : public Imf::IStream {
   }
   std::uint64_t tellg() override { return at_; }
   void seekg(std::uint64_t at) override {
-    check(at <= bytes_.size(), ErrorCode::invalidInput, "{}: is cut short", fileName());
+    check(at <= bytes_.size(), ErrorCode::invalidInput, "{}: the file is truncated", fileName());
     at_ = std::size_t(at);
   }
 
@@ -90,7 +90,7 @@ std::vector<ExrChannel> readExr(const std::filesystem::path& path) {
     const std::int64_t width = std::int64_t(box.max.x) - box.min.x + 1,
                        height = std::int64_t(box.max.y) - box.min.y + 1;
     check(width > 0 && height > 0 && width <= kLargestSide && height <= kLargestSide && width * height <= kLargestCount,
-          ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} a side and {} in all", path.string(), width,
+          ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} per side and {} in total", path.string(), width,
           height, kLargestSide, kLargestCount);
     std::vector<ExrChannel> channels;
     for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)

@@ -21,7 +21,7 @@ namespace io {
 void checkSize(const ImageFileInfo& info, const ReadLimits& limits, const std::string& name) {
   const bool fits = info.width > 0 && info.height > 0 && info.width <= limits.side && info.height <= limits.side &&
                     std::int64_t(info.width) * info.height <= limits.pixels;
-  check(fits, ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} a side and {} in all", name, info.width,
+  check(fits, ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} per side and {} in total", name, info.width,
         info.height, limits.side, limits.pixels);
 }
 
@@ -76,7 +76,7 @@ Format formatOf(Bytes file, const std::string& name) {
   check(!file.empty(), ErrorCode::invalidInput, "{}: is empty", name);
   const char* const foreign = foreignFormat(file);
   check(format.has_value() || !*foreign, ErrorCode::unsupported,
-        "{}: is a {} file, which is not read; convert it to JPEG", name, foreign);
+        "{}: {} files are not supported; convert the file to JPEG", name, foreign);
   check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
   return *format;
 }
@@ -143,9 +143,9 @@ void writeImage(const fs::path& path, const Image8& image, int quality) {
   const std::string name = path.string();
   const std::string extension = io::lowerExtension(path);
   const bool jpeg = extension == ".jpg" || extension == ".jpeg";
-  check(jpeg || extension == ".png", ErrorCode::unsupported, "{}: pictures are written as .png, .jpg or .jpeg", name);
+  check(jpeg || extension == ".png", ErrorCode::unsupported, "{}: the file extension is not .png, .jpg or .jpeg", name);
   check(image.channels == 1 || image.channels == 3 || (image.channels == 4 && !jpeg), ErrorCode::unsupported,
-        "{}: {} channels do not fit the format", name, image.channels);
+        "{}: {} channels are not supported by the format", name, image.channels);
   writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, {}, name));
 }
 
@@ -163,14 +163,14 @@ void writeUpright(const fs::path& from, const fs::path& to) {
 void writeImage(const fs::path& path, const Image8& image, const std::vector<ImageText>& texts) {
   assert(image.width > 0 && image.height > 0);
   const std::string name = path.string();
-  check(io::lowerExtension(path) == ".png", ErrorCode::unsupported, "{}: only .png takes texts", name);
+  check(io::lowerExtension(path) == ".png", ErrorCode::unsupported, "{}: only .png files can hold texts", name);
   check(image.channels == 1 || image.channels == 3 || image.channels == 4, ErrorCode::unsupported,
-        "{}: {} channels do not fit the format", name, image.channels);
+        "{}: {} channels are not supported by the format", name, image.channels);
   for (const auto& [key, text] : texts) {
     const auto printable = [](char c) { return c >= ' ' && c <= '~'; };
     check(!key.empty() && key.size() < 80 && std::ranges::all_of(key, printable) && key.front() != ' ' &&
               key.back() != ' ' && key.find("  ") == std::string::npos,
-          ErrorCode::invalidInput, "{}: \"{}\" is no key of a text", name, key);
+          ErrorCode::invalidInput, "{}: \"{}\" is not a valid key of a PNG text", name, key);
     check(text.find('\0') == std::string::npos, ErrorCode::invalidInput, "{}: the text \"{}\" has a zero byte", name,
           key);
   }

@@ -69,7 +69,7 @@ void weigh(j_common_ptr state, int level) {
 void countScans(j_common_ptr state) {
   if (reinterpret_cast<j_decompress_ptr>(state)->input_scan_number <= kMostScans) return;
   auto& errors = static_cast<Errors&>(*state->err);
-  constexpr char kText[] = "has more progressive scans than any camera writes";
+  constexpr char kText[] = "has too many progressive scans";
   std::memcpy(errors.text, kText, sizeof kText);
   std::longjmp(errors.jump, 1);
 }
@@ -151,7 +151,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
   void checkColours(const std::string& name) const {
     const auto space = state.jpeg_color_space;
     check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
-          "{}: {} components, of colours that are neither grey nor RGB{}", name, state.num_components,
+          "{}: {} colour components that are neither grey nor RGB{}", name, state.num_components,
           space == JCS_CMYK || space == JCS_YCCK ? kCmykAdvice : "");
   }
 

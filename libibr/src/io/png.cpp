@@ -41,7 +41,7 @@ class Codec {
     if (png) info = png_create_info_struct(png);
     if (info) return;
     destroy();
-    fail(ErrorCode::outOfMemory, "{}: no memory for libpng", name);
+    fail(ErrorCode::outOfMemory, "{}: out of memory in libpng", name);
   }
   Codec(const Codec&) = delete;
   Codec& operator=(const Codec&) = delete;
@@ -104,7 +104,7 @@ class Decoder : public Codec {
  private:
   static void take(png_structp png, png_bytep out, std::size_t size) {
     auto& rest = *static_cast<Bytes*>(png_get_io_ptr(png));
-    if (rest.size() < size) png_error(png, "ends too early");
+    if (rest.size() < size) png_error(png, "the file is truncated");
     std::memcpy(out, rest.data(), size);
     rest = rest.subspan(size);
   }
@@ -164,7 +164,7 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
     const int passes = png_set_interlace_handling(png);
     png_read_update_info(png, decoder.info);
     const std::size_t stride = std::size_t(image.width) * 3;
-    if (png_get_rowbytes(png, decoder.info) != stride) png_error(png, "is of a kind that is not read");
+    if (png_get_rowbytes(png, decoder.info) != stride) png_error(png, "the pixel format is not supported");
     for (int pass = 0; pass < passes; ++pass)
       for (int y = 0; y < image.height; ++y) png_read_row(png, image.values.data() + std::size_t(y) * stride, nullptr);
     png_read_end(png, decoder.info);
@@ -181,7 +181,7 @@ Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const Re
   Decoder decoder(file, name);
   const ImageFileInfo info = decoder.probe();
   check(info.channels == 1 && info.bitsPerChannel == 16, ErrorCode::invalidInput,
-        "{}: has {} channels of {} bits, not one of 16", name, info.channels, info.bitsPerChannel);
+        "{}: has {} channels of {} bits, not 1 channel of 16 bits", name, info.channels, info.bitsPerChannel);
   checkFits(decoder, info, file, name, limits);
   Image<std::uint16_t> image(info.width, info.height, 1);
   decoder.guarded([&] {

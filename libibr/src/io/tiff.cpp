@@ -68,7 +68,7 @@ class Decoder {
   Decoder(Bytes file, const std::string& name) : name_(name), stream_{file} {
     // Handlers for this file only: libtiff's default ones are global.
     TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-    check(options, ErrorCode::outOfMemory, "{}: no memory for libtiff", name);
+    check(options, ErrorCode::outOfMemory, "{}: out of memory in libtiff", name);
     TIFFOpenOptionsSetErrorHandlerExtR(options, remember, &stream_);
     TIFFOpenOptionsSetWarningHandlerExtR(options, ignore, nullptr);
     tiff = TIFFClientOpenExt(name.c_str(), "r", &stream_, take, refuse, seek, close, size, map, unmap, options);
@@ -80,7 +80,7 @@ class Decoder {
   ~Decoder() { TIFFClose(tiff); }
 
   [[noreturn]] void give(ErrorCode code) const {
-    fail(code, "{}: {}", name_, *stream_.text ? stream_.text : "is damaged");
+    fail(code, "{}: {}", name_, *stream_.text ? stream_.text : "the file is damaged");
   }
 
   ImageFileInfo info() const {
@@ -145,7 +145,7 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   char text[1024] = {};
   constexpr int kStopOnError = 1;
   if (!TIFFRGBAImageOK(decoder.tiff, text) || !TIFFRGBAImageBegin(&reader, decoder.tiff, kStopOnError, text))
-    fail(ErrorCode::unsupported, "{}: {}. Save it as RGB of 8 or 16 bits", name, text);
+    fail(ErrorCode::unsupported, "{}: {}; save it as RGB of 8 or 16 bits", name, text);
   reader.req_orientation = reader.orientation;  // as stored
   const auto pixels = std::size_t(info.width) * std::size_t(info.height);
   const auto raster = std::make_unique_for_overwrite<std::uint32_t[]>(pixels);
@@ -174,7 +174,7 @@ void checkKind(const Decoder& decoder, const ImageFileInfo& info, const std::str
   std::uint32_t subfile = 0;
   TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);
   check(!(subfile & FILETYPE_REDUCEDIMAGE) && photometric != PHOTOMETRIC_CFA, ErrorCode::unsupported,
-        "{}: begins with a preview or holds what a sensor measured, as raw files do: develop it first", name);
+        "{}: holds a preview image or raw sensor data; develop the raw file to JPEG or 16-bit TIFF", name);
 }
 
 }  // namespace

@@ -66,13 +66,13 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
     case AlignmentMethod::gradient:
       return gradientMover(input);
     case AlignmentMethod::compute:
-      check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
+      check(device != nullptr, ErrorCode::invalidInput, "alignment: method compute requires a device");
       return computeMover(input, *device);
     case AlignmentMethod::raster:
-      check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
+      check(device != nullptr, ErrorCode::invalidInput, "alignment: method raster requires a device");
       return rasterMover(input, *device);
   }
-  fail(ErrorCode::invalidInput, "alignment: method {} is none", int(input.options.method));
+  fail(ErrorCode::invalidInput, "alignment: unknown method {}", int(input.options.method));
 }
 
 // A mesh whose points move, whose edges flip and which gains points.
@@ -139,20 +139,23 @@ class MovingMesh {
 
 std::string optionsFault(const AlignmentOptions& o) {
   const auto within = [](double value, double least, double most) { return value >= least && value <= most; };
-  if (!within(o.instances, 2, 256)) return fmt::format("instances {}: 2 to 256", o.instances);
-  if (!(o.radiusPx > 0 && o.radiusPx <= 64)) return fmt::format("radius {} px: above 0, at most 64", o.radiusPx);
-  if (!(o.decay > 0 && o.decay <= 1)) return fmt::format("decay {}: above 0, at most 1", o.decay);
-  if (!(o.threshold >= 0 && std::isfinite(o.threshold))) return fmt::format("threshold {}: at least 0", o.threshold);
-  if (o.maxCycles < 1) return fmt::format("cycles {}: at least 1", o.maxCycles);
-  if (!within(o.rigidity, 0, 10000)) return fmt::format("rigidity {}: 0 to 10000", o.rigidity);
-  if (!within(o.levels, 1, 8)) return fmt::format("levels {}: 1 to 8", o.levels);
-  if (!within(o.escape, 0, 256)) return fmt::format("escape {}: 0 to 256", o.escape);
-  if (!within(o.epipolarWeight, 0, 10000)) return fmt::format("epipolar weight {}: 0 to 10000", o.epipolarWeight);
-  if (!within(o.flipGain, 0, 1)) return fmt::format("flip gain {}: 0 to 1", o.flipGain);
-  if (!within(o.insertBelow, -1, 1)) return fmt::format("insertion below {}: -1 to 1", o.insertBelow);
-  if (!within(o.insertGain, 0, 1)) return fmt::format("insertion gain {}: 0 to 1", o.insertGain);
-  if (!within(o.insertShare, 0, 4)) return fmt::format("insertion share {}: 0 to 4", o.insertShare);
-  if (!within(o.varianceFloor, 0, 1000)) return fmt::format("variance floor {}: 0 to 1000", o.varianceFloor);
+  if (!within(o.instances, 2, 256)) return fmt::format("instances {}: must be 2 to 256", o.instances);
+  if (!(o.radiusPx > 0 && o.radiusPx <= 64))
+    return fmt::format("radiusPx {}: must be above 0 and at most 64", o.radiusPx);
+  if (!(o.decay > 0 && o.decay <= 1)) return fmt::format("decay {}: must be above 0 and at most 1", o.decay);
+  if (!(o.threshold >= 0 && std::isfinite(o.threshold)))
+    return fmt::format("threshold {}: must be at least 0", o.threshold);
+  if (o.maxCycles < 1) return fmt::format("maxCycles {}: must be at least 1", o.maxCycles);
+  if (!within(o.rigidity, 0, 10000)) return fmt::format("rigidity {}: must be 0 to 10000", o.rigidity);
+  if (!within(o.levels, 1, 8)) return fmt::format("levels {}: must be 1 to 8", o.levels);
+  if (!within(o.escape, 0, 256)) return fmt::format("escape {}: must be 0 to 256", o.escape);
+  if (!within(o.epipolarWeight, 0, 10000))
+    return fmt::format("epipolarWeight {}: must be 0 to 10000", o.epipolarWeight);
+  if (!within(o.flipGain, 0, 1)) return fmt::format("flipGain {}: must be 0 to 1", o.flipGain);
+  if (!within(o.insertBelow, -1, 1)) return fmt::format("insertBelow {}: must be -1 to 1", o.insertBelow);
+  if (!within(o.insertGain, 0, 1)) return fmt::format("insertGain {}: must be 0 to 1", o.insertGain);
+  if (!within(o.insertShare, 0, 4)) return fmt::format("insertShare {}: must be 0 to 4", o.insertShare);
+  if (!within(o.varianceFloor, 0, 1000)) return fmt::format("varianceFloor {}: must be 0 to 1000", o.varianceFloor);
   return {};
 }
 

@@ -59,13 +59,14 @@ void copyToHost(VkCommandBuffer commands, const Buffer& from, const Buffer& to, 
 
 AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
                                    const Positions& starts) {
-  check(device.supportsInt64(), ErrorCode::unsupported, "{}: shaders cannot count in 64 bits; align on the processor",
+  check(device.supportsInt64(), ErrorCode::unsupported, "{}: shaderInt64 is not supported; align with method cpu",
         device.name());
   const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
   std::size_t texels = 0;
   for (const Texels& picture : pictures) texels += picture.words.size();
   check(texels * sizeof(std::uint32_t) <= device.properties().limits.maxStorageBufferRange, ErrorCode::unsupported,
-        "{}: pictures of {} MiB in all do not fit into a buffer; align on the processor", device.name(), texels >> 18);
+        "{}: images of {} MiB in total do not fit into a storage buffer; align with method cpu", device.name(),
+        texels >> 18);
 
   const std::size_t moving = std::max<std::size_t>(mesh.colours.values.size(), 1);
   const auto make = [&](int binding, std::size_t bytes, const char* name) {
@@ -88,14 +89,14 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
   fill(kBindingKeptFirst, std::as_bytes(std::span(mesh.kept.first)), "first edges kept");
   fill(kBindingKeptEdges, std::as_bytes(std::span(kept)), "edges kept");
   fill(kBindingBorder, std::as_bytes(std::span(borders)), "borders");
-  fill(kBindingPoints, std::as_bytes(std::span(mesh.colours.values)), "points that move");
-  make(kBindingTexels, texels * sizeof(std::uint32_t), "pictures to be aligned");
+  fill(kBindingPoints, std::as_bytes(std::span(mesh.colours.values)), "movable points");
+  make(kBindingTexels, texels * sizeof(std::uint32_t), "images to align");
   for (std::size_t i = 0; i < d; ++i)
     uploader.buffer(buffers_[kBindingTexels], VkDeviceSize(described.pictures[i].firstTexel) * sizeof(std::uint32_t),
                     std::as_bytes(std::span(pictures[i].words)));
   uploader.flush();
   make(kBindingPositions, d * n * sizeof(glm::ivec2), "positions");
-  make(kBindingStarts, d * n * sizeof(glm::ivec2), "first positions");
+  make(kBindingStarts, d * n * sizeof(glm::ivec2), "initial positions");
   upload(device, starts, kBindingStarts);
   make(kBindingOutcomes, d * moving * sizeof(AlignmentOutcome), "outcomes");
   make(kBindingJudgements, d * n * sizeof(AlignmentJudgement), "judgements");
@@ -103,9 +104,9 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
     return Buffer(device, buffers_[std::size_t(binding)].size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback,
                   name);
   };
-  hostPositions_ = host(kBindingPositions, "positions, read back");
-  hostOutcomes_ = host(kBindingOutcomes, "outcomes, read back");
-  hostJudgements_ = host(kBindingJudgements, "judgements, read back");
+  hostPositions_ = host(kBindingPositions, "positions readback");
+  hostOutcomes_ = host(kBindingOutcomes, "outcomes readback");
+  hostJudgements_ = host(kBindingJudgements, "judgements readback");
 
   std::array<VkDescriptorSetLayoutBinding, kAlignmentBindings> bindings;
   for (std::uint32_t b = 0; b < bindings.size(); ++b)

@@ -32,7 +32,7 @@ GpuImage imageOf(const Device& device, const Texels& texels, glm::ivec2 size, Up
                  {.format = VK_FORMAT_R8G8B8A8_UNORM,
                   .extent = {std::uint32_t(size.x), std::uint32_t(size.y)},
                   .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
-                 "picture to be aligned");
+                 "image to align");
   std::vector<std::uint32_t> words;
   for (int y = 0; y < size.y; ++y)
     for (int x = 0; x < size.x; ++x) words.push_back(*texels.at(x, y) ^ 0x808080u);
@@ -48,7 +48,7 @@ class RasterMover final : public Mover {
         buffers_(device, input.mesh, input.pictures, input.alignment.position),
         submission_(device) {
     check(device.supportsInt64Atomics(), ErrorCode::unsupported,
-          "{}: fragments cannot add to sums of 64 bits; align by compute or on the processor", device.name());
+          "{}: shaderBufferInt64Atomics is not supported; align with method compute or cpu", device.name());
     definition_ = input.options.definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated;
     sums_ = Buffer(device,
                    VkDeviceSize(input.options.instances) * sizeof(std::int64_t) * shader::kEccSums *

@@ -28,7 +28,7 @@ std::int64_t areaInMean(const Positions& at, std::size_t i, std::size_t k, const
 
 void checkAlignment(const Alignment& a) {
   const std::size_t d = a.pictures.size();
-  check(d >= 2 && d <= 4, ErrorCode::invalidInput, "alignment: {} pictures; 2 to 4 are asked for", d);
+  check(d >= 2 && d <= 4, ErrorCode::invalidInput, "alignment.pictures: {} pictures, must be 2 to 4", d);
   check(a.position.size() == d, ErrorCode::invalidInput, "alignment.position: {} lists for {} pictures",
         a.position.size(), d);
   const std::size_t n = a.position[0].size();
@@ -36,10 +36,10 @@ void checkAlignment(const Alignment& a) {
         a.fixed.size(), n);
   for (std::size_t i = 0; i < d; ++i) {
     check(a.pictures[i] && a.pictures[i]->channels == 3 && a.pictures[i]->width > 0 && a.pictures[i]->height > 0,
-          ErrorCode::invalidInput, "alignment.pictures[{}]: not an RGB picture", i);
+          ErrorCode::invalidInput, "alignment.pictures[{}]: not an RGB image", i);
     const glm::ivec2 size(a.pictures[i]->width, a.pictures[i]->height);
     check(std::max(size.x, size.y) <= kLargestSide, ErrorCode::invalidInput,
-          "alignment.pictures[{}]: {}×{} px; a side has at most {}", i, size.x, size.y, kLargestSide);
+          "alignment.pictures[{}]: {}×{} px, a side must be at most {} px", i, size.x, size.y, kLargestSide);
     check(a.position[i].size() == n, ErrorCode::invalidInput, "alignment.position[{}]: {} points, not {}", i,
           a.position[i].size(), n);
     for (std::size_t p = 0; p < n; ++p) {
@@ -53,15 +53,15 @@ void checkAlignment(const Alignment& a) {
   const auto checkIndices = [&](const std::vector<glm::uvec3>& triangles, const char* name) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (int c = 0; c < 3; ++c)
-        check(triangles[t][c] < n, ErrorCode::invalidInput, "alignment.{}[{}]: corner {} of {} points", name, t,
-              triangles[t][c], n);
+        check(triangles[t][c] < n, ErrorCode::invalidInput, "alignment.{}[{}]: corner {} is beyond the {} points", name,
+              t, triangles[t][c], n);
   };
   checkIndices(a.triangles, "triangles");
   checkIndices(a.kept, "kept");
   for (std::size_t t = 0; t < a.triangles.size(); ++t)
     for (std::size_t i = 0; i < d; ++i)
       check(areaIn(a.position[i], a.triangles[t]) > 0, ErrorCode::invalidInput,
-            "alignment.triangles[{}]: folded over in picture {}", t, i);
+            "alignment.triangles[{}]: folded over in image {}", t, i);
 }
 
 struct Lists {

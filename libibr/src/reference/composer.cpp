@@ -165,8 +165,9 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
   const std::size_t points = backdrop.mesh.pointCount();
   check(backdrop.members == std::vector{planned.node} && backdrop.mesh.confirmations.size() == points &&
             backdrop.mesh.consensus.size() == points,
-        ErrorCode::invalidInput, "planned photograph of node {}: backdrop {} is another's, or its mesh has no evidence",
-        planned.node, planned.backdrop);
+        ErrorCode::invalidInput,
+        "planned photograph of node {}: backdrop {} belongs to another node, or its mesh has no evidence", planned.node,
+        planned.backdrop);
   Candidate candidate;
   candidate.camera = node.camera;
   candidate.weight = planned.weight;
@@ -176,12 +177,12 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
   candidate.residual = plan.gather.residualPx / px;
   candidate.levels = &textures.photograph(planned.node);
   check(!candidate.levels->empty() && candidate.levels->front().channels == 4, ErrorCode::invalidInput,
-        "node {}: its texture is empty or not RGBA", planned.node);
+        "node {}: the texture is empty or not RGBA", planned.node);
   candidate.cubic = textures.filter == TextureFilter::bicubic;
   candidate.masked = !node.maskFile.empty();
   candidate.depth = &textures.depth(planned.node);
   check(!candidate.depth->empty() && node.depthScale > 0, ErrorCode::invalidInput,
-        "node {}: its depth texture is empty, or of scale {}", planned.node, node.depthScale);
+        "node {}: the depth texture is empty, or depthScale {} is not positive", planned.node, node.depthScale);
   candidate.depthScale = node.depthScale;
   if (plan.settings.exposure != Exposure::off) candidate.gain = plan.exposure * node.gain;
   return candidate;
@@ -201,11 +202,11 @@ std::vector<Image8> finestLevel(const Image8& picture) {
 Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
                          int threads) {
   const RenderSettings& settings = plan.settings;
-  check(view < plan.views.size(), ErrorCode::invalidInput, "the plan has {} views, not view {}", plan.views.size(),
+  check(view < plan.views.size(), ErrorCode::invalidInput, "the plan has {} views, no view {}", plan.views.size(),
         view);
-  check(settings.renderScale == 1, ErrorCode::invalidInput, "renderScale {}: only 1 is composed", settings.renderScale);
+  check(settings.renderScale == 1, ErrorCode::invalidInput, "renderScale {} must be 1", settings.renderScale);
   check(plan.gather.spacing > 0 && std::isfinite(plan.gather.spacing), ErrorCode::invalidInput,
-        "spacing {} of the capture is not positive", plan.gather.spacing);
+        "gather.spacing {} must be positive and finite", plan.gather.spacing);
   check(settings.gatherColours >= 1 && settings.gatherColours <= kMaxGatherColours && settings.gatherLayers >= 1 &&
             settings.gatherLayers <= kMaxGatherLayers,
         ErrorCode::invalidInput, "gatherColours {} or gatherLayers {} is out of range", settings.gatherColours,
@@ -248,18 +249,19 @@ void fillColours(Composed& view) {
 
 Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options)
     : photographs_(std::move(photographs)), options_(options) {
-  check(!photographs_.empty(), ErrorCode::invalidInput, "there are no photographs to compose a view from");
+  check(!photographs_.empty(), ErrorCode::invalidInput, "composer: there are no photographs");
   std::vector<Camera> cameras;
   std::vector<double> steps, depths;
   for (std::size_t i = 0; i < photographs_.size(); ++i) {
     const auto& [camera, depth] = photographs_[i];
-    check(camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "photograph {}: is no pinhole", i);
+    check(camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput,
+          "photograph {}: the camera model must be pinhole", i);
     const ImageF& map = depth.inverseDepth;
     check(!map.empty() && depth.confirmations.values.size() == map.values.size() &&
               depth.consensus.values.size() == map.values.size(),
-          ErrorCode::invalidInput, "photograph {}: its depth maps are empty or of different sizes", i);
+          ErrorCode::invalidInput, "photograph {}: depth maps are empty or differ in size", i);
     check(depth.step > 0 && std::isfinite(depth.step), ErrorCode::invalidInput,
-          "photograph {}: step {} is not positive", i, depth.step);
+          "photograph {}: step {} must be positive and finite", i, depth.step);
     cameras.push_back(camera);
     steps.push_back(depth.step);
     occluders_.push_back(blockMaxima(map, camera.intrinsics.width));

@@ -51,7 +51,7 @@ CompiledShader compileShader(const std::string& compiler, const std::filesystem:
         [&] { return goesOn() && watch.seconds() < kLongestSeconds; });
     if (run.status != 0 || run.stopped) {
       if (run.stopped) result.text += fmt::format("{}: stopped after {:.0f} s\n", compiler, watch.seconds());
-      if (result.text.empty()) result.text = fmt::format("{}: ended with status {}\n", compiler, run.status);
+      if (result.text.empty()) result.text = fmt::format("{}: failed with exit status {}\n", compiler, run.status);
       return result;
     }
     const std::vector<std::byte> bytes = readFile(spirv, kLargest);

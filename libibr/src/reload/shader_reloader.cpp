@@ -23,7 +23,7 @@ std::string refusal(std::span<const std::uint32_t> embedded, const CompiledShade
   if (compiled.words.empty()) return compiled.text;
   try {
     const std::string text = interfaceMismatch(spirvInterface(embedded), spirvInterface(compiled.words));
-    return text.empty() ? text : "its interface is not that of the program, which must be built again for it:\n" + text;
+    return text.empty() ? text : "the interface differs from the built-in shader's; rebuild the program:\n" + text;
   } catch (const Error& error) {
     return error.what();
   }
@@ -64,8 +64,8 @@ ShaderReloader::ShaderReloader(Device& device, ShaderReloadOptions options) {
   };
   runChild({options.compiler, "--version"}, {}, keepFirst, [&] { return watch.seconds() < kLongestSeconds; });
   state_ = std::make_unique<State>(device, options);
-  state_->say(LogLevel::info, fmt::format("shaders of {} are compiled when they change, by {} ({})",
-                                          options.folder.string(), options.compiler, version));
+  state_->say(LogLevel::info, fmt::format("shaders in {} are compiled on change with {} ({})", options.folder.string(),
+                                          options.compiler, version));
 }
 ShaderReloader::ShaderReloader(ShaderReloader&&) noexcept = default;
 ShaderReloader& ShaderReloader::operator=(ShaderReloader&&) noexcept = default;
@@ -90,7 +90,7 @@ ShaderReloader::Result ShaderReloader::poll() {
     if (std::ranges::equal(compiled.words, state_->replacements.inUse(*shader.words))) continue;
     if (std::ranges::equal(compiled.words, *shader.words)) compiled.words.clear();
     before.emplace_back(&shader, state_->use(*shader.words, std::move(compiled.words)));
-    state_->say(LogLevel::info, fmt::format("{} is replaced", file));
+    state_->say(LogLevel::info, fmt::format("{}: shader replaced", file));
     result.replaced.push_back(file);
   }
   if (!before.empty()) {

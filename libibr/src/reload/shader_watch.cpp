@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 ShaderWatch::ShaderWatch(const fs::path& folder, std::string compiler, std::vector<std::string> files)
     : compiler_(std::move(compiler)) {
   std::error_code error;
-  check(fs::is_directory(folder, error), ErrorCode::io, "'{}' is no folder of shaders", folder.string());
+  check(fs::is_directory(folder, error), ErrorCode::io, "'{}' is not a folder", folder.string());
   folder_ = fs::canonical(folder, error);
   std::string scratch = (fs::temp_directory_path(error) / "ibr-shaders-XXXXXX").string();
-  check(!folder_.empty() && ::mkdtemp(scratch.data()) != nullptr, ErrorCode::io, "{}: cannot be made", scratch);
+  check(!folder_.empty() && ::mkdtemp(scratch.data()) != nullptr, ErrorCode::io,
+        "{}: cannot create the temporary folder", scratch);
   scratch_ = scratch;
   for (std::string& file : files) shaders_.push_back({std::move(file), {}});
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });

@@ -43,8 +43,8 @@ Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
   const double tangent = std::tan(0.5 * fovYRadians);
   const double focal = tangent > 0.0 ? 0.5 * height / tangent : 0.0;
   check(width >= 1 && height >= 1 && fovYRadians > 0.0 && fovYRadians < kPi && focal > 0.0 && std::isfinite(focal),
-        ErrorCode::invalidInput, "no pinhole has {}x{} px and a field of view of {} radians", width, height,
-        fovYRadians);
+        ErrorCode::invalidInput, "a pinhole camera of {}x{} px cannot have a field of view of {} radians", width,
+        height, fovYRadians);
   return {CameraModel::pinhole, width, height, focal, focal, 0.5 * width, 0.5 * height};
 }
 
@@ -54,8 +54,9 @@ Intrinsics pinholeFromTangents(int width, int height, double left, double right,
                        std::abs(down) < steepest;  // false for NaN
   const double fx = width / (right - left), fy = height / (up - down);
   check(width >= 1 && height >= 1 && inFront && left < right && down < up && std::isfinite(fx) && std::isfinite(fy),
-        ErrorCode::invalidInput, "no pinhole has {}x{} px and edges at the tangents left {}, right {}, up {}, down {}",
-        width, height, left, right, up, down);
+        ErrorCode::invalidInput,
+        "a pinhole camera of {}x{} px cannot have the tangents left {}, right {}, up {}, down {}", width, height, left,
+        right, up, down);
   return {CameraModel::pinhole, width, height, fx, fy, -left * fx, up * fy};
 }
 
@@ -93,7 +94,7 @@ double angleBetween(const glm::dquat& a, const glm::dquat& b) {
 
 Intrinsics resized(const Intrinsics& k, int width, int height) {
   check(std::min({k.width, k.height, width, height}) >= 1, ErrorCode::invalidInput,
-        "a picture of {}x{} px cannot be scaled to {}x{}", k.width, k.height, width, height);
+        "an image of {}x{} px cannot be scaled to {}x{}", k.width, k.height, width, height);
   const double sx = double(width) / k.width, sy = double(height) / k.height;
   return {k.model, width, height, k.fx * sx, k.fy * sy, k.cx * sx, k.cy * sy};
 }

@@ -32,7 +32,7 @@ GltfDocument::GltfDocument(const fs::path& file)
       if (const JsonValue name = root()["extensionsRequired"].at(i); name.string() != kSceneExtension &&
                                                                      name.string() != kHtmModelExtension &&
                                                                      name.string() != "KHR_materials_unlit")
-        name.fault(fmt::format("the extension \"{}\" is required and not known here", name.string()));
+        name.fault(fmt::format("the required extension \"{}\" is not supported", name.string()));
   if (!root().has("nodes")) return;
   for (std::size_t n = 0; n < root()["nodes"].size(); ++n)
     if (const JsonValue node = root()["nodes"].at(n); node.has("children"))
@@ -47,19 +47,20 @@ nlohmann::json GltfDocument::parse(const fs::path& file) {
   if (!text.starts_with("glTF")) return parseJson(text);
   const auto word = [&](std::size_t at) {
     std::uint32_t value = 0;
-    if (at + sizeof value > bytes.size()) throw JsonFault("", "the binary file is cut short");
+    if (at + sizeof value > bytes.size()) throw JsonFault("", "the binary file is truncated");
     std::memcpy(&value, &bytes[at], sizeof value);
     return value;
   };
   constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
-  if (word(4) != 2) throw JsonFault("", fmt::format("version {} of a binary file is not known here", word(4)));
+  if (word(4) != 2) throw JsonFault("", fmt::format("version {} of the binary format is not supported", word(4)));
   const auto chunk = [&](std::size_t at, std::uint32_t type, const char* what) {
-    if (word(at + 4) != type) throw JsonFault("", fmt::format("the binary file has no {} where it belongs", what));
-    if (word(at) > bytes.size() - at - kChunkHeader) throw JsonFault("", "the binary file is cut short");
+    if (word(at + 4) != type)
+      throw JsonFault("", fmt::format("the binary file has no {} chunk at the expected offset", what));
+    if (word(at) > bytes.size() - at - kChunkHeader) throw JsonFault("", "the binary file is truncated");
     return text.substr(at + kChunkHeader, word(at));
   };
-  const std::string_view json = chunk(kHeader, kJson, "JSON text");
+  const std::string_view json = chunk(kHeader, kJson, "JSON");
   if (const std::size_t next = kHeader + kChunkHeader + json.size(); next < bytes.size()) {
     const std::string_view binary = chunk(next, kBinary, "buffer");
     const auto* first = reinterpret_cast<const std::byte*>(binary.data());
@@ -103,7 +104,7 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
   const auto component = int(json["componentType"].integer(0, 65535));
   if (std::find(componentTypes.begin(), componentTypes.end(), component) == componentTypes.end())
     json["componentType"].fault(fmt::format("{} is not allowed here", component));
-  if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
+  if (json.has("sparse")) json["sparse"].fault("sparse accessors are not supported");
   if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
   Accessor result{json,
                   std::size_t(json["count"].integer(1, kLargestCount)),
@@ -120,16 +121,16 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
   const auto length = std::size_t(view["byteLength"].integer(1, kLargestCount));
   const std::size_t stride = view.has("byteStride") ? std::size_t(view["byteStride"].integer(4, 252)) : size;
   if (view.has("byteStride") && (stride < size || stride % 4 != 0))
-    view["byteStride"].fault(fmt::format("{} is not a multiple of 4 that holds {} bytes", stride, size));
+    view["byteStride"].fault(fmt::format("{} is not a multiple of 4, or is less than {} bytes", stride, size));
   if (offset % result.componentBytes != 0)
     json["byteOffset"].fault(fmt::format("{} is not a multiple of {}", offset, result.componentBytes));
   if (start % result.componentBytes != 0)
     view["byteOffset"].fault(fmt::format("{} is not a multiple of {}", start, result.componentBytes));
   if (offset + (result.count - 1) * stride + size > length)
-    json.fault(fmt::format("its {} elements reach beyond the buffer view's {} bytes", result.count, length));
+    json.fault(fmt::format("has {} elements that exceed the buffer view of {} bytes", result.count, length));
   const std::vector<std::byte>& buffer = this->buffer(view["buffer"]);
   if (start + length > buffer.size())
-    view.fault(fmt::format("reaches to byte {} of a buffer of {}", start + length, buffer.size()));
+    view.fault(fmt::format("ends at byte {} of a buffer of {} bytes", start + length, buffer.size()));
   result.bytes.resize(result.count * size);
   for (std::size_t i = 0; i < result.count; ++i)
     std::memcpy(&result.bytes[i * size], &buffer[start + offset + i * stride], size);
@@ -144,7 +145,7 @@ const std::vector<std::byte>& GltfDocument::buffer(const JsonValue& index) {
   if (!json.has("uri") && !binaryChunk_.empty() && &json.raw() == &root()["buffers"].at(0).raw()) {
     buffer_ = binaryChunk_;
     if (buffer_.size() < length)
-      json["byteLength"].fault(fmt::format("is {}, but the file's chunk has {} bytes", length, buffer_.size()));
+      json["byteLength"].fault(fmt::format("is {}, but the file's buffer chunk has {} bytes", length, buffer_.size()));
   } else {
     const fs::path path = folder_ / reference(json["uri"]);
     buffer_ = readFile(path);

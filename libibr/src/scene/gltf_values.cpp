@@ -53,9 +53,10 @@ void checkVersion(const JsonValue& json, const ReadVersions& read) {
   const JsonValue version = json["version"];
   const auto number = version.integer(1, INT32_MAX);
   if (number > read.newest)
-    version.fault(fmt::format("{} is newer than this library, which reads {}", number, read.newest));
+    version.fault(fmt::format("{} is newer than {}, the newest version that this library reads", number, read.newest));
   if (number < read.oldest)
-    version.fault(fmt::format("{} is older than this library, which reads {}: {}", number, read.oldest, read.remedy));
+    version.fault(fmt::format("{} is older than {}, the oldest version that this library reads; {}", number,
+                              read.oldest, read.remedy));
 }
 
 JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read) {
@@ -68,12 +69,11 @@ NamedCamera namedCamera(const GltfDocument& document, const JsonValue& entry) {
   NamedCamera result;
   const JsonValue json = document.element("nodes", entry["node"]);
   if (document.hasParent(json))
-    entry["node"].fault(
-        fmt::format("{} is another node's child; a photograph's pose stands by itself", json.pointer()));
+    entry["node"].fault(fmt::format("{} is a child of another node; a photograph needs a root node", json.pointer()));
   result.name = json["name"].string();
   if (result.name.empty()) json["name"].fault("is empty");
   for (const char* key : {"matrix", "scale"})
-    if (json.has(key)) json[key].fault("is not allowed: a camera has a position and a rotation");
+    if (json.has(key)) json[key].fault("is not allowed: a camera has only a translation and a rotation");
   if (json.has("translation")) result.camera.pose.position = vector3(json["translation"]);
   if (json.has("rotation")) result.camera.pose.rotation = quaternion(json["rotation"]);
   result.camera.intrinsics = intrinsicsOf(entry["camera"]);

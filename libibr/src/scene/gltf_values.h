@@ -89,7 +89,7 @@ void readNamed(const JsonValue& list, const char* what, const char* dependents, 
       if (const auto [first, isNew] = names.emplace(items.back().name, i); !isNew)
         list.at(i)["node"].fault(fmt::format("\"{}\" is also the name of {} {}", first->first, what, first->second));
     });
-  if (items.size() != list.size()) list.fault(fmt::format("has faults, so {} were not looked at", dependents));
+  if (items.size() != list.size()) list.fault(fmt::format("has faults, so {} were not checked", dependents));
 }
 
 /// Loads a document without faults by `readAll`. Throws Error with the file and its first fault.

@@ -27,7 +27,8 @@ void checkSurface(const HtmSurface& surface, std::size_t cameras, const std::str
   const CameraSet others = ~allCameras(cameras);
   for (std::size_t v = 0; v < surface.members.size() && !faults.full(); ++v)
     if (surface.members[v] & others)
-      faults.add(fmt::format("{}.members[{}]", at, v), "{:#x} has a camera beyond the {}", surface.members[v], cameras);
+      faults.add(fmt::format("{}.members[{}]", at, v), "{:#x} contains a camera beyond the {}", surface.members[v],
+                 cameras);
 }
 
 }  // namespace
@@ -36,20 +37,21 @@ std::vector<Fault> validate(const HtmModel& model, std::size_t limit) {
   Faults faults(limit);
   const std::size_t cameras = model.cameras.size();
   if (cameras < 1 || cameras > kMaxHtmCameraCount)
-    faults.add("cameras", "are {}, not 1 to {}", cameras, kMaxHtmCameraCount);
+    faults.add("cameras", "has {} elements, not 1 to {}", cameras, kMaxHtmCameraCount);
   std::set<std::string> names;
   for (std::size_t i = 0; i < cameras && !faults.full(); ++i) {
     const std::string at = fmt::format("cameras[{}]", i);
     const HtmCamera& camera = model.cameras[i];
     if (camera.name.empty()) faults.add(at + ".name", "is empty");
-    if (!names.insert(camera.name).second) faults.add(at + ".name", "\"{}\" stands twice", camera.name);
-    if (camera.camera.intrinsics.model != CameraModel::pinhole) faults.add(at + ".camera.intrinsics", "is no pinhole");
+    if (!names.insert(camera.name).second) faults.add(at + ".name", "\"{}\" is not unique", camera.name);
+    if (camera.camera.intrinsics.model != CameraModel::pinhole)
+      faults.add(at + ".camera.intrinsics", "is not a pinhole camera");
     checkCamera(camera.camera, at + ".camera", faults);
     if (!camera.given) continue;
     checkCamera(*camera.given, at + ".given", faults);
     const Intrinsics &k = camera.camera.intrinsics, &g = camera.given->intrinsics;
     if (g.model != k.model || g.width != k.width || g.height != k.height)
-      faults.add(at + ".given.intrinsics", "differs in kind or size from the camera's");
+      faults.add(at + ".given.intrinsics", "differs from the camera in model or size");
   }
   checkSurface(model.surface, cameras, "surface", faults);
   if (model.source) checkSurface(*model.source, cameras, "source", faults);

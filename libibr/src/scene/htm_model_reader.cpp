@@ -30,7 +30,7 @@ class HtmModelReader {
           Camera{intrinsicsOf(given["camera"]), {vector3(given["translation"]), quaternion(given["rotation"])}};
       const Intrinsics &k = named.camera.intrinsics, &g = camera.given->intrinsics;
       if (g.model != k.model || g.width != k.width || g.height != k.height)
-        given["camera"].fault("differs in kind or size from the camera's");
+        given["camera"].fault("differs from the camera in model or size");
     }
     if (entry.has("image")) camera.imageFile = gltf_.reference(gltf_.element("images", entry["image"])["uri"]);
     if (entry.has("visibility")) camera.visibilityFile = gltf_.reference(entry["visibility"]["uri"]);
@@ -39,12 +39,12 @@ class HtmModelReader {
 
   HtmSurface surface(const JsonValue& entry, std::size_t cameras) {
     const JsonValue node = gltf_.element("nodes", entry["node"]);
-    if (gltf_.hasParent(node)) entry["node"].fault("is another node's child; a surface stands by itself");
+    if (gltf_.hasParent(node)) entry["node"].fault("is a child of another node; a surface needs a root node");
     for (const char* key : {"matrix", "rotation", "scale"})
-      if (node.has(key)) node[key].fault("is not allowed: a surface's axes are the world's");
+      if (node.has(key)) node[key].fault("is not allowed: a surface has only a translation");
     const glm::dvec3 origin = node.has("translation") ? vector3(node["translation"]) : glm::dvec3(0.0);
     const JsonValue primitives = gltf_.element("meshes", node["mesh"])["primitives"];
-    if (primitives.size() != 1) primitives.fault("are not one");
+    if (primitives.size() != 1) primitives.fault("does not have exactly one element");
     const JsonValue primitive = primitives.at(0);
     if (primitive.has("mode") && primitive["mode"].integer(0, 6) != 4) primitive["mode"].fault("is not TRIANGLES");
     const JsonValue attributes = primitive["attributes"];
@@ -92,7 +92,7 @@ class HtmModelReader {
       CameraSet set = 0;
       for (std::size_t k = 0; k < 4; ++k) set |= CameraSet(a.index(4 * v + k)) << (16 * k);
       if (cameras < 64 && set >> cameras != 0)
-        a.json.fault(fmt::format("element {}: {:#x} has a camera beyond the {}", v, set, cameras));
+        a.json.fault(fmt::format("element {}: {:#x} contains a camera beyond the {}", v, set, cameras));
       surface.members.push_back(set);
     }
   }
@@ -133,7 +133,7 @@ void checkFiles(const HtmModel& model, FaultSink& sink) {
     const HtmCamera& camera = model.cameras[i];
     const std::string at = fmt::format("/extensions/{}/cameras/{}", kHtmModelExtension, i);
     if (camera.imageFile.empty())
-      sink.add(at, "has no \"image\", so nothing of it can be rendered");
+      sink.add(at, "has no \"image\", so the camera cannot be rendered");
     else if (!isThere(camera.imageFile))
       sink.add(at + "/image", fmt::format("{} is missing", camera.imageFile.string()));
     if (!camera.visibilityFile.empty() && !isThere(camera.visibilityFile))

@@ -19,7 +19,7 @@ namespace {
 
 using Json = GltfWriter::Json;
 
-static_assert(std::endian::native == std::endian::little, "buffers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "buffers are copied without byte swapping");
 
 struct Placed {
   glm::dvec3 origin;

@@ -75,8 +75,8 @@ struct HtmSequence::State {
   }
 
   void makeCurrent(std::size_t frame) {
-    check(frame < index.frames.size(), ErrorCode::invalidInput, "frame {} of a sequence of {}", frame,
-          index.frames.size());
+    check(frame < index.frames.size(), ErrorCode::invalidInput, "frame {} is beyond the {} frames of the sequence",
+          frame, index.frames.size());
     current = frame;
     started = true;
     for (auto entry = entries.begin(); entry != entries.end();) {

@@ -45,7 +45,7 @@ class Builder {
   bool key(std::string& key) {
     levels_.back().key = key;
     const auto [member, isNew] = levels_.back().value->emplace(std::move(key), nullptr);
-    if (!isNew) throw JsonFault(pointer(), "stands twice in one object");
+    if (!isNew) throw JsonFault(pointer(), "occurs twice in one object");
     member_ = &member.value();
     return true;
   }
@@ -61,7 +61,7 @@ class Builder {
 
   Json* place(Json&& value) {
     constexpr std::size_t kMostValues = std::size_t(1) << 25;
-    if (++values_ > kMostValues) throw JsonFault(pointer(), fmt::format("more than {} values", kMostValues));
+    if (++values_ > kMostValues) throw JsonFault(pointer(), fmt::format("has more than {} values", kMostValues));
     if (levels_.empty()) return &(*document_ = std::move(value));
     Json& parent = *levels_.back().value;
     return parent.is_array() ? &parent.emplace_back(std::move(value)) : &(*member_ = std::move(value));
@@ -123,7 +123,7 @@ bool findPointer(const Json& from, const Json* wanted, std::string& pointer) {
 
 // Text of a value for a message; summarises lists and objects, which might be the whole document.
 std::string shown(const Json& value) {
-  if (value.is_structured()) return fmt::format("an {} of {}", value.type_name(), value.size());
+  if (value.is_structured()) return fmt::format("an {} of {} elements", value.type_name(), value.size());
   std::string text = value.dump();
   constexpr std::size_t kLongest = 100;
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
@@ -158,7 +158,7 @@ JsonValue JsonValue::operator[](const char* key) const {
 }
 
 JsonValue JsonValue::at(std::size_t index) const {
-  if (index >= size()) fault(fmt::format("has {} elements, none at {}", size(), index));
+  if (index >= size()) fault(fmt::format("has {} elements, but no element {}", size(), index));
   return JsonValue(*document_, (*value_)[index]);
 }
 

@@ -12,7 +12,7 @@
 namespace ibr {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "buffers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "buffers are copied without byte swapping");
 
 double gridOf(int side) {
   return side <= 16384 ? 512.0 : 128.0;
@@ -127,8 +127,8 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
 MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout, std::span<const glm::ivec2> sizes) {
   constexpr std::size_t kMost = std::size_t(1) << 32;  // prevents overflow of products
   check(layout.members <= 4 && std::max({layout.points, layout.tier0, layout.tier1}) <= kMost, ErrorCode::invalidInput,
-        "mesh buffer: {} members, {} points, {} and {} triangles", layout.members, layout.points, layout.tier0,
-        layout.tier1);
+        "mesh buffer: {} members, {} points, {} and {} triangles exceed the limits", layout.members, layout.points,
+        layout.tier0, layout.tier1);
   check(bytes.size() == layout.bytes() && sizes.size() == layout.members, ErrorCode::invalidInput,
         "mesh buffer: {} bytes, not the {} of {} members, {} points and {} triangles", bytes.size(), layout.bytes(),
         layout.members, layout.points, layout.tier0 + layout.tier1);

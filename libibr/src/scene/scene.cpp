@@ -68,8 +68,8 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
   if (!mesh.planes.empty() && sized(mesh.planes.size(), points, ".planes"))
     for (std::size_t p = 0; p < points; ++p)
       if (const glm::u16vec4 set = mesh.planes[p]; !isPlaneSet(set))
-        faults.add(fmt::format("{}.planes[{}]", at, p), "({}, {}, {}, {}) does not ascend, then stay 0", set.x, set.y,
-                   set.z, set.w);
+        faults.add(fmt::format("{}.planes[{}]", at, p), "({}, {}, {}, {}) is not an ascending list padded with zeros",
+                   set.x, set.y, set.z, set.w);
   if (!mesh.confirmations.empty() || !mesh.consensus.empty()) {
     sized(mesh.confirmations.size(), points, ".confirmations");
     if (sized(mesh.consensus.size(), points, ".consensus"))
@@ -88,7 +88,7 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
       if (mesh.tier[t] > kTierRejected)
         faults.add(fmt::format("{}.tier[{}]", at, t), "{} is not 0 or 1", mesh.tier[t]);
       else if (t > 0 && mesh.tier[t] < mesh.tier[t - 1])
-        faults.add(fmt::format("{}.tier[{}]", at, t), "tier 0 stands after tier 1");
+        faults.add(fmt::format("{}.tier[{}]", at, t), "tier 0 follows tier 1");
     }
   if (sized(mesh.ecc.size(), triangles, ".ecc"))
     for (std::size_t t = 0; t < triangles; ++t)
@@ -149,7 +149,8 @@ std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
     checkCamera(scene.nodes[n].camera, at + ".camera", faults);
     checkExposure(scene.nodes[n], at, faults);
     checkDepth(scene.nodes[n], at, faults);
-    if (!names.insert(scene.nodes[n].name).second) faults.add(at + ".name", "\"{}\" stands twice", scene.nodes[n].name);
+    if (!names.insert(scene.nodes[n].name).second)
+      faults.add(at + ".name", "\"{}\" is not unique", scene.nodes[n].name);
   }
   for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)
     checkCell(scene.cells[c], scene.nodes.size(), 2, 4, fmt::format("cells[{}]", c), faults);

@@ -118,9 +118,9 @@ class SceneReader {
   void mesh(const JsonValue& entry, const Scene& scene, Cell& cell) {
     const JsonValue primitives = gltf_.element("meshes", entry["mesh"])["primitives"];
     const JsonValue tiers = entry["tiers"], ecc = entry["ecc"];
-    if (primitives.size() < 1 || primitives.size() > 2) primitives.fault("are not one or two");
+    if (primitives.size() < 1 || primitives.size() > 2) primitives.fault("does not have one or two elements");
     if (tiers.size() > primitives.size()) tiers.fault("has more elements than the mesh has primitives");
-    if (ecc.size() != tiers.size()) ecc.fault("has not as many elements as \"tiers\"");
+    if (ecc.size() != tiers.size()) ecc.fault("does not have as many elements as \"tiers\"");
     vertices(primitives.at(0)["attributes"], scene, cell);
     for (std::size_t k = 0; k < tiers.size(); ++k) {
       const JsonValue primitive = primitives.at(k);
@@ -128,7 +128,7 @@ class SceneReader {
         primitive["attributes"].fault("differ from those of the first primitive");
       if (primitive.has("mode") && primitive["mode"].integer(0, 6) != 4) primitive["mode"].fault("is not TRIANGLES");
       const auto tier = tiers.at(k).integer(0, 1);
-      if (k > 0 && tier <= tiers.at(k - 1).integer(0, 1)) tiers.at(k).fault("is not greater than the one before");
+      if (k > 0 && tier <= tiers.at(k - 1).integer(0, 1)) tiers.at(k).fault("is not greater than the previous tier");
       triangles(primitive["indices"], ecc.at(k), std::uint8_t(tier), cell.mesh);
     }
   }
@@ -165,8 +165,8 @@ class SceneReader {
         glm::u16vec4 set;
         for (int k = 0; k < 4; ++k) set[k] = std::uint16_t(planes.index(4 * p + std::size_t(k)));
         if (!isPlaneSet(set))
-          planes.json.fault(
-              fmt::format("element {}: ({}, {}, {}, {}) does not ascend, then stay 0", p, set.x, set.y, set.z, set.w));
+          planes.json.fault(fmt::format("element {}: ({}, {}, {}, {}) is not an ascending list padded with zeros", p,
+                                        set.x, set.y, set.z, set.w));
         mesh.planes.push_back(set);
       }
     }
@@ -185,8 +185,8 @@ class SceneReader {
       constexpr float kTolerance = 1e-3f;  // relative; floats and the order of operations differ
       if (!(glm::distance(stored, derived[p]) <= kTolerance * glm::length(derived[p]) + 1e-6f))
         position.json.fault(
-            fmt::format("element {}: ({}, {}, {}) is not what matches, ratios and inverse distance "
-                        "give: ({}, {}, {})",
+            fmt::format("element {}: ({}, {}, {}) contradicts the position from matches, ratios and inverse "
+                        "distance, ({}, {}, {})",
                         p, stored.x, stored.y, stored.z, derived[p].x, derived[p].y, derived[p].z));
     }
   }
@@ -236,7 +236,7 @@ Scene readAll(const fs::path& file, FaultSink& sink) {
   std::set<std::uint32_t> covered;
   for (std::size_t b = 0; b < scene.backdrops.size(); ++b)
     if (const std::uint32_t node = scene.backdrops[b].members[0]; !covered.insert(node).second)
-      sink.run([&] { reader.extension()["backdrops"].fault(fmt::format("photograph {} has two", node)); });
+      sink.run([&] { reader.extension()["backdrops"].fault(fmt::format("photograph {} has two backdrops", node)); });
   return scene;
 }
 
@@ -246,7 +246,7 @@ void checkDepthFile(const fs::path& folder, const Node& node, const std::string&
   try {
     const Ktx2Info depth = probeKtx2(folder / node.depthFile);
     if (depth.format != TextureFormat::rg16f)
-      sink.add(at, fmt::format("{} is in {}, not in rg16f", name, textureFormatName(depth.format)));
+      sink.add(at, fmt::format("{} has the format {}, not rg16f", name, textureFormatName(depth.format)));
     else if (depth.levels != 1)
       sink.add(at, fmt::format("{} has {} levels, not 1", name, depth.levels));
     else if (depth.width > k.width || depth.height > k.height)
@@ -268,7 +268,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       sink.add(at + "/mask", fmt::format("{} is missing", node.maskFile.string()));
     if (!node.depthFile.empty()) checkDepthFile(scene.folder, node, at + "/depth", sink);
     if (node.textureFile.empty()) {
-      sink.add(at, "has no \"texture\", so nothing of it can be rendered");
+      sink.add(at, "has no \"texture\", so the photograph cannot be rendered");
       continue;
     }
     const Intrinsics& k = node.camera.intrinsics;
@@ -277,7 +277,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       const int levels = std::bit_width(unsigned(std::max(k.width, k.height)));
       if (texture.width != k.width || texture.height != k.height || texture.levels != levels)
         sink.add(at + "/texture",
-                 fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
+                 fmt::format("{} is {}x{} with {} levels; the camera needs {}x{} with {}", node.textureFile.string(),
                              texture.width, texture.height, texture.levels, k.width, k.height, levels));
       if (texture.format == TextureFormat::rg16f)
         sink.add(at + "/texture", fmt::format("{} holds depth (rg16f), not a photograph", node.textureFile.string()));

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 using namespace ibr::test;
 using Catch::Matchers::Contains;
 
-TEST_CASE("ibr-lab accuracy refuses what makes no sense, and writes nothing then") {
+TEST_CASE("ibr-lab accuracy rejects invalid inputs and writes nothing") {
   const TemporaryFolder folder;
   const fs::path out = folder / "exact";
   const auto run = [&](std::vector<std::string> more) {

@@ -11,7 +11,7 @@ using Catch::Contains;
 using test::runLab;
 using test::runProgram;
 
-TEST_CASE("bench of a generated scene reports every way's frames and passes", "[T26]") {
+TEST_CASE("bench of a synthetic scene reports frames and passes of every method", "[T26]") {
   if (!test::deviceIsThere()) return;
   const auto outcome = runLab({"bench", "stitched-5,panorama-1", "--detail", "0.05", "--size", "64x36", "--views", "1",
                                "--repeat", "2", "--stereo", "--json", "-"},
@@ -76,7 +76,7 @@ TEST_CASE("bench compares a scene's composition with the paper's cells") {
   }
 }
 
-TEST_CASE("bench refuses scenes that are not there, and options that exclude each other") {
+TEST_CASE("bench rejects missing scenes and conflicting options") {
   using Lines = std::vector<std::vector<std::string>>;
   for (const auto& line : Lines{{"bench"}, {"bench", "scene", "--stereo", "--formats"}}) {
     const auto outcome = runProgram(line);

@@ -53,30 +53,30 @@ void writeBytes(const fs::path& file, const test::Bytes& bytes) {
 
 }  // namespace
 
-TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a bad one by itself") {
+TEST_CASE("doctor finds no problem in a good folder, and only the planted problem in a bad folder") {
   test::TemporaryFolder folder;
   const fs::path photographs = folder / "row";
   fs::create_directories(photographs);
   test::makeRow(photographs);
   const auto examine = [&] { return doctor({photographs}); };
 
-  SECTION("none") {
+  SECTION("no problem") {
     const Diagnosis good = examine();
     INFO(good.text);
     CHECK(good.code == 0);
     CHECK(good.subjects.empty());
     CHECK_THAT(runProgram({"doctor", photographs}).out,
-               Contains("5 photographs, most of 192×144 px") && Contains("poses: ") && Contains("nothing is amiss"));
+               Contains("5 photographs") && Contains("192×144") && Contains("sparse"));
   }
-  SECTION("a file that breaks off") {
+  SECTION("a truncated file") {
     const auto whole = readFile(photographs / "row2.png");
     writeFile(photographs / "row2.png", std::span(whole).first(whole.size() / 2));
     const Diagnosis broken = examine();
     CHECK(broken.code == 3);
     CHECK(broken.subjects == Subjects{"file"});
-    CHECK_THAT(broken.text, Contains("row2.png cannot be read"));
+    CHECK_THAT(broken.text, Contains("row2.png"));
   }
-  SECTION("a format that is not read, raw files and a video") {
+  SECTION("unsupported formats, raw files and videos") {
     writeFile(photographs / "IMG_1.HEIC", std::string_view("\0\0\0\x18"
                                                            "ftypheic\0\0\0\0mif1heic",
                                                            24));
@@ -85,11 +85,10 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
     const Diagnosis foreign = examine();
     CHECK(foreign.code == 0);
     CHECK(foreign.subjects == Subjects{"file", "format"});
-    CHECK_THAT(foreign.text, Contains("IMG_1.HEIC: HEIC files are not read. Convert them") &&
-                                 Contains("_DSC1.NEF: raw files are not read. Develop them") &&
-                                 Contains("walk.mp4: is a video. Save single pictures"));
+    CHECK_THAT(foreign.text, Contains("IMG_1.HEIC") && Contains("heif-convert") && Contains("_DSC1.NEF") &&
+                                 Contains("TIFF") && Contains("walk.mp4") && Contains("ffmpeg"));
   }
-  SECTION("what a build passes over without a word") {
+  SECTION("files that a build skips silently") {
     const std::string_view raw("II*\0", 4), webp("RIFF\0\0\0\0WEBP", 12);
     for (const char* name : {"row1.CR2", "row1.mov", "._row1.webp", "._walk.mov"}) writeFile(photographs / name, raw);
     fs::create_directories(photographs / "@eaDir");
@@ -99,60 +98,59 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
     INFO(silent.text);
     CHECK(silent.subjects.empty());
   }
-  SECTION("what a build says that it does not read, whatever is in it") {
+  SECTION("files with an unsupported extension, whatever their content") {
     fs::copy(photographs / "row1.png", photographs / "only.HEIC");
     writeFile(photographs / "solo.NRW", std::string_view("II*\0", 4));
     const Diagnosis unread = examine();
     CHECK(unread.code == 0);
     CHECK(unread.subjects == Subjects{"file"});
-    CHECK_THAT(unread.text, Contains("only.HEIC: heic files are not read") || Contains("only.HEIC: HEIC files"));
-    CHECK_THAT(unread.text, Contains("solo.NRW: raw files are not read"));
+    CHECK_THAT(unread.text, Contains("only.HEIC") && Contains("solo.NRW"));
   }
-  SECTION("one that is empty is told once, and is no photograph without a pose") {
+  SECTION("an empty file is reported once, and not as a photograph without a pose") {
     writeFile(photographs / "IMG_10.jpg", std::string_view());
     const Diagnosis empty = examine();
     CHECK(empty.code == 0);
-    CHECK(empty.text == "IMG_10.jpg: is empty. Copy it from the camera again.\n");
+    CHECK(empty.subjects == Subjects{"file"});
+    CHECK_THAT(empty.text, Contains("IMG_10.jpg"));
+    CHECK(std::ranges::count(empty.text, '\n') == 1);
   }
-  SECTION("one that is empty and has a pose stops the build") {
+  SECTION("an empty file with a pose is a serious problem") {
     writeFile(photographs / "row2.png", std::string_view());
     const Diagnosis empty = examine();
     CHECK(empty.code == 3);
-    CHECK_THAT(empty.text, Contains("1 of the photographs that have a pose cannot be read: row2.png."));
-    CHECK_THAT(empty.text, !Contains("not here"));
+    CHECK_THAT(empty.text, Contains("row2.png") && Contains("--exclude"));
+    CHECK(empty.text.find("--exclude") == empty.text.rfind("--exclude"));  // not reported as missing, too
   }
-  SECTION("whole ones of a kind that is not read are not to be copied again") {
+  SECTION("valid files of an unsupported kind get no advice to copy them again") {
     writeBytes(photographs / "ink.jpg", test::makeJpeg(test::noisyPicture(64, 48, 4), test::JpegKind::cmyk));
     const Diagnosis inks = examine();
     CHECK(inks.code == 3);
     CHECK(inks.subjects == Subjects{"file"});
-    CHECK_THAT(inks.text, Contains("Save it as RGB") && !Contains("Copy it") && !Contains("no pose"));
+    CHECK_THAT(inks.text, Contains("ink.jpg") && Contains("RGB") && !Contains("camera"));
   }
-  SECTION("one that was made small, without a pose") {
+  SECTION("a downscaled photograph without a pose") {
     writeImage(photographs / "small.png", test::noisyPicture(64, 48, 3));
     const Diagnosis small = examine();
     CHECK(small.code == 0);
     CHECK(small.subjects == Subjects{"poses", "size"});
-    CHECK_THAT(small.text, Contains("small.png: 64×48 px, much less than the others") &&
-                               Contains("1 of 6 photographs have no pose: small.png"));
+    CHECK_THAT(small.text, Contains("small.png") && Contains("64×48") && Contains("1 of 6"));
   }
-  SECTION("a copy") {
+  SECTION("a copied photograph") {
     fs::remove_all(photographs / "sparse");
     fs::copy(photographs / "row3.png", photographs / "row3 (1).png");
     const Diagnosis copy = examine();
     CHECK(copy.subjects == Subjects{"repeated"});
-    CHECK_THAT(copy.text, Contains("is a copy of"));
+    CHECK_THAT(copy.text, Contains("copy") && Contains("row3.png") && Contains("row3 (1).png"));
   }
-  SECTION("one that takes more memory than there is is told by its header") {
+  SECTION("a photograph above the memory limit is reported from its header") {
     writeBytes(photographs / "vast.png", test::withPngSize(test::readBytes(photographs / "row1.png"), 16000, 16000));
     const auto vast = runProgram({"-c", "ulimit -v 1500000; exec \"$0\" doctor \"$1\"", IBR_PROGRAM, photographs},
                                  {.program = "/bin/sh"});
     CHECK(vast.code == 3);
-    CHECK_THAT(vast.out, Contains("vast.png cannot be read: 16000×16000 px take 1.9 GiB of memory, and there are 1.4 "
-                                  "GiB at most") &&
-                             !Contains("row1"));
+    CHECK_THAT(vast.out, Contains("vast.png") && Contains("16000×16000") && Contains("1.9 GiB") &&
+                             Contains("1.4 GiB") && !Contains("row1"));
   }
-  SECTION("a model that is no model") {
+  SECTION("a malformed model") {
     writeFile(photographs / "sparse/images.txt", std::string_view("1 2 three\n"));
     const Diagnosis spoilt = examine();
     CHECK(spoilt.code == 3);
@@ -161,15 +159,16 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
   }
 }
 
-TEST_CASE("doctor takes the poses and masks that a build takes") {
+TEST_CASE("doctor accepts the poses and masks that a build accepts") {
   test::TemporaryFolder folder;
   const fs::path photographs = folder / "in/row", masks = folder / "masks";
   fs::create_directories(photographs);
   test::makeRow(photographs);
   fs::rename(photographs / "sparse", folder / "elsewhere");
-  CHECK_THAT(runProgram({"doctor", photographs}).out, Contains("no poses beside them"));
+  CHECK_THAT(runProgram({"doctor", photographs}).out, Contains("COLMAP"));
   CHECK_THAT(runProgram({"doctor", photographs, "--model", folder / "elsewhere"}).out,
-             Contains("elsewhere, 5 photographs and") && Contains("nothing is amiss"));
+             Contains("elsewhere") && Contains("5 photographs"));
+  CHECK(doctor({photographs, "--model", folder / "elsewhere"}).subjects.empty());
   const Diagnosis unread = doctor({photographs, "--transforms", folder / "transforms.json"});
   CHECK(unread.code == 3);
   CHECK_THAT(unread.text, Contains("transforms.json"));
@@ -178,18 +177,18 @@ TEST_CASE("doctor takes the poses and masks that a build takes") {
   fs::create_directories(masks);
   writeImage(masks / "row1.png", Image8(192, 144, 1));
   const auto good = runProgram({"doctor", photographs, "--masks", masks});
-  CHECK_THAT(good.out, Contains("masks: 1 of 5 photographs have one") && Contains("nothing is amiss"));
+  CHECK_THAT(good.out, Contains("1 of 5"));
+  CHECK(doctor({photographs, "--masks", masks}).subjects.empty());
   writeImage(masks / "row2.png.png", Image8(96, 72, 1));
   writeImage(masks / "rwo3.png", Image8(192, 144, 1));
   const Diagnosis wrong = doctor({photographs, "--masks", masks});
   CHECK(wrong.code == 3);
   CHECK(wrong.subjects == Subjects{"masks"});
-  CHECK_THAT(wrong.text, Contains("row2.png.png is 96×72 px, and row2.png is 192×144 px.") &&
-                             Contains("1 of the masks are of no photograph here: rwo3.png."));
+  CHECK_THAT(wrong.text, Contains("row2.png.png") && Contains("96×72") && Contains("192×144") && Contains("rwo3.png"));
   CHECK(doctor({"--masks", masks}).code == 3);
 }
 
-TEST_CASE("info writes all else that is asked before poses to add, of which there may be none") {
+TEST_CASE("info writes all other outputs before next-best views, of which there may be none") {
   test::TemporaryFolder folder;
   const fs::path svg = folder / "graph.svg", json = folder / "info.json";
   const std::vector<std::string> line{"info", test::tinyScene(), "--svg", svg, "--json", json, "--advice-poses"};
@@ -209,11 +208,11 @@ TEST_CASE("info writes all else that is asked before poses to add, of which ther
   const auto none = runProgram({"info", folder / "far", "--advice-poses", folder / "next.json"});
   INFO(none.err);
   CHECK(none.code == 0);
-  CHECK_THAT(none.err, Contains("there is no photograph to add"));
+  CHECK_THAT(none.err, Contains("warning:") && Contains("next.json"));
   CHECK_FALSE(fs::exists(folder / "next.json"));
 }
 
-TEST_CASE("doctor reads what the camera wrote down: exposure and zoom") {
+TEST_CASE("doctor reads exposure and focal length from EXIF") {
   test::TemporaryFolder folder;
   const auto shoot = [&](const std::string& name, std::uint32_t perSecond, std::uint32_t millimetres) {
     const auto jpeg = test::makeJpeg(test::noisyPicture(160, 120, 3), test::JpegKind::baseline);
@@ -231,11 +230,11 @@ TEST_CASE("doctor reads what the camera wrote down: exposure and zoom") {
   INFO(diagnosis.text);
   CHECK(diagnosis.code == 0);
   CHECK(diagnosis.subjects == Subjects{"exposure", "repeated", "zoom"});
-  CHECK_THAT(diagnosis.text, Contains("was exposed 2.3 stops more than p5.jpg") &&
-                                 Contains("p6.jpg: zoomed, at 50 mm and not 24 mm as the others"));
+  CHECK_THAT(diagnosis.text, Contains("2.3 stops") && Contains("p5.jpg") && Contains("p6.jpg") && Contains("50 mm") &&
+                                 Contains("24 mm"));
 }
 
-TEST_CASE("doctor calls a photograph blurred beside those of its size that look like it, and no other") {
+TEST_CASE("doctor reports blur only relative to similar photographs of the same size") {
   test::TemporaryFolder folder;
   // Grain of a given strength over a gradient, from left to right or from top to bottom.
   const auto shoot = [&](const std::string& name, int grain, bool down, int width, std::uint32_t exposure = 0) {
@@ -255,16 +254,17 @@ TEST_CASE("doctor calls a photograph blurred beside those of its size that look 
   for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_a.jpg", 40, false, 240 + 8 * (i % 2));
   for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_b.jpg", 40, i == 2, 240 + 8 * (i % 2));
   shoot("p2_b.jpg", 4, true, 240);  // without detail, but no other photograph has the same direction
-  CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
+  CHECK(!doctor({folder.path()}).subjects.contains("blur"));
   shoot("p3_b.jpg", 4, false, 320);  // without detail, but the similar photograph has another size
   for (const char* name : {"q0.jpg", "q1.jpg", "q2.jpg"}) shoot(name, 40, true, 320);
-  CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
+  CHECK(!doctor({folder.path()}).subjects.contains("blur"));
   shoot("p4_b.jpg", 4, false, 240, 4);
-  CHECK_THAT(doctor({folder.path()}).text,
-             Contains("p4_b.jpg is blurred, beside those that look like it (exposed for 4.0 s)."));
+  const Diagnosis blurred = doctor({folder.path()});
+  CHECK(blurred.subjects.contains("blur"));
+  CHECK_THAT(blurred.text, Contains("p4_b.jpg") && Contains("4.0 s"));
 }
 
-TEST_CASE("doctor and a scene") {
+TEST_CASE("doctor validates a scene") {
   CHECK(doctor({test::tinyScene()}).code == 0);
   test::TemporaryFolder folder;
   fs::copy(test::tinyScene(), folder / "scene", fs::copy_options::recursive);
@@ -275,7 +275,7 @@ TEST_CASE("doctor and a scene") {
   CHECK(spoilt.subjects == Subjects{"fault"});
 }
 
-TEST_CASE("doctor takes anything, and says what it is not") {
+TEST_CASE("doctor accepts any path and reports unusable files") {
   test::TemporaryFolder folder;
   CHECK(doctor({folder / "nowhere"}).code == 2);
   const Diagnosis empty = doctor({folder.path()});
@@ -283,7 +283,9 @@ TEST_CASE("doctor takes anything, and says what it is not") {
   CHECK(empty.subjects == Subjects{"count"});
   writeImage(folder / "a.png", test::noisyPicture(32, 32, 3));
   CHECK(doctor({folder / "a.png"}).code == 5);
-  CHECK_THAT(doctor({folder.path()}).text, Contains("There is one photograph"));
+  const Diagnosis one = doctor({folder.path()});
+  CHECK(one.subjects == Subjects{"count"});
+  CHECK(one.text != empty.text);
 
   fs::create_directories(folder / "folder.jpg");
   fs::create_symlink(folder / "gone", folder / "link.jpg");
@@ -297,11 +299,11 @@ TEST_CASE("doctor takes anything, and says what it is not") {
   const Diagnosis odd = doctor({folder.path()});
   INFO(odd.text);
   CHECK(odd.code == 0);
-  CHECK_THAT(odd.text, Contains("empty.jpg: is empty.") && Contains("words.tif: is no JPEG, PNG or TIFF file") &&
-                           Contains("c.png is a copy of b.png"));
+  CHECK_THAT(odd.text, Contains("empty.jpg") && Contains("words.tif") && Contains("copy") && Contains("c.png") &&
+                           Contains("b.png"));
 }
 
-TEST_CASE("doctor of a machine says what is missing there") {
+TEST_CASE("doctor reports missing programs, runtimes, displays and devices of the machine") {
   test::TemporaryFolder folder;
   const std::string path = "PATH=" + folder.path().string(), home = "HOME=" + folder.path().string();
   const test::RunOptions bare{
@@ -313,10 +315,11 @@ TEST_CASE("doctor of a machine says what is missing there") {
 
   writeFile(folder / "runtime.json", std::string_view(R"({"runtime":{"library_path":"./libgone.so"}})"));
   const Diagnosis gone = doctor({}, {.environment = {"XR_RUNTIME_JSON=" + (folder / "runtime.json").string()}});
-  CHECK_THAT(gone.text, Contains("runtime.json names is not there"));
+  CHECK_THAT(gone.text, Contains("runtime.json") && Contains("libgone.so"));
   writeFile(folder / "runtime.json", std::string_view("{"));
   const Diagnosis unread = doctor({}, {.environment = {"XR_RUNTIME_JSON=" + (folder / "runtime.json").string()}});
-  CHECK_THAT(unread.text, Contains("does not name an OpenXR runtime"));
+  CHECK(unread.subjects.contains("headset"));
+  CHECK_THAT(unread.text, Contains("runtime.json") && !Contains("libgone.so"));
 
   const Diagnosis without =
       doctor({}, {.environment = {"VK_ICD_FILENAMES=/nowhere.json", "VK_DRIVER_FILES=/nowhere.json"}});
@@ -326,10 +329,10 @@ TEST_CASE("doctor of a machine says what is missing there") {
   // Memory limit of this process, which is smaller than the machine's memory.
   const auto limited =
       runProgram({"-c", "ulimit -v 1500000; exec \"$0\" doctor --json -", IBR_PROGRAM}, {.program = "/bin/sh"});
-  CHECK_THAT(limited.out, Contains("of 1.4 GiB of memory free"));
+  CHECK_THAT(limited.out, Contains("1.4 GiB"));
 }
 
-TEST_CASE("doctor asks programs for their version, and believes no other answer") {
+TEST_CASE("doctor accepts only a version as the answer of an external program") {
   test::TemporaryFolder folder;
   const test::RunOptions bare{.environment = {"PATH=" + folder.path().string() + ":/usr/bin:/bin"}};
   const auto stands = [&](const char* name, const std::string& script) {
@@ -339,18 +342,15 @@ TEST_CASE("doctor asks programs for their version, and believes no other answer"
   stands("ffmpeg", "echo 'ffmpeg version 6.0 Copyright'");
   stands("colmap", "echo a warning; echo 'COLMAP 3.6 -- Structure-from-Motion'");
   Diagnosis machine = doctor({}, bare);
-  CHECK_THAT(machine.text, Contains("COLMAP 3.6 is too old") && !Contains("ffmpeg"));
+  CHECK_THAT(machine.text, Contains("COLMAP 3.6") && !Contains("ffmpeg"));
   stands("colmap", "echo 'colmap: error while loading shared libraries: libx.so.1' >&2; exit 127");
   machine = doctor({}, bare);
   CHECK(machine.subjects.contains("colmap"));
-  CHECK_THAT(machine.text,
-             Contains("COLMAP is there, but asked for its version, it ended with 127: colmap: error while "
-                      "loading shared libraries: libx.so.1."));
+  CHECK_THAT(machine.text, Contains("COLMAP") && Contains("127") &&
+                               Contains("colmap: error while loading shared libraries: libx.so.1"));
   // A program with another answer, and a program whose output never ends.
   stands("colmap", "echo hello");
   stands("ffmpeg", "tr '\\0' f </dev/zero");
   machine = doctor({}, bare);
-  CHECK_THAT(machine.text,
-             Contains("COLMAP is there, but asked for its version, it says: hello.") &&
-                 Contains("ffmpeg is there, but asked for its version, it had not ended after 5 seconds"));
+  CHECK_THAT(machine.text, Contains("COLMAP") && Contains("hello") && Contains("ffmpeg") && Contains("5 seconds"));
 }

@@ -30,7 +30,7 @@ json withoutTimes(json report) {
 
 }  // namespace
 
-TEST_CASE("what is left out is scored as if it had been excluded by hand") {
+TEST_CASE("leave-one-out scores equal those of a build that excludes the photograph") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const fs::path photographs = folder / "row", work = folder / "work", pictures = folder / "left-out";
@@ -64,7 +64,7 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
     CHECK(readTextFile(compared / name) == readTextFile(pictures / name));
   }
 
-  SECTION("run again, nothing is made again") {
+  SECTION("a second run reuses all results") {
     const auto again = runProgram(line);
     REQUIRE(again.code == 0);
     const json second = json::parse(again.out);
@@ -72,7 +72,7 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
     CHECK(second.at("cellsMatched") == 0);
     CHECK(second.at("cellsShared") == 0);
   }
-  SECTION("optimised another way, they are other views") {
+  SECTION("another optimiser gives other scores") {
     std::vector<double> psnr;
     for (const char* method : {"--optimise", "--optimise=cpu"}) {
       std::vector<std::string> words = line;
@@ -86,7 +86,7 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
     CHECK(psnr[1] != report.at("mean").at("psnr"));
     CHECK(psnr[0] != psnr[1]);
   }
-  SECTION("other settings, and a view whose picture is gone, are rendered from the same cells") {
+  SECTION("other settings and a deleted image reuse the cached cells") {
     fs::remove(pictures / "row2.png");
     const json repaired = json::parse(runProgram(line).out);
     CHECK(fs::exists(pictures / "row2.png"));
@@ -101,20 +101,18 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
   }
 }
 
-TEST_CASE("leaving out goes on where it was stopped") {
+TEST_CASE("leave-one-out resumes after an interrupt") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   test::makeRow(folder / "row");
   const std::vector<std::string> line{
       "eval", "--leave-one-out", folder / "row", "--every", "2", "--work", folder / "w", "--tiers", "0", "--json", "-"};
-  const auto stopped = runProgram(line, {.interruptWhen = [](const std::string& err) {
-                                    const auto first = err.find("Vulkan device");
-                                    return first != std::string::npos &&
-                                           err.find("Vulkan device", first + 1) != std::string::npos;  // second view
-                                  }});
+  const fs::path finished = folder / "w/views";  // one file per finished view
+  const auto stopped = runProgram(
+      line, {.interruptWhen = [&](const std::string&) { return fs::exists(finished) && !fs::is_empty(finished); }});
   INFO(stopped.err);
   REQUIRE(stopped.code == 130);
-  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK_THAT(stopped.err, Contains("--leave-one-out") && Contains("again"));
   const auto outcome = runProgram(line);
   REQUIRE(outcome.code == 0);
   const json report = json::parse(outcome.out);
@@ -122,7 +120,7 @@ TEST_CASE("leaving out goes on where it was stopped") {
   CHECK(report.at("cellsMatched") < 9);  // no cell is shared, because member depth depends on all remaining photographs
 }
 
-TEST_CASE("a photograph that leaves no cell is reported, and the others are scored") {
+TEST_CASE("a photograph without which no cell is left is reported, and the others are scored") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const fs::path photographs = folder / "photographs", images = photographs / "sparse/images.txt";
@@ -138,13 +136,13 @@ TEST_CASE("a photograph that leaves no cell is reported, and the others are scor
     line.insert(line.end(), excluded.begin(), excluded.end());
     const auto outcome = runProgram(line);
     INFO(outcome.err);
-    CHECK_THAT(outcome.err, Contains("row0.png: no cells are left"));
+    CHECK_THAT(outcome.err, Contains("row0.png") && Contains("cells"));
     CHECK(outcome.code == (excluded.size() == 2 ? 0 : 3));
     return json::parse(readTextFile(folder / "report.json"));
   };
   const json report = leaveOut({"row3.png", "row4.png"});
   REQUIRE(report.at("views").size() == 3);
-  CHECK_THAT(report["views"][0].at("failure").get<std::string>(), Contains("no cells are left"));
+  CHECK_THAT(report["views"][0].at("failure").get<std::string>(), Contains("cells"));
   CHECK(report["views"][0].at("psnr").is_null());
   CHECK(report["views"][1].contains("failure"));
   CHECK(!report["views"][2].contains("failure"));
@@ -153,7 +151,7 @@ TEST_CASE("a photograph that leaves no cell is reported, and the others are scor
   CHECK(leaveOut({"row2.png", "row3.png", "row4.png"}).at("mean").at("psnr").is_null());
 }
 
-TEST_CASE("leaving out refuses panoramas and names that are not there") {
+TEST_CASE("leave-one-out rejects panoramas, unknown names and missing poses") {
   test::TemporaryFolder folder;
   test::makeRow(folder / "row");
   const auto unknown = runProgram({"eval", "--leave-one-out", folder / "row", "--views", "none.png"});
@@ -163,7 +161,7 @@ TEST_CASE("leaving out refuses panoramas and names that are not there") {
   fs::create_directories(folder / "alone/photographs");
   const auto unposed = runProgram({"eval", "--leave-one-out", folder / "alone/photographs"});
   CHECK(unposed.code == 3);
-  CHECK_THAT(unposed.err, Contains("needs poses"));
+  CHECK_THAT(unposed.err, Contains("photographs") && Contains("--model"));
 
   fs::create_directories(folder / "around/sparse");
   writeFile(folder / "around/sparse/cameras.txt", std::string_view("1 EQUIRECTANGULAR 64 32 64 32\n"));
@@ -176,7 +174,7 @@ TEST_CASE("leaving out refuses panoramas and names that are not there") {
   CHECK_THAT(panorama.err, Contains("a.png") && Contains("panorama"));
 }
 
-TEST_CASE("baselines are scored beside ours, and return photographs at their own poses") {
+TEST_CASE("baselines are scored, and return photographs at their own poses") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto evaluate = [&](const fs::path& truth) {
@@ -185,7 +183,7 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
                     "-o", folder / "out", "--json", folder / "report.json"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK_THAT(outcome.out, Contains("unstructured lumigraph") && Contains("PSNR gain"));
+    CHECK_THAT(outcome.out, Contains("lumigraph") && Contains("gain"));
     return json::parse(readTextFile(folder / "report.json"));
   };
   const auto isPhotograph = [](const json& scores) { return scores.at("psnr").is_null() || scores.at("psnr") > 45; };
@@ -211,7 +209,7 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
     CHECK(fs::exists(folder / "out" / name / "between.png"));
 }
 
-TEST_CASE("the reference composer gathers what a device gathers, and refuses scenes without depth") {
+TEST_CASE("the reference gather agrees with the device's and rejects scenes without depth") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto evaluate = [&](const fs::path& scene) {
@@ -232,7 +230,7 @@ TEST_CASE("the reference composer gathers what a device gathers, and refuses sce
   REQUIRE(built.code == 0);
   const auto refused = evaluate(bare);
   CHECK(refused.code == 3);
-  CHECK_THAT(refused.err, Contains("bare") && Contains("has no depth of its photographs") && Contains("gathered"));
+  CHECK_THAT(refused.err, Contains("bare") && Contains("depth") && Contains("gathered"));
 }
 
 namespace {
@@ -248,7 +246,7 @@ void writeEvenDepth(const fs::path& file, int width, int height) {
 
 }  // namespace
 
-TEST_CASE("eval: baselines by name, torn tiles, guessed pixels, and depth against the truth") {
+TEST_CASE("eval reports named baselines, torn tiles, guessed pixels and depth against the truth") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const Image8 truth = readImage(test::tinySet().truth / "images/between.png");

@@ -86,7 +86,7 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 
 }  // namespace
 
-TEST_CASE("htm build makes a model and says what it did") {
+TEST_CASE("htm build writes a model and a report") {
   const Built& once = built();
   const auto report = json::parse(readTextFile(once.folder / "report.json"));
   for (const char* key : {"model", "mesh", "sourceFaces", "reducedFaces", "toReduced", "toSource", "adjustments",
@@ -97,7 +97,7 @@ TEST_CASE("htm build makes a model and says what it did") {
   CHECK(report["rounds"][0].at("faces") == report["reducedFaces"].get<int>() - 2 * report["collapses"].get<int>());
   CHECK(report["adjustments"].size() == 1);
   CHECK(report["camerasPerVertex"].get<double>() > 1);
-  CHECK_THAT(once.outcome.out, Contains("D_f harmonised") && Contains("in all"));
+  CHECK_THAT(once.outcome.out, Contains("D_f") && Contains(once.model.string()));
   CHECK(loadHtmModel(once.model).cameras.size() == 6);
   CHECK(validateHtmModelFiles(once.model).empty());
   for (const char* file :
@@ -109,7 +109,7 @@ TEST_CASE("htm build makes a model and says what it did") {
   CHECK(test::contentsBelow(other / "model") == test::contentsBelow(once.model));
 }
 
-TEST_CASE("htm build says what is wrong and writes nothing") {
+TEST_CASE("htm build rejects invalid inputs and writes nothing") {
   const Built& once = built();
   test::TemporaryFolder folder;
   const auto run = [&](const std::vector<std::string>& more) {
@@ -144,7 +144,7 @@ TEST_CASE("htm build says what is wrong and writes nothing") {
     CHECK_THAT(help.out, Contains(option));
 }
 
-TEST_CASE("htm eval against known views has a figure for each method") {
+TEST_CASE("htm eval scores each method against known views") {
   if (!test::deviceIsThere()) return;
   const Built& once = built();
   test::TemporaryFolder folder;
@@ -175,7 +175,7 @@ TEST_CASE("htm eval against known views has a figure for each method") {
   CHECK(json::parse(one.out)["views"][0] == report["views"][1]);
 }
 
-TEST_CASE("htm eval leaves each photograph out") {
+TEST_CASE("htm eval scores each photograph that is left out") {
   if (!test::deviceIsThere()) return;
   const Built& once = built();
   const auto kept = runProgram({"htm", "eval", once.model, "--leave-one-out", "--keep-mesh", "--json", "-"});
@@ -199,7 +199,7 @@ TEST_CASE("htm eval leaves each photograph out") {
   CHECK(report["views"][0]["htm"]["psnr"] < truth["views"][0]["htm"]["psnr"]);
 }
 
-TEST_CASE("With its defaults harmonising does no worse than blending, with masks and without") {
+TEST_CASE("with default options, harmonising scores no worse than blending, with and without masks") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   REQUIRE(runLab({"synth", "moving", "-o", folder / "frames", "--frames", "1", "--size", "256x256", "-q"}).code == 0);
@@ -226,7 +226,7 @@ TEST_CASE("With its defaults harmonising does no worse than blending, with masks
   }
 }
 
-TEST_CASE("htm eval says what it needs") {
+TEST_CASE("htm eval rejects missing and conflicting options") {
   const Built& once = built();
   const auto bare = runProgram({"htm", "eval", once.model});
   CHECK(bare.code == 1);

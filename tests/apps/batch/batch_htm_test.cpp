@@ -40,7 +40,7 @@ test::Outcome runValidated(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-TEST_CASE("htm render writes pictures by every method") {
+TEST_CASE("htm render writes images with every method") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   writeBumpy(folder / "model", true);
@@ -62,7 +62,7 @@ TEST_CASE("htm render writes pictures by every method") {
     }
 }
 
-TEST_CASE("htm render at a camera's pose is its photograph") {
+TEST_CASE("htm render at a camera's pose reproduces the photograph") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   writeBumpy(folder / "model", false);
@@ -88,7 +88,7 @@ TEST_CASE("htm render at a camera's pose is its photograph") {
   CHECK(error / (20 * 20 * 3) < 1);
 }
 
-TEST_CASE("htm says what is missing") {
+TEST_CASE("htm names missing options and rejects missing inputs") {
   test::TemporaryFolder folder;
   CHECK(test::runProgram({"htm"}).code == 1);
   const auto unknown = test::runProgram({"htm", "nothing"});

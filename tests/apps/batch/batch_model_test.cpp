@@ -30,7 +30,7 @@ HtmModel tinyModel() {
 
 }  // namespace
 
-TEST_CASE("info and validate take a model as they take a scene") {
+TEST_CASE("info and validate accept a harmonised model") {
   TemporaryFolder folder;
   saveHtmModel(tinyModel(), folder.path());
   for (const std::string& path : {folder.path().string(), (folder / "model.gltf").string()}) {
@@ -46,15 +46,17 @@ TEST_CASE("info and validate take a model as they take a scene") {
     CHECK(report["membersPerVertex"] == 18.0 / 8);
     CHECK(report["verticesWithoutCamera"] == 1);
   }
-  CHECK_THAT(runProgram({"info", folder.path().string()}).out, Catch::Contains("12 faces, 8 vertices"));
+  CHECK_THAT(runProgram({"info", folder.path().string()}).out,
+             Catch::Contains("12 faces") && Catch::Contains("8 vertices"));
   CHECK(runProgram({"info", folder.path().string(), "--explain"}).code == 5);
 
   const Outcome faults = runProgram({"validate", folder.path().string()});
   CHECK(faults.code == 3);
-  CHECK_THAT(faults.out, Catch::Contains("/extensions/IBR_harmonised_texture/cameras/2/image: c.png is missing"));
+  CHECK_THAT(faults.out,
+             Catch::Contains("/extensions/IBR_harmonised_texture/cameras/2/image") && Catch::Contains("c.png"));
 }
 
-TEST_CASE("info and validate take a sequence of models") {
+TEST_CASE("info and validate accept 3D video") {
   TemporaryFolder folder;
   saveHtmModel(tinyModel(), folder / "one");
   saveHtmModel(tinyModel(), folder / "two");
@@ -68,5 +70,6 @@ TEST_CASE("info and validate take a sequence of models") {
   CHECK(report["complementBytes"] == 8 * 9 * 8);
   const Outcome faults = runProgram({"validate", folder.path().string()});
   CHECK(faults.code == 3);
-  CHECK_THAT(faults.out, Catch::Contains("/frames/1: two: /extensions") && Catch::Contains("6 faults"));
+  CHECK_THAT(faults.out, Catch::Contains("/frames/1") && Catch::Contains("two") && Catch::Contains("/extensions") &&
+                             Catch::Contains("6 fault"));
 }

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using test::runProgram;
 
-TEST_CASE("compare: figures, tolerance and difference picture") {
+TEST_CASE("compare reports metrics, applies the tolerance and writes a difference image") {
   test::TemporaryFolder folder;
   Image8 a(20, 20, 3, 100), b = a;
   b.pixel(3, 4)[1] = 110;    // 1 of 400 pixels differs by 10 levels
@@ -59,7 +59,7 @@ TEST_CASE("compare: figures, tolerance and difference picture") {
   CHECK(nlohmann::json::parse(same.out).at("psnr").is_null());
 }
 
-TEST_CASE("compare: pictures of different size or damaged ones are invalid input") {
+TEST_CASE("compare rejects images of different sizes and damaged images") {
   test::TemporaryFolder folder;
   writeImage(folder / "a.png", Image8(20, 10, 3));
   writeImage(folder / "b.png", Image8(10, 20, 3));
@@ -72,7 +72,7 @@ TEST_CASE("compare: pictures of different size or damaged ones are invalid input
   CHECK(runProgram({"compare", folder / "a.png", folder / "half.png"}).code == 3);
 }
 
-TEST_CASE("info writes depth of each photograph, what confirms it and consensus, as pictures and values") {
+TEST_CASE("info writes depth, confirmations and consensus of each photograph as images and values") {
   test::TemporaryFolder folder;
   const Scene scene = loadScene(test::tinyScene());
   const auto outcome = test::runProgram({"info", test::tinyScene(), "--depth", folder / "depth"});
@@ -101,5 +101,5 @@ TEST_CASE("info writes depth of each photograph, what confirms it and consensus,
   saveScene(bare, folder / "bare");
   const auto none = test::runProgram({"info", folder / "bare", "--depth", folder / "again"});
   CHECK(none.code != 0);
-  CHECK_THAT(none.err, Catch::Contains("no photograph has a depth texture"));
+  CHECK_THAT(none.err, Catch::Contains("bare") && Catch::Contains("depth"));
 }

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
 
-TEST_CASE("a picture is made again from itself, byte for byte, wherever the scene lies") {
+TEST_CASE("an image rendered again from its metadata has the same bytes, also from a copied scene") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   writeFile(folder / "path.json",
@@ -45,8 +45,9 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
   const std::string text = json.at("texts").at(0).at("text");
   CHECK_THAT(text, Contains("\"libibr\"") && !Contains("cene") && !Contains("frame_0000"));
   const auto shown = test::runProgram({"info", picture});
-  CHECK_THAT(shown.out, Contains("--colour ours") && Contains("--cells 2") && Contains("--texture-scale 1.0") &&
-                            Contains("--mute 0") && !Contains("--overlay") && !Contains("--solo"));
+  CHECK_THAT(shown.out, Contains("--poses") && Contains("--colour ours") && Contains("--cells 2") &&
+                            Contains("--texture-scale 1.0") && Contains("--mute 0") && !Contains("--overlay") &&
+                            !Contains("--solo"));
 
   const auto other = test::runProgram({"render", test::tinyScene(), "--poses", picture, "-o", folder / "c"});
   CHECK(other.code == 0);  // the view comes from the image, settings from the command
@@ -57,30 +58,30 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
   CHECK(readImage(folder / "d/frame_0000.png").width == 32);
 }
 
-TEST_CASE("pictures that tell no view are refused as poses, and shown by info") {
+TEST_CASE("images without a stored view are rejected as poses, and info accepts them") {
   test::TemporaryFolder folder;
   writeImage(folder / "a.png", Image8(5, 4, 3));
   const auto refused = test::runProgram({"render", test::tinyScene(), "--poses", folder / "a.png", "-o", folder / "o"});
   CHECK(refused.code == 3);
-  CHECK_THAT(refused.err, Contains("a.png: no view stands in this picture"));
+  CHECK_THAT(refused.err, Contains("a.png") && Contains("view"));
   CHECK(!fs::exists(folder / "o"));
   const auto info = test::runProgram({"info", folder / "a.png"});
   CHECK(info.code == 0);
-  CHECK_THAT(info.out, Contains("5×4") && Contains("unknown"));
+  CHECK_THAT(info.out, Contains("5×4") && !Contains("--poses"));
   CHECK(test::runProgram({"info", folder / "a.png", "--explain"}).code == 5);
   writeImage(folder / "a.png", Image8(5, 4, 3), {{"ibr", "{\"version\":1"}});
   const auto broken = test::runProgram({"info", folder / "a.png"});
   CHECK(broken.code == 3);
-  CHECK_THAT(broken.err, Contains("a.png") && Contains("not JSON"));
+  CHECK_THAT(broken.err, Contains("a.png") && Contains("JSON"));
 }
 
-TEST_CASE("a cell that the scene does not have is named") {
+TEST_CASE("--mute and --solo report a cell that the scene lacks") {
   test::TemporaryFolder folder;
   for (const char* option : {"--mute", "--solo"}) {
     const auto refused =
         test::runProgram({"render", test::tinyScene(), "--path", "auto:2", "-o", folder / "out", option, "0,99"});
     CHECK(refused.code == 3);
-    CHECK_THAT(refused.err, Contains(std::string(option) + " 99"));
+    CHECK_THAT(refused.err, Contains(option) && Contains("99"));
     CHECK(!fs::exists(folder / "out"));
   }
 }

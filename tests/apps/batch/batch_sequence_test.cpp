@@ -36,7 +36,7 @@ using Kept = std::vector<bool>;
 
 }  // namespace
 
-TEST_CASE("htm sequence makes what is missing and keeps the rest", "[sequence]") {
+TEST_CASE("htm sequence builds missing frames and keeps the others", "[sequence]") {
   const test::TemporaryFolder folder;
   fs::copy(test::movingFrames(), folder / "frames", fs::copy_options::recursive);
   const auto build = [&](const std::vector<std::string>& options = {}) {
@@ -69,13 +69,13 @@ TEST_CASE("htm sequence makes what is missing and keeps the rest", "[sequence]")
   CHECK(build({"--soft", "3", "--exclude", "cam04.png"}) == Kept{false, false});
 }
 
-TEST_CASE("htm sequence goes on where it was stopped", "[sequence]") {
+TEST_CASE("htm sequence resumes after an interrupt", "[sequence]") {
   const test::TemporaryFolder folder;
   const auto command = test::sequenceCommand(test::movingFrames(), folder / "stopped");
   const auto stopped = test::runProgram(
       command, {.interruptWhen = [](const std::string& err) { return err.find("frame0000: ") != std::string::npos; }});
   CHECK(stopped.code == 130);
-  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK_THAT(stopped.err, Contains("again"));
   for (const auto& entry : fs::directory_iterator(folder / "stopped")) {
     INFO(entry.path());
     CHECK(entry.path().filename().string().starts_with("frame"));  // no sequence index, no partial frame
@@ -91,37 +91,37 @@ TEST_CASE("htm sequence goes on where it was stopped", "[sequence]") {
   CHECK(modelsBelow(folder / "stopped") == modelsBelow(folder / "whole"));
 }
 
-TEST_CASE("htm sequence names the frame and the file", "[sequence]") {
+TEST_CASE("htm sequence names the frame and the file of an error", "[sequence]") {
   const test::TemporaryFolder folder;
   fs::copy(test::movingFrames(), folder / "frames", fs::copy_options::recursive);
   const fs::path frame = folder / "frames/frame0001";
-  const auto refused = [&](int code, const std::string& what) {
+  const auto refused = [&](int code, const std::vector<std::string>& words) {
     const auto outcome = test::runProgram(test::sequenceCommand(folder / "frames", folder / "out"));
     CHECK(outcome.code == code);
-    CHECK_THAT(outcome.err, Contains(what));
+    for (const std::string& word : words) CHECK_THAT(outcome.err, Contains(word));
     CHECK(!fs::exists(folder / "out/sequence.json"));
   };
-  const auto without = [&](const char* name, int code, const std::string& what) {
+  const auto without = [&](const char* name, int code, const std::vector<std::string>& words) {
     fs::rename(frame / name, folder / "away");
-    refused(code, what);
+    refused(code, words);
     CHECK(!fs::exists(folder / "out"));  // before any work
     fs::rename(folder / "away", frame / name);
   };
-  without("mesh.ply", 2, "frame0001: has no mesh.ply");
-  without("sparse", 2, "frame0001/sparse: has no COLMAP model");
-  without("images", 2, "frame0001/images: is missing");
+  without("mesh.ply", 2, {"frame0001", "mesh.ply"});
+  without("sparse", 2, {"frame0001/sparse", "COLMAP"});
+  without("images", 2, {"frame0001/images"});
   writeFile(frame / "mesh.obj", "");
-  refused(3, "frame0001/mesh.obj: is a second mesh");
+  refused(3, {"frame0001/mesh.obj", "mesh.ply"});
   fs::remove(frame / "mesh.obj");
 
   const auto mesh = readFile(frame / "mesh.ply");
   writeFile(frame / "mesh.ply", "ply\n");
-  refused(3, "frame frame0001: " + (frame / "mesh.ply").string());
+  refused(3, {"frame frame0001", (frame / "mesh.ply").string()});
   CHECK(test::runProgram({"validate", folder / "out/frame0000"}).code == 0);
   CHECK(!fs::exists(folder / "out/frame0001"));
   writeFile(frame / "mesh.ply", mesh);
   fs::create_directories(folder / "out/frame0001/something else");
-  refused(3, "out/frame0001: is there and no harmonised model");
+  refused(3, {"out/frame0001", "harmonised"});
   CHECK(fs::exists(folder / "out/frame0001/something else"));
 
   CHECK(test::runProgram({"htm", "sequence", folder / "nowhere", "-o", folder / "out"}).code == 2);
@@ -129,6 +129,6 @@ TEST_CASE("htm sequence names the frame and the file", "[sequence]") {
   CHECK(test::runProgram({"htm", "sequence", folder / "empty", "-o", folder / "out"}).code == 3);
   const auto inside = test::runProgram({"htm", "sequence", folder / "frames", "-o", folder / "frames/out"});
   CHECK(inside.code == 3);
-  CHECK_THAT(inside.err, Contains("lies in the folder of the frames"));
+  CHECK_THAT(inside.err, Contains((folder / "frames/out").string()));
   CHECK(test::runProgram({"htm", "sequence", folder / "frames", "-o", folder / "out", "--fps", "0"}).code == 1);
 }

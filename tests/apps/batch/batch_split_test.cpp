@@ -14,7 +14,7 @@ using namespace ibr::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
-TEST_CASE("ibr split: pictures, model, report, and what it refuses") {
+TEST_CASE("ibr split writes images, a model and a report, and rejects invalid options") {
   const TemporaryFolder folder;
   Image8 panorama(64, 32, 3, 90);
   writeImage(folder / "pano.png", panorama);
@@ -45,5 +45,5 @@ TEST_CASE("ibr split: pictures, model, report, and what it refuses") {
   CHECK(runProgram({"split", pano}).code == 1);
   const Outcome unposed = runProgram({"split", folder / "faces/images", "-o", out});
   CHECK(unposed.code == 3);
-  CHECK_THAT(unposed.err, Contains("poses"));
+  CHECK_THAT(unposed.err, Contains("faces/images"));
 }

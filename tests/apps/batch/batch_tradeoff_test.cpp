@@ -41,15 +41,15 @@ const Json& settingOf(const Json& report, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") {
+TEST_CASE("ibr tradeoff measures the scores of ibr eval, and a second run reuses all measurements") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const fs::path out = folder / "report";
   const Outcome outcome = runProgram(tradeoffOfTiny(out));
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  CHECK_THAT(outcome.out, Contains("preset reference") && Contains("front of time and error") &&
-                              Contains("against the twin") && Contains("presets fall in error"));
+  CHECK_THAT(outcome.out,
+             Contains("preset reference") && Contains("front") && Contains("between.png") && Contains("99 %"));
   const std::string text = readTextFile(out / "tradeoff.json");
   const Json report = Json::parse(text);
 
@@ -86,18 +86,21 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
   CHECK(report.at("walks").size() == 4);
 
   const std::string html = readTextFile(out / "report.html");
-  CHECK_THAT(html, Contains("<svg") && Contains("src=\"data:image/jpeg;base64,") && Contains("What each knob costs") &&
-                       !Contains("<script") && !Contains("src=\"http") && !Contains("href="));
-  for (const char* figure : {"pareto.svg", "knobs.svg", "memory.svg", "passes.svg", "histogram.svg"})
-    CHECK_THAT(readTextFile(out / figure), Contains("</svg>"));
+  CHECK_THAT(html, Contains("<svg") && Contains("src=\"data:image/jpeg;base64,") && !Contains("<script") &&
+                       !Contains("src=\"http") && !Contains("href="));
+  for (const char* figure : {"pareto.svg", "knobs.svg", "memory.svg", "passes.svg", "histogram.svg"}) {
+    const std::string svg = readTextFile(out / figure);
+    CHECK_THAT(svg, Contains("</svg>"));
+    CHECK((html.find(svg) != std::string::npos));
+  }
   CHECK_THAT(readTextFile(out / "tradeoff.csv"), Contains("\"preset balanced\",\"tiers\",\"3\","));
 
   const Outcome more = runProgram(tradeoffOfTiny(out));
-  CHECK_THAT(more.err, Contains("measured before"));
+  CHECK_THAT(more.err, Contains("12 of 12"));
   CHECK(readTextFile(out / "tradeoff.json") == text);  // cached file, raw times included
 }
 
-TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what was kept") {
+TEST_CASE("ibr tradeoff reports how far two eyes agree, also from cached measurements") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const fs::path out = folder / "out";
@@ -116,12 +119,14 @@ TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what w
     CHECK(eyes.at("difference95") >= eyes.at("difference"));
     CHECK(eyes == settingOf(report, setting).at("views")[0].at("eyes"));
   }
-  CHECK_THAT(readTextFile(out / "report.html"), Contains("What two eyes see") && Contains("<td>eyeColours own</td>"));
+  const std::string html = readTextFile(out / "report.html"), cell = "<td>eyeColours own</td>";
+  const std::size_t first = html.find(cell), second = html.find(cell, first + 1);
+  CHECK((first != std::string::npos && second != std::string::npos));  // tables of eyes and of all settings
   REQUIRE(runProgram(line).code == 0);
   CHECK(readTextFile(out / "tradeoff.json") == text);
 }
 
-TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same command goes on") {
+TEST_CASE("ibr tradeoff resumes after Ctrl-C without losing measurements") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const fs::path out = folder / "report", kept = out / "tradeoff.kept.jsonl";
@@ -139,7 +144,7 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   }
   INFO(stopped.err);
   REQUIRE(stopped.code == 130);
-  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK_THAT(stopped.err, Contains("again"));
   CHECK_FALSE(fs::exists(out / "tradeoff.json"));
   const std::string before = readTextFile(kept);
   const auto found = std::ranges::count(before, '\n');
@@ -154,14 +159,14 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   const Outcome resumed = runProgram(line);
   INFO(resumed.err);
   REQUIRE(resumed.code == 0);
-  CHECK_THAT(resumed.err, Contains(std::to_string(found) + " parts of"));
+  CHECK_THAT(resumed.err, Contains(std::to_string(found) + " of 50"));
   const std::string after = readTextFile(kept);
   std::istringstream lines(before);
   for (std::string each; std::getline(lines, each);) CHECK((after.find(each + '\n') != std::string::npos));
   CHECK(settingOf(Json::parse(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
 }
 
-TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr-lab sweep measured") {
+TEST_CASE("ibr tradeoff plots the optimiser's settings that ibr-lab sweep measured") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
   const Outcome swept =
@@ -191,18 +196,18 @@ TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr-lab sweep m
   }
   CHECK(drawn == sweep.at("settings").size() - 1);
   CHECK(drawn >= 2);
-  CHECK_THAT(readTextFile(folder / "out" / "report.html"), Contains("PSNR of held-out views, covered, dB"));
+  CHECK((readTextFile(folder / "out" / "report.html").find(svg) != std::string::npos));
 }
 
-TEST_CASE("ibr tradeoff refuses what it cannot measure") {
+TEST_CASE("ibr tradeoff rejects invalid options and inputs") {
   CHECK(runProgram({"tradeoff", tinyScene(), "--knobs", "speed", "-o", "x"}).code == 1);
   const Outcome inside = runProgram({"tradeoff", tinyScene(), "-o", tinyScene() / "report"});
   CHECK(inside.code == 3);
-  CHECK_THAT(inside.err, Contains("lies in"));
+  CHECK_THAT(inside.err, Contains("--output"));
   CHECK_THAT(runProgram({"tradeoff", tinyScene(), "--build", "nameless", "-o", "x"}).err, Contains("NAME=SCENE"));
   const TemporaryFolder folder;
   writeFile(folder / "sweep.json", std::string_view("{\"settings\":[{}]}"));
   const Outcome sweep = runProgram({"tradeoff", tinyScene(), "--sweep", folder / "sweep.json", "-o", folder / "x"});
   CHECK(sweep.code == 3);
-  CHECK_THAT(sweep.err, Contains("no report of ibr-lab sweep"));
+  CHECK_THAT(sweep.err, Contains("sweep.json") && Contains("--sweep"));
 }

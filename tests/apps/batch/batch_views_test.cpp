@@ -34,7 +34,7 @@ std::size_t darkPixels(const Image8& image) {
 
 }  // namespace
 
-TEST_CASE("render follows a COLMAP model's names, folders included") {
+TEST_CASE("render names images as a COLMAP model does, folders included") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto outcome = runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse",
@@ -51,7 +51,7 @@ TEST_CASE("render follows a COLMAP model's names, folders included") {
   CHECK(report.at("settings").at("morph") == "ours");
 }
 
-TEST_CASE("render: a size keeps the field of view and the shape of pixels") {
+TEST_CASE("render --size sets the size of the images") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   REQUIRE(runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse", "--size",
@@ -61,7 +61,7 @@ TEST_CASE("render: a size keeps the field of view and the shape of pixels") {
   CHECK((image.width == 120 && image.height == 72));
 }
 
-TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
+TEST_CASE("render --path auto:N writes N frames, with every setting") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const std::vector<std::vector<std::string>> settings{{},
@@ -85,7 +85,7 @@ TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
   }
 }
 
-TEST_CASE("a preset is all settings, and what is given beside it wins, wherever it stands") {
+TEST_CASE("a preset sets all settings, and explicit settings override the preset in any order") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto settings = [&](std::vector<std::string> more) {
@@ -104,7 +104,7 @@ TEST_CASE("a preset is all settings, and what is given beside it wins, wherever 
     CHECK((mixed["cells"] == 7 && mixed["photographs"] == 6));
 }
 
-TEST_CASE("render takes transforms.json") {
+TEST_CASE("render accepts transforms.json") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const Intrinsics k = test::tinySet().cameras[0].camera.intrinsics;
@@ -132,7 +132,7 @@ TEST_CASE("render takes transforms.json") {
   CHECK_THAT(outcome.err, Contains("/frames/1/transform_matrix"));
 }
 
-TEST_CASE("render takes a camera path") {
+TEST_CASE("render accepts a camera path") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   writeFile(folder / "path.json",
@@ -160,7 +160,7 @@ TEST_CASE("render takes a camera path") {
   CHECK(!fs::exists(folder / "no"));
 }
 
-TEST_CASE("render refuses names that lead out of the folder or to one file") {
+TEST_CASE("render rejects names outside the output folder and names of the same file") {
   test::TemporaryFolder folder;
   const Camera camera = test::tinySet().cameras[0].camera;
   test::writeColmapModel(folder / "out-of-it", {{"../../x.jpg", camera}});
@@ -174,14 +174,14 @@ TEST_CASE("render refuses names that lead out of the folder or to one file") {
   }
 }
 
-TEST_CASE("eval reports the keys that were promised, and pictures") {
+TEST_CASE("eval reports all documented keys and writes images") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().photographs, "-o",
                                      folder / "out", "--json", folder / "eval.json"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  CHECK_THAT(outcome.out, Contains("mean") && Contains("PSNR") && Contains("b/2.png"));
+  CHECK_THAT(outcome.out, Contains("PSNR") && Contains("b/2.png"));
   const auto report = nlohmann::json::parse(readTextFile(folder / "eval.json"));
   for (const char* key : {"device", "settings", "scene"}) CHECK(report.contains(key));
   REQUIRE(report.at("views").size() == 3);
@@ -208,7 +208,7 @@ TEST_CASE("eval reports the keys that were promised, and pictures") {
   CHECK((shown.width == 3 * 192 && shown.height == 144));
 }
 
-TEST_CASE("eval of a view between the photographs finds it near the truth") {
+TEST_CASE("eval scores a view between the photographs as close to the truth") {
   if (!test::deviceIsThere()) return;
   const auto outcome =
       runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--tiers", "2", "--json", "-"});
@@ -224,7 +224,7 @@ TEST_CASE("eval of a view between the photographs finds it near the truth") {
   CHECK(view.at("msSsim").is_null());  // undefined for 144 rows
 }
 
-TEST_CASE("what is asked for wins over a preset, wherever it stands") {
+TEST_CASE("an overlay overrides the preset in any order") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   for (const bool before : {false, true}) {
@@ -238,7 +238,7 @@ TEST_CASE("what is asked for wins over a preset, wherever it stands") {
   }
 }
 
-TEST_CASE("eval --seams tells colours from geometry") {
+TEST_CASE("eval --seams separates colour differences from misalignment") {
   if (!test::deviceIsThere()) return;
   const auto outcome =
       runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--seams", "--json", "-"});
@@ -254,7 +254,7 @@ TEST_CASE("eval --seams tells colours from geometry") {
   CHECK(nlohmann::json::parse(without.out).at("mean").at("deltaE").is_null());
 }
 
-TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
+TEST_CASE("eval accepts selected views and images/ beside the model, and rejects a truth of another size") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const test::TinySet& set = test::tinySet();
@@ -271,7 +271,7 @@ TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   const auto missing = runValidated({"eval", test::tinyScene(), "--truth", folder / "truth", "--json", "-"});
   REQUIRE(missing.code == 0);
   CHECK(nlohmann::json::parse(missing.out).at("views").size() == 1);
-  CHECK_THAT(missing.err, Contains("warning") && Contains("gone.png"));
+  CHECK_THAT(missing.err, Contains("warning:") && Contains("gone.png"));
 
   writeImage(folder / "truth/images/0.png", Image8(50, 40, 3));
   const auto wrong = test::runProgram({"eval", test::tinyScene(), "--truth", folder / "truth"});
@@ -279,7 +279,7 @@ TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   CHECK_THAT(wrong.err, Contains("50×40") && Contains("192×144"));
 }
 
-TEST_CASE("eval --masks: what a mask of the truth covers counts in no score") {
+TEST_CASE("eval --masks excludes masked pixels of the truth from all scores") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const test::TinySet& set = test::tinySet();
@@ -316,10 +316,10 @@ TEST_CASE("eval --masks: what a mask of the truth covers counts in no score") {
   const auto wrong =
       test::runProgram({"eval", test::tinyScene(), "--truth", folder / "truth", "--masks", folder / "masks"});
   CHECK(wrong.code == 3);
-  CHECK_THAT(wrong.err, Contains("between.png.png") && Contains("8 × 8") && Contains("192 × 144"));
+  CHECK_THAT(wrong.err, Contains("between.png.png") && Contains("192") && Contains("144"));
 }
 
-TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's are counted") {
+TEST_CASE("walk reports equal frames for a still camera and steps for a moving camera") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   writeFile(folder / "still.json", std::string_view(R"({"version": 1, "size": [96, 72], "fps": 30, "keys": [
@@ -351,7 +351,7 @@ TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's 
   CHECK(runValidated({"walk", test::tinyScene(), "--ipd", "0.1"}).code == 1);
 }
 
-TEST_CASE("walk: what flickers, pops and rivals is told") {
+TEST_CASE("walk reports flicker, pops and differences between the eyes") {
   if (!test::deviceIsThere()) return;
   const auto walked = [](std::vector<std::string> more) {
     std::vector<std::string> line{"walk", test::tinyScene(), "--frames", "24", "--size", "96x72", "--json", "-"};
@@ -380,7 +380,7 @@ TEST_CASE("walk: what flickers, pops and rivals is told") {
   CHECK(one.at("difference") < 1e-3);
 }
 
-TEST_CASE("a budget for the device's memory is kept, and what it costs is said") {
+TEST_CASE("--vram-budget limits device memory and warns about reduced textures") {
   if (!test::deviceIsThere()) return;
   const auto info = test::runProgram({"info", test::tinyScene(), "--json", "-"});
   REQUIRE(info.code == 0);
@@ -401,12 +401,12 @@ TEST_CASE("a budget for the device's memory is kept, and what it costs is said")
   const double whole = psnrWithin(meshes + textures, enough), half = psnrWithin(meshes + textures * 3 / 4, little);
   CHECK_THAT(enough.err, !Contains("budget"));
   CHECK(nlohmann::json::parse(little.out).at("settings").at("vramBudget") == meshes + textures * 3 / 4);
-  CHECK_THAT(little.err, Contains("warning") && Contains("1/2 of their size"));
+  CHECK_THAT(little.err, Contains("warning:") && Contains("budget") && Contains("1/2"));
   CAPTURE(half, whole);
   CHECK(half < whole);
   CHECK(half > 22);
   const auto none = test::runProgram(
       {"render", test::tinyScene(), "--path", "auto:2", "-o", test::tinyFolder() / "no", "--vram-budget", "1K"});
   CHECK(none.code == 4);
-  CHECK_THAT(none.err, Contains("a budget of 1024 bytes is too small") && Contains("meshes"));
+  CHECK_THAT(none.err, Contains("1024 bytes"));
 }

@@ -30,7 +30,7 @@ ImageF twoCells() {
 
 }  // namespace
 
-TEST_CASE("a seam is what cells step by beyond the truth's own step") {
+TEST_CASE("a seam is the colour step between cells minus that of the truth") {
   const Image8 picture = halves(100, 130), truth = halves(100, 110);
   const SeamStep found = seamStep(picture, twoCells(), truth);
   CHECK(found.levels == Approx(20));
@@ -41,7 +41,7 @@ TEST_CASE("a seam is what cells step by beyond the truth's own step") {
   CHECK(seamStep(truth, twoCells(), truth).deltaE == 0);
 }
 
-TEST_CASE("without a border between cells, or of tier 0, there is no seam") {
+TEST_CASE("without a border between cells of tier 0 there is no seam") {
   const Image8 picture = halves(100, 130);
   const ImageF oneCell(4, 2, 4);
   CHECK(std::isnan(seamStep(picture, oneCell, picture).levels));

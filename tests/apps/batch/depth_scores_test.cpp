@@ -52,7 +52,7 @@ TEST_CASE("completed, filled and empty pixels are guessed; matched ones are not"
   CHECK(drawn.values[5] < 0);
 }
 
-TEST_CASE("deviations hold what confirmed depth is off by, in inverse depth") {
+TEST_CASE("deviation scores are shares of confirmed pixels within one and two standard deviations") {
   FrameBuffers buffers{ImageF(6, 1, 4), ImageF(6, 1, 4), ImageF(6, 1, 2)};
   const auto set = [&](int x, float depth, float tier, float deviation) {
     buffers.surface.pixel(x, 0)[0] = depth;

@@ -34,7 +34,7 @@ SceneRenderer::Picture wallFrom(const Camera& eye, double lighter = 0) {
 
 }  // namespace
 
-TEST_CASE("eyes that see one wall agree, and what lies beyond the other's picture is not compared") {
+TEST_CASE("eyes in front of one wall agree, and points outside the other image are not compared") {
   const Camera left = eyeAt(-0.1), right = eyeAt(0.1);
   const EyeAgreement found = eyeAgreement(wallFrom(left), left, wallFrom(right), right);
   const double columns = 0.2 * left.intrinsics.fx / kWall;  // disparity, px
@@ -44,7 +44,7 @@ TEST_CASE("eyes that see one wall agree, and what lies beyond the other's pictur
   CHECK(found.difference95 < 1.5);
 }
 
-TEST_CASE("eyes: a difference of colours, of cells and of tiers is told") {
+TEST_CASE("eye agreement reports differences of colours, cells and tiers") {
   const Camera left = eyeAt(-0.1), right = eyeAt(0.1);
   const EyeAgreement lighter = eyeAgreement(wallFrom(left), left, wallFrom(right, 10), right);
   CHECK(lighter.difference == Approx(10).margin(0.3));
@@ -55,7 +55,7 @@ TEST_CASE("eyes: a difference of colours, of cells and of tiers is told") {
   CHECK(eyeAgreement(wallFrom(left), left, other, right).sameCell == Approx(0.5).margin(0.02));
 }
 
-TEST_CASE("eyes: what one of them does not see, or at no known depth, is not compared") {
+TEST_CASE("eye agreement leaves out points that one eye does not see or that have no known depth") {
   const Camera left = eyeAt(-0.1), right = eyeAt(0.1);
   const auto with = [&](float depth, float rank) {
     SceneRenderer::Picture picture = wallFrom(right);

@@ -40,7 +40,7 @@ bool isRotation(glm::dquat q) {
 
 }  // namespace
 
-TEST_CASE("a row is walked from one end to the other, a tenth of a step beyond both") {
+TEST_CASE("the path follows a row of photographs and extends it by a tenth of a step at both ends") {
   const Scene scene = row(9);
   const auto views = frames(autoPath(scene, 60));
   REQUIRE(views.size() == 60);
@@ -55,11 +55,11 @@ TEST_CASE("a row is walked from one end to the other, a tenth of a step beyond b
   }
 }
 
-TEST_CASE("the number of frames is the one asked for") {
+TEST_CASE("the path has the requested number of frames") {
   for (const int count : {1, 2, 3, 30, 91, 1000}) CHECK(frames(autoPath(row(5), count)).size() == std::size_t(count));
 }
 
-TEST_CASE("a grid is toured without long ways") {
+TEST_CASE("the path through a grid is less than 1.3 times the shortest tour") {
   Scene scene;
   for (int i = 0; i < 30; ++i) scene.nodes.push_back(nodeAt({double(i * 11 % 30 % 6), double(i * 11 % 30 / 6), 0}));
   const auto views = frames(autoPath(scene, 300));
@@ -69,7 +69,7 @@ TEST_CASE("a grid is toured without long ways") {
   CHECK(length < 1.3 * 29);  // the shortest tour has 29 steps of length 1
 }
 
-TEST_CASE("the view is a little narrower than the photographs, whatever its shape") {
+TEST_CASE("the field of view is 0.9 of the photographs' for any aspect ratio") {
   const auto tangents = [](const Camera& camera) {
     const Intrinsics& k = camera.intrinsics;
     return glm::dvec2(0.5 * k.width / k.fx, 0.5 * k.height / k.fy);
@@ -88,7 +88,7 @@ TEST_CASE("the view is a little narrower than the photographs, whatever its shap
   CHECK((camera.intrinsics.width == 640 && camera.intrinsics.height == 480));
 }
 
-TEST_CASE("of several photographs at a place, that one is followed which turns the view least") {
+TEST_CASE("at positions with several photographs the path follows the one that turns the view least") {
   Scene scene;
   for (int i = 0; i < 5; ++i)
     for (int direction = 0; direction < 4; ++direction)
@@ -128,7 +128,7 @@ TEST_CASE("walking around an object keeps it in view and the horizon level") {
   }
 }
 
-TEST_CASE("only photographs of a cell are visited, where there are cells") {
+TEST_CASE("if a scene has cells, the path visits only photographs of cells") {
   Scene scene = row(5);
   scene.nodes.push_back(nodeAt({0, 500, 0}));
   Cell cell;
@@ -137,7 +137,7 @@ TEST_CASE("only photographs of a cell are visited, where there are cells") {
   for (const View& view : frames(autoPath(scene, 40))) CHECK(view.camera.pose.position.y == 0);
 }
 
-TEST_CASE("the walk leads through the middle of cells") {
+TEST_CASE("the path leads through the middle of cells") {
   // Two rows of photographs, joined to triangles: the walk stays between the rows.
   Scene scene;
   for (int i = 0; i < 12; ++i) scene.nodes.push_back(nodeAt({double(i / 2), double(i % 2), 0}));
@@ -153,7 +153,7 @@ TEST_CASE("the walk leads through the middle of cells") {
   CHECK(views.back().camera.pose.position.x < 5.3);
 }
 
-TEST_CASE("a single cell is crossed from member to member, and slightly beyond") {
+TEST_CASE("a path through a single cell connects its members and extends slightly beyond") {
   Scene scene;
   for (const glm::dvec3 position : {glm::dvec3(0, 0, 0), glm::dvec3(3, 0, 0), glm::dvec3(0, 3, 0)})
     scene.nodes.push_back(nodeAt(position));
@@ -163,7 +163,7 @@ TEST_CASE("a single cell is crossed from member to member, and slightly beyond")
   CHECK(glm::distance(views.back().camera.pose.position, glm::dvec3(-0.1, 3.2, 0)) < 1e-9);
 }
 
-TEST_CASE("the less the cells cover, the narrower the view") {
+TEST_CASE("the field of view grows with the coverage of the cells") {
   double last = 0;
   for (const double coverage : {0.01, 0.36, 0.49, 1.0}) {
     Scene scene = row(3);
@@ -200,7 +200,7 @@ TEST_CASE("degenerate scenes give a path or an error, never NaN") {
     }
 }
 
-TEST_CASE("among panoramas the path looks ahead, level, with a wide lens") {
+TEST_CASE("in scenes of panoramas the path looks ahead, level, with a wide field of view") {
   Scene panoramas = row(4);
   for (Node& node : panoramas.nodes) {
     node.camera.intrinsics = {CameraModel::equirectangular, 1024, 512};

@@ -45,7 +45,7 @@ class Environment {
 
 }  // namespace
 
-TEST_CASE("what programs keep lies where the environment says, or below the home folder") {
+TEST_CASE("settings and cache folders follow the XDG variables, or lie below the home folder") {
   const TemporaryFolder folder;
   const fs::path home = folder / "home", config = folder / "config", cache = folder / "cache";
   {
@@ -67,7 +67,7 @@ TEST_CASE("what programs keep lies where the environment says, or below the home
   CHECK(cacheFolder().empty());
 }
 
-TEST_CASE("pictures go where the user keeps them") {
+TEST_CASE("screenshots go to the pictures folder of user-dirs.dirs, or to ~/Pictures") {
   const TemporaryFolder folder;
   const fs::path home = folder / "home", config = folder / "config";
   fs::create_directories(home / "Bilder");

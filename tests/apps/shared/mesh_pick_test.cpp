@@ -28,7 +28,7 @@ TriangleMesh squares(glm::dvec3 at) {
 
 }  // namespace
 
-TEST_CASE("a picked point is the nearest before the eye, wherever the world lies") {
+TEST_CASE("a picked point is the nearest intersection in front of the camera, at any origin") {
   for (const glm::dvec3 at : {glm::dvec3(0), glm::dvec3(3e6, -1e6, 2e6)}) {
     const TriangleMesh mesh = squares(at);
     const auto near = app::pickedPoint(mesh, at, {0.25, -0.125, -1});

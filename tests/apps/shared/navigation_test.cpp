@@ -45,7 +45,7 @@ Navigation flown(Navigation state, double seconds, int rate, glm::dvec3 move, gl
 
 }  // namespace
 
-TEST_CASE("flying goes the same way at every rate of frames, near the origin and far from it") {
+TEST_CASE("flying does not depend on the frame rate, near the origin and far from it") {
   for (const double far : {0.0, 1e6}) {
     const glm::dvec3 start(far, -far, far);
     for (const glm::dvec2 turn : {glm::dvec2(0), glm::dvec2(300, 40)}) {
@@ -63,7 +63,7 @@ TEST_CASE("flying goes the same way at every rate of frames, near the origin and
   }
 }
 
-TEST_CASE("flying: axes, speeds, smooth beginning and an end") {
+TEST_CASE("flying follows the view's axes, has three speeds, and starts and stops smoothly") {
   for (const glm::dvec3 up : kUps) {
     const Navigation start = standing({1, 2, 3}, up);
     const auto moved = [&](NavigationInput input) {
@@ -94,7 +94,7 @@ TEST_CASE("flying: axes, speeds, smooth beginning and an end") {
   CHECK((state.pose.position == rest.position && state.pose.rotation == rest.rotation));
 }
 
-TEST_CASE("the wheel changes the speed by the same share each notch, and back") {
+TEST_CASE("each notch of the wheel changes the speed by the same factor") {
   Navigation state = standing();
   navigate(state, {.wheel = 3});
   CHECK(state.speed == Approx(1.2 * 1.2 * 1.2));
@@ -106,7 +106,7 @@ TEST_CASE("the wheel changes the speed by the same share each notch, and back") 
   CHECK(std::isfinite(state.speed));
 }
 
-TEST_CASE("looking: signs, no roll, no further than 89 degrees, and the same in small steps") {
+TEST_CASE("looking around adds no roll, stops at 89 degrees and does not depend on the step size") {
   for (const glm::dvec3 up : kUps) {
     Navigation state = standing({}, up);
     const glm::dvec3 right = state.pose.rotation * glm::dvec3(1, 0, 0);
@@ -129,7 +129,7 @@ TEST_CASE("looking: signs, no roll, no further than 89 degrees, and the same in 
   }
 }
 
-TEST_CASE("a view that is rolled keeps its roll, and one that looks straight up comes back without a leap") {
+TEST_CASE("a rolled view keeps its roll, and a vertical view returns without a jump") {
   Navigation state = standing();
   state.pose.rotation = state.pose.rotation * glm::angleAxis(0.3, glm::dvec3(0, 0, 1));
   const double roll = rollOf(state);
@@ -154,7 +154,7 @@ TEST_CASE("a view that is rolled keeps its roll, and one that looks straight up 
   }
 }
 
-TEST_CASE("an orbit keeps the centre's distance and its pixel") {
+TEST_CASE("an orbit keeps the centre's distance and pixel") {
   for (const double far : {0.0, 1e6})
     for (const glm::dvec3 up : kUps) {
       Navigation state = standing({far, far, -far}, up);
@@ -187,7 +187,7 @@ TEST_CASE("an orbit keeps the centre's distance and its pixel") {
   CHECK(glm::distance(*pickedPoint(camera, {5, 5}, 2), glm::dvec3(0, 0, -2)) < 1e-12);
 }
 
-TEST_CASE("a flight is eased, ends exactly, and hands end it") {
+TEST_CASE("a flight is eased, ends exactly at its goal, and is ended by input") {
   Navigation start = standing({1e6, 0, 0});
   start.velocity = {5, 0, 0};
   const Pose goal{{1e6 + 10, 1, -7}, glm::normalize(glm::dquat(0.2, -0.5, 0.7, 0.1))};
@@ -230,7 +230,7 @@ TEST_CASE("a flight is eased, ends exactly, and hands end it") {
   CHECK_THROWS_AS(flyTo(state, goal, 1, -1), Error);
 }
 
-TEST_CASE("no time, much time, and input that is no number") {
+TEST_CASE("time steps of zero or very long are handled, and input that is not finite is refused") {
   Navigation state = standing();
   navigate(state, {.seconds = 0, .move = {1, 1, 1}});
   CHECK(state.pose.position == glm::dvec3(0));
@@ -248,7 +248,7 @@ TEST_CASE("no time, much time, and input that is no number") {
   }
 }
 
-TEST_CASE("within bounds hands cannot lead out, at any step") {
+TEST_CASE("navigation stays within the bounds at any time step") {
   const RoamingBounds bounds{{{0, 0, 0}, {2, 0, 0}}, {{0, 1}}, 0.5};
   for (const int rate : {2, 60}) {
     Navigation state = standing({0.1, 0.1, 0});

@@ -51,7 +51,7 @@ double wayFrom(const CameraPath& path, double from, double to) {
 
 }  // namespace
 
-TEST_CASE("keys are put in order, replaced, moved past others and deleted") {
+TEST_CASE("keys can be inserted in order, replaced, moved and deleted") {
   CameraPath path = empty();
   CHECK(putKey(path, keyAt(2, {2, 0, 0})) == 0);
   CHECK(putKey(path, keyAt(0, {0, 0, 0})) == 0);
@@ -70,7 +70,7 @@ TEST_CASE("keys are put in order, replaced, moved past others and deleted") {
   CHECK(path.keys.empty());
 }
 
-TEST_CASE("what would be no path is refused, and the path is as before") {
+TEST_CASE("changes that make a path invalid are refused and leave the path unchanged") {
   CameraPath path = bent();
   const double nan = std::nan("");
   const auto refused = [&](auto&& change) {
@@ -104,7 +104,7 @@ TEST_CASE("what would be no path is refused, and the path is as before") {
   refused([&] { appendKey(path, {}, 1, nan); });
 }
 
-TEST_CASE("a key behind the last is as much later as the way takes") {
+TEST_CASE("an appended key's time follows from its distance and the speed") {
   CameraPath path = empty();
   const glm::dquat still(1, 0, 0, 0);
   CHECK(appendKey(path, {{0, 0, 0}, still}, 1, 2) == 0);
@@ -116,7 +116,7 @@ TEST_CASE("a key behind the last is as much later as the way takes") {
   CHECK(path.keys[3].time - path.keys[2].time == Approx(1.5));  // half a radian takes as long as the step
 }
 
-TEST_CASE("re-timed, the camera goes at one speed from key to key") {
+TEST_CASE("after re-timing, the camera has the same speed between all keys") {
   CameraPath path = bent();
   const CameraPath before = path;
   retimeAtSpeed(path, 0.5);
@@ -135,7 +135,7 @@ TEST_CASE("re-timed, the camera goes at one speed from key to key") {
           Approx(speed).epsilon(0.01));
 }
 
-TEST_CASE("re-timing keeps pauses, and does no harm where nothing moves") {
+TEST_CASE("re-timing keeps pauses, and leaves paths without motion valid") {
   CameraPath path = empty();
   for (const auto& [time, x] : {std::pair{0.0, 0.0}, {1.0, 1.0}, {4.0, 1.0}, {5.0, 2.0}})
     putKey(path, keyAt(time, {x, 0, 0}));
@@ -162,7 +162,7 @@ TEST_CASE("re-timing keeps pauses, and does no harm where nothing moves") {
   CHECK(none.keys.empty());
 }
 
-TEST_CASE("what was recorded is played exactly as it was shown") {
+TEST_CASE("a saved path plays exactly as recorded") {
   const test::TemporaryFolder folder;
   CameraPath path = bent();
   putKey(path, {6.7, {1e6 + 1.0 / 3, 2.0 / 7, -1e-9}, glm::normalize(glm::dquat(0.3, -0.1, 0.9, 0.20001)), 1.1});

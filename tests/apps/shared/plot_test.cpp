@@ -35,7 +35,7 @@ PlotPanel panelOf(const std::vector<PlotPoint>& points) {
 
 }  // namespace
 
-TEST_CASE("ticks are round numbers, as many as there is room for") {
+TEST_CASE("ticks are round numbers, at most as many as fit") {
   CHECK(roundTicks(0, 1, 6).values == Values{0, 0.2, 0.4, 0.6, 0.8, 1});
   CHECK(roundTicks(0, 1, 5).values == Values{0, 0.5, 1});
   CHECK(roundTicks(-3, 12, 8).values == Values{-2, 0, 2, 4, 6, 8, 10, 12});
@@ -45,7 +45,7 @@ TEST_CASE("ticks are round numbers, as many as there is room for") {
   CHECK(roundTicks(1200, 5200, 5).decimals == 0);
 }
 
-TEST_CASE("an axis covers all that it can show") {
+TEST_CASE("an axis covers all values") {
   for (const bool logarithmic : {false, true})
     for (const Values& values :
          {Values{3}, Values{3, 3}, Values{0.2, 700}, Values{28.1, 28.10001}, Values{1e-7, 1e9}}) {
@@ -66,7 +66,7 @@ TEST_CASE("an axis covers all that it can show") {
     }
 }
 
-TEST_CASE("an axis leaves out what it cannot show, and is there without any") {
+TEST_CASE("an axis ignores values that are not finite, and is valid without values") {
   const PlotAxis axis = axisOver({kNan, 1, 2, std::numeric_limits<double>::infinity()}, false);
   CHECK(axis.low > 0.8);
   CHECK(axis.high < 2.2);
@@ -77,7 +77,7 @@ TEST_CASE("an axis leaves out what it cannot show, and is there without any") {
   CHECK(axisOver({kNan}, true).high == 10);
 }
 
-TEST_CASE("a plot has its points, its names, the usual setting and the joined front") {
+TEST_CASE("a plot shows its points, names, the default setting and the Pareto front") {
   const std::string svg = plotSvg("all",
                                   {panelOf({{1, 20, "R 1", false},
                                             {10, 30, "default", true},
@@ -96,7 +96,7 @@ TEST_CASE("a plot has its points, its names, the usual setting and the joined fr
   CHECK_THAT(svg, !Contains("failed") && !Contains("nan") && !Contains("inf"));
 }
 
-TEST_CASE("a level is a dashed line at its height, and is on the axis") {
+TEST_CASE("a level is a dashed line at its value, within the axis") {
   PlotPanel panel = panelOf({{1, 20, "", false}, {2, 21, "", false}});
   panel.levels = {{"before", 10}, {"not known", kNan}};
   const std::string svg = plotSvg("", {panel}, {});
@@ -104,7 +104,7 @@ TEST_CASE("a level is a dashed line at its height, and is on the axis") {
   CHECK_THAT(svg, Contains(">before<") && Contains(">10<"));
 }
 
-TEST_CASE("a plot of nothing, and of texts that are no XML") {
+TEST_CASE("plots without points and with special characters are valid XML") {
   CHECK_THAT(plotSvg("", {}, {}), Contains("</svg>"));
   CHECK_THAT(plotSvg("", {panelOf({})}, {}), Contains("</svg>") && !Contains("nan"));
   const std::string svg = plotSvg("<a & \"b\">", {panelOf({{1, 2, "<i>", false}})}, {"c < d"});
@@ -112,7 +112,7 @@ TEST_CASE("a plot of nothing, and of texts that are no XML") {
   CHECK_THAT(svg, !Contains("<i>") && !Contains("<a"));
 }
 
-TEST_CASE("a logarithmic axis of values: equal factors are equal heights, and what it cannot show is left out") {
+TEST_CASE("on a logarithmic axis equal factors are equal distances, and values up to 0 are left out") {
   PlotPanel panel = panelOf({{1, 0.1, "low"}, {2, 0.2, "middle"}, {4, 0.4, "high"}, {8, 0, "nothing"}});
   const auto heights = [&] {
     std::vector<double> all;
@@ -130,7 +130,7 @@ TEST_CASE("a logarithmic axis of values: equal factors are equal heights, and wh
   CHECK(axisOver({0.08, 0.3}, true).labels == std::vector<std::string>{"0.08", "0.09", "0.1", "0.2", "0.3"});
 }
 
-TEST_CASE("usual points have their labels however crowded it is, and the legend says what marks mean") {
+TEST_CASE("default points are labelled even in crowded plots, and the legend explains the markers") {
   std::vector<PlotPoint> points;
   for (int i = 0; i < 200; ++i) points.push_back({1 + 1e-3 * (i % 20), 20 + 1e-3 * (i / 20), "", false});
   for (const char* name : {"fast", "balanced", "accurate", "reference"}) points.push_back({1.01, 20.005, name, true});
@@ -139,7 +139,7 @@ TEST_CASE("usual points have their labels however crowded it is, and the legend 
     CHECK(count(svg, name) == 1);
 }
 
-TEST_CASE("labels never lie on each other") {
+TEST_CASE("labels never overlap") {
   std::vector<PlotPoint> points;
   for (int i = 0; i < 40; ++i) points.push_back({1 + 1e-4 * i, 20 + 1e-6 * i, "crowded", false});
   points.push_back({10, 30, "alone", false});
@@ -149,7 +149,7 @@ TEST_CASE("labels never lie on each other") {
   CHECK(count(svg, ">alone</text>") == 1);
 }
 
-TEST_CASE("long lines are wrapped by letters") {
+TEST_CASE("long lines are wrapped by number of characters") {
   CHECK(wrapped("", 5) == std::vector<std::string>{""});
   CHECK(wrapped("ab cd ef", 5) == std::vector<std::string>{"ab cd", "ef"});
   CHECK(wrapped("äö üß", 5) == std::vector<std::string>{"äö üß"});

@@ -16,7 +16,7 @@ using Values = std::vector<double>;
 
 }  // namespace
 
-TEST_CASE("Pareto front: what nothing else beats, by rising cost") {
+TEST_CASE("Pareto front: points that no other point beats, by rising cost") {
   CHECK(paretoFront(Points{}).empty());
   CHECK(paretoFront(Points{{3, 1}}) == Indices{0});
   CHECK(paretoFront(Points{{3, 3}, {1, 1}, {2, 2}}) == Indices{1, 2, 0});
@@ -24,14 +24,14 @@ TEST_CASE("Pareto front: what nothing else beats, by rising cost") {
   CHECK(paretoFront(Points{{1, 1}, {2, 5}, {3, 4}, {4, 6}, {5, 6}}) == Indices{0, 1, 3});
 }
 
-TEST_CASE("Pareto front: of equal cost the worthiest, of equal points the first, and none that is not finite") {
+TEST_CASE("Pareto front: keeps the best of equal cost and the first of equal points, only finite ones") {
   CHECK(paretoFront(Points{{1, 1}, {1, 2}, {1, 0}}) == Indices{1});
   CHECK(paretoFront(Points{{1, 2}, {1, 2}}) == Indices{0});
   CHECK(paretoFront(Points{{2, 2}, {1, 2}}) == Indices{1});
   CHECK(paretoFront(Points{{kNan, 9}, {1, kNan}, {2, 1}, {0, kInf}, {-kInf, 2}}) == Indices{2});
 }
 
-TEST_CASE("Spearman: any rising relation is 1, any falling one -1") {
+TEST_CASE("Spearman: a rising relation is 1, a falling one -1") {
   CHECK(spearman(Values{1, 2, 3, 4}, Values{1, 10, 100, 1e9}) == 1.0);
   CHECK(spearman(Values{1, 2, 3, 4}, Values{0, -1, -50, -51}) == -1.0);
   CHECK(spearman(Values{1, 2}, Values{5, 7}) == 1.0);
@@ -45,7 +45,7 @@ TEST_CASE("Spearman: ties share the mean of their ranks") {
   CHECK(spearman(Values{1, 2, 2, 3}, Values{4, 9, 9, 11}) == 1.0);
 }
 
-TEST_CASE("Spearman: NaN where nothing can be ranked; pairs that are not finite do not count") {
+TEST_CASE("Spearman: NaN if nothing can be ranked, and pairs that are not finite are ignored") {
   CHECK(std::isnan(spearman(Values{}, Values{})));
   CHECK(std::isnan(spearman(Values{1}, Values{2})));
   CHECK(std::isnan(spearman(Values{1, 1, 1}, Values{1, 2, 3})));

@@ -21,7 +21,7 @@ std::vector<Pose> row(int count, double step, glm::dvec3 from = glm::dvec3(0)) {
 
 }  // namespace
 
-TEST_CASE("bounds: inside nothing changes, outside the nearest point of the boundary, with no leaps") {
+TEST_CASE("bounds: positions inside are kept, positions outside move to the boundary without jumps") {
   for (const double far : {0.0, 1e6}) {
     const glm::dvec3 origin(far, far, far);
     RoamingBounds bounds{
@@ -52,7 +52,7 @@ TEST_CASE("bounds: inside nothing changes, outside the nearest point of the boun
   CHECK(std::isinf(distanceTo({}, {1, 2, 3})));
 }
 
-TEST_CASE("neighbours: of cells each once, of near cameras without those at one place") {
+TEST_CASE("neighbours: each pair of a cell occurs once, and cameras at one position are no neighbours") {
   Scene scene;
   scene.nodes.resize(4);
   scene.cells.resize(2);
@@ -69,7 +69,7 @@ TEST_CASE("neighbours: of cells each once, of near cameras without those at one 
   CHECK(nearNeighbours(row(1, 1), 3).empty());
 }
 
-TEST_CASE("the first speed grows with the scene, and there is one without cameras") {
+TEST_CASE("the initial speed grows with the scene, and is valid without cameras") {
   CHECK(firstSpeed({}) == 1);
   CHECK(firstSpeed(row(1, 1)) == 1);
   CHECK(firstSpeed(row(5, 0)) == 1);
@@ -81,7 +81,7 @@ TEST_CASE("the first speed grows with the scene, and there is one without camera
   }
 }
 
-TEST_CASE("the nearest camera by place and direction, and those after and before it") {
+TEST_CASE("the nearest camera is found by position and direction, and the next and previous by index") {
   auto cameras = row(5, 1);
   cameras[3].rotation = glm::angleAxis(3.0, glm::dvec3(0, 1, 0));
   const glm::dquat ahead(1, 0, 0, 0);
@@ -107,7 +107,7 @@ TEST_CASE("the nearest camera by place and direction, and those after and before
   CHECK(*nextCamera(row(3, 0), {}, -2) < 3);
 }
 
-TEST_CASE("up is how most photographs were held") {
+TEST_CASE("the up direction is the mean of the photographs' y axes") {
   CHECK(!upOf({}));
   const glm::dquat tilted = glm::angleAxis(0.4, glm::dvec3(1, 0, 0)), back = glm::angleAxis(-0.4, glm::dvec3(1, 0, 0));
   CHECK(glm::distance(*upOf({{{}, tilted}, {{1e6, 0, 0}, back}}), glm::dvec3(0, 1, 0)) < 1e-12);

@@ -10,7 +10,7 @@
 namespace fs = std::filesystem;
 using namespace ibr::app;
 
-TEST_CASE("a folder that is typed is completed as far as all that begin so go on") {
+TEST_CASE("a typed folder is completed to the common prefix of the matching folders") {
   ibr::test::TemporaryFolder folder;
   for (const char* name : {"lane by day", "lane by night", "lanterns/inner", ".hidden", "Höhe", "Höfe"})
     fs::create_directories(folder / name);
@@ -28,13 +28,13 @@ TEST_CASE("a folder that is typed is completed as far as all that begin so go on
   CHECK(completedFolder(in + "H") == in + "Hö");
 }
 
-TEST_CASE("letters of several bytes are not cut where folders begin to differ") {
+TEST_CASE("completion does not cut UTF-8 characters") {
   ibr::test::TemporaryFolder folder;
   for (const char* name : {"aä", "aö"}) fs::create_directories(folder / name);  // the first bytes of both are equal
   CHECK(completedFolder(folder / "a") == folder / "a");
 }
 
-TEST_CASE("a typed path may begin at home, and white space around it is not meant") {
+TEST_CASE("a typed path may start with ~, and white space around the path is ignored") {
   const char* home = std::getenv("HOME");
   const std::string before = home ? home : "";
   ibr::test::TemporaryFolder folder;

@@ -99,7 +99,7 @@ std::string visibleWindow() {
       if (!found.empty()) return found.substr(0, found.find('\n'));
     } catch (const std::runtime_error&) {  // no window yet
     }
-  throw std::runtime_error("no window came");
+  throw std::runtime_error("no window appeared");
 }
 
 // Activates a window; retries while the window manager is starting.

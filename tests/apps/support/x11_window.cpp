@@ -51,7 +51,7 @@ class DragSource {
     XTranslateCoordinates(display_, target_, is.root, is.width / 2, is.height / 2, &x, &y, &ignored);
     send("XdndEnter", {long(self_), kVersion << 24, long(atom("text/uri-list")), 0, 0});
     send("XdndPosition", {long(self_), 0, long(x) << 16 | y, CurrentTime, long(atom("XdndActionCopy"))});
-    if (!(waitFor("XdndStatus").data.l[1] & 1)) throw std::runtime_error("the window does not take what is dropped");
+    if (!(waitFor("XdndStatus").data.l[1] & 1)) throw std::runtime_error("the window refuses the dropped files");
     send("XdndDrop", {long(self_), 0, CurrentTime, 0, 0});
     waitFor("XdndFinished");
   }
@@ -96,7 +96,7 @@ class DragSource {
       if (event.type == SelectionRequest) answer(event.xselectionrequest);
       if (event.type == ClientMessage && event.xclient.message_type == atom(message)) return event.xclient;
     }
-    throw std::runtime_error(std::string("no ") + message + " came from the window");
+    throw std::runtime_error(std::string("no ") + message + " from the window");
   }
 
   Display* display_;

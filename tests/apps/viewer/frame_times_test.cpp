@@ -7,7 +7,7 @@
 using namespace ibr;
 using namespace ibr::app;
 
-TEST_CASE("the last frames' times are kept, and the device's come to the frame that they are of") {
+TEST_CASE("the history keeps the times of the last frames, and assigns device times to their frame") {
   FrameHistory history;
   CHECK(history.of(0).passes.empty());
   CHECK(std::isnan(history.of(7).sinceLast));

@@ -100,7 +100,7 @@ std::string numberOf(const char* name) {
 
 }  // namespace
 
-TEST_CASE("a window that waits for nothing gives no frame while the device is busy with those before") {
+TEST_CASE("a swapchain that never waits gives no frame while the device is busy") {
   if (!displayIsThere()) return;
   Shown shown(Pace::whenever);
   Swapchain& swapchain = shown.swapchain;
@@ -128,7 +128,7 @@ TEST_CASE("a window that waits for nothing gives no frame while the device is bu
   swapchain.abandon(*frame);
 }
 
-TEST_CASE("a window that waits for nothing is fitted to another size once it rests") {
+TEST_CASE("a swapchain that never waits is resized when the window's size has settled") {
   if (!displayIsThere()) return;
   Shown shown(Pace::whenever);
   const auto first = shown.swapchain.begin();
@@ -153,7 +153,7 @@ TEST_CASE("a window that waits for nothing is fitted to another size once it res
   shown.swapchain.abandon(*frame);
 }
 
-TEST_CASE("a window leaves the queue to whoever holds its mutex") {
+TEST_CASE("a swapchain waits for the queue's mutex") {
   if (!displayIsThere()) return;
   Shown shown(Pace::refresh);
   std::mutex mutex;
@@ -186,7 +186,7 @@ TEST_CASE("a window leaves the queue to whoever holds its mutex") {
   CHECK(waits([&] { swapchain.end(*frame); }));
 }
 
-TEST_CASE("a window shows the last frame that it took, at every pace") {
+TEST_CASE("a window shows the last accepted frame in every pacing mode") {
   if (!displayIsThere()) return;
   for (const Pace pace : {Pace::refresh, Pace::whenever}) {
     Shown shown(pace);

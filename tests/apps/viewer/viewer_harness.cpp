@@ -20,7 +20,7 @@ using nlohmann::json;
 Outcome view(std::vector<std::string> arguments, std::vector<std::string> environment) {
   for (const char* word : {"--forget", "--validation", "--json", "-"}) arguments.emplace_back(word);
   const auto outcome = runProgram(arguments, {.program = IBR_VIEWER, .environment = std::move(environment)});
-  CHECK_THAT(outcome.err, !Contains("Vulkan validation"));
+  CHECK_THAT(outcome.err, !Contains("Vulkan validation") && !Contains("validation layers"));
   return outcome;
 }
 

@@ -8,7 +8,7 @@ using namespace ibr::test;
 using Catch::Contains;
 using nlohmann::json;
 
-TEST_CASE("keys alone look around, go through the panel, and change a setting there") {
+TEST_CASE("the keyboard alone moves the view and changes a setting in the panel") {
   if (!canView()) return;
   const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
   const auto looked =
@@ -35,7 +35,7 @@ TEST_CASE("keys alone look around, go through the panel, and change a setting th
   CHECK(rotationOf(back) != rotationOf(begin));
 }
 
-TEST_CASE("what is typed into a slider keeps within its bounds, and the place stays") {
+TEST_CASE("values typed into a slider are clamped, and the scene stays open") {
   if (!canView()) return;
   const json report = whileViewing({tinyScene(), "--size", "500x400"}, [](const std::string& w) {
     for (const char* page : {"1", "2"}) {
@@ -55,7 +55,7 @@ TEST_CASE("what is typed into a slider keeps within its bounds, and the place st
   CHECK(report["places"][0]["settings"]["extrapolation"] >= 0);
 }
 
-TEST_CASE("presets are measured where the view stands") {
+TEST_CASE("presets are measured at the current view") {
   if (!canView()) return;
   const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate", "--texture-scale", "0.1"},
                                   [](const std::string& w) {
@@ -78,7 +78,7 @@ TEST_CASE("presets are measured where the view stands") {
   CHECK(effects["accurate"]["psnr"].is_null());
 }
 
-TEST_CASE("cells are muted and shown alone by keys in the list of them") {
+TEST_CASE("cells are muted and soloed by keys in the list of cells") {
   if (!canView()) return;
   TemporaryFolder folder;
   const auto after = [&](const char* shot, std::vector<std::string> keys) {
@@ -107,7 +107,7 @@ TEST_CASE("cells are muted and shown alone by keys in the list of them") {
   CHECK(all["solo"] == none);
 }
 
-TEST_CASE("O goes through the overlays, and screenshots of them are drawn again as they are") {
+TEST_CASE("O cycles through the overlays, and ibr render reproduces screenshots with overlays") {
   if (!canView()) return;
   TemporaryFolder folder;
   whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path(), "--mute", "99"},

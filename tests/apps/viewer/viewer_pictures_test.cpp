@@ -8,7 +8,7 @@ using namespace ibr::test;
 using Catch::Contains;
 using nlohmann::json;
 
-TEST_CASE("the viewer's screenshot is what ibr render draws") {
+TEST_CASE("the viewer's screenshot equals the image of ibr render") {
   if (!canView()) return;
   TemporaryFolder folder;
   const fs::path shot = folder / "shot.png";
@@ -36,7 +36,7 @@ TEST_CASE("the viewer's screenshot is what ibr render draws") {
   CHECK((readFile(shot) == readFile(folder / "rendered/frame_0000.png")));
 }
 
-TEST_CASE("a harmonised model's screenshot is what ibr render draws, and tells its view") {
+TEST_CASE("a harmonised model's screenshot contains its view, and ibr render reproduces the screenshot") {
   if (!canView()) return;
   TemporaryFolder folder;
   makeModel(folder);
@@ -52,7 +52,7 @@ TEST_CASE("a harmonised model's screenshot is what ibr render draws, and tells i
   CHECK((readFile(file) == readFile(folder / "shot.png")));
 }
 
-TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
+TEST_CASE("screenshots with the image graph equal those of ibr render --graph") {
   if (!canView()) return;
   TemporaryFolder folder;
   whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
@@ -73,7 +73,7 @@ TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
   CHECK(difference(readImage(folder / "view_0001.png"), readImage(folder / "view_0002.png"), 30).shareAbove > 0.005);
 }
 
-TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") {
+TEST_CASE("a view round trips through the clipboard, and ibr render accepts the saved camera path") {
   if (!canView()) return;
   TemporaryFolder folder;
   const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
@@ -106,7 +106,7 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
   CHECK((readFile(shot) == readFile(folder / "view_0001.png")));
 }
 
-TEST_CASE("a camera path becomes a video, drawn with the view's very settings") {
+TEST_CASE("a camera path becomes a video with the view's settings") {
   if (!canView()) return;
   TemporaryFolder folder;
   const fs::path pictures = folder / "out/path_0001", video = folder / "out/path_0001.mp4";
@@ -118,7 +118,7 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
     return fs::exists(pictures) ? std::size_t(std::distance(fs::directory_iterator(pictures), {})) : 0;
   };
 
-  SECTION("where there is ffmpeg") {
+  SECTION("with ffmpeg") {
     if (!hasFfmpeg()) return;
     const json report = whileViewing({tinyScene(), "--size", "321x240", "--screenshots", folder / "out", "--preset",
                                       "accurate", "--cells", "1", "--blend", "mixed", "--switch", "0"},
@@ -141,7 +141,7 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
               ("test $(ffprobe -v error -show_entries stream=r_frame_rate -of csv=p=0 '" + video.string() + "') = 30/1")
                   .c_str()) == 0);
   }
-  SECTION("where there is none the pictures stay, and that is said") {
+  SECTION("without ffmpeg the frames stay, and a message names ffmpeg") {
     const json report =
         whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder / "out"},
                      [&](const std::string&) {
@@ -160,7 +160,7 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
   }
 }
 
-TEST_CASE("a harmonised model's path becomes pictures with its very settings") {
+TEST_CASE("a harmonised model's camera path becomes frames with the model's settings") {
   if (!canView()) return;
   TemporaryFolder folder;
   makeModel(folder);
@@ -182,7 +182,7 @@ TEST_CASE("a harmonised model's path becomes pictures with its very settings") {
   CHECK(fs::exists(pictures / "frame_0001.png"));
 }
 
-TEST_CASE("a picture that cannot be written is said, and the window stays") {
+TEST_CASE("a screenshot that cannot be written is reported, and the window stays open") {
   if (!canView()) return;
   TemporaryFolder folder;
   writeFile(folder / "file", "in the way");
@@ -194,7 +194,7 @@ TEST_CASE("a picture that cannot be written is said, and the window stays") {
   CHECK(report["warnings"].size() == 2);
 }
 
-TEST_CASE("pictures go into the user's folder for them") {
+TEST_CASE("screenshots go to the user's pictures folder") {
   if (!canView()) return;
   TemporaryFolder home;
   const std::vector<std::string> environment{"HOME=" + home.path().string(), "XDG_CONFIG_HOME="};

@@ -8,7 +8,7 @@ using namespace ibr::test;
 using Catch::Contains;
 using nlohmann::json;
 
-TEST_CASE("several places are open, each with its own view") {
+TEST_CASE("several open scenes have a view each") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinyScene(), folder / "other", fs::copy_options::recursive);
@@ -34,7 +34,7 @@ TEST_CASE("several places are open, each with its own view") {
   CHECK(second["rotation"] != begin["rotation"]);
 }
 
-TEST_CASE("a click on a tab shows its place") {
+TEST_CASE("a click on a tab shows its scene") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinyScene(), folder / "other", fs::copy_options::recursive);
@@ -55,7 +55,7 @@ TEST_CASE("a click on a tab shows its place") {
   CHECK(!sameBesidePanel(before, readImage(folder / "shot.png")));
 }
 
-TEST_CASE("places are closed, by key and by their tab's cross, and nothing of them stays") {
+TEST_CASE("scenes are closed by key and by their tab's close button, and free the device's memory") {
   if (!canView()) return;
   TemporaryFolder folder;
   for (const char* name : {"a", "b"}) fs::copy(tinyScene(), folder / name, fs::copy_options::recursive);
@@ -80,7 +80,7 @@ TEST_CASE("places are closed, by key and by their tab's cross, and nothing of th
   CHECK(none["onDevice"] == 0);
 }
 
-TEST_CASE("what cannot be opened is said, and the window stays") {
+TEST_CASE("a folder that cannot be opened is reported, and the window stays open") {
   if (!canView()) return;
   TemporaryFolder folder;
   writeFile(folder / "scene.gltf", "{");
@@ -89,11 +89,11 @@ TEST_CASE("what cannot be opened is said, and the window stays") {
   const json report = json::parse(outcome.out);
   CHECK(report["places"].size() == 1);
   CHECK(report["warnings"].size() == 2);
-  CHECK_THAT(outcome.err, Contains("none") && Contains("missing"));
+  CHECK_THAT(outcome.err, Contains((folder / "none").string()));
   CHECK(view({folder / "none", "--frames", "2"}).code == 4);
 }
 
-TEST_CASE("a folder that is dropped on the window is opened") {
+TEST_CASE("a folder dropped on the window is opened") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinyScene(), folder / "a scene", fs::copy_options::recursive);
@@ -105,7 +105,7 @@ TEST_CASE("a folder that is dropped on the window is opened") {
   CHECK(report["places"][0]["place"] == (folder / "a scene").string());
 }
 
-TEST_CASE("a folder is typed, completed and opened by keys alone") {
+TEST_CASE("a folder is typed, completed and opened by the keyboard alone") {
   if (!canView()) return;
   TemporaryFolder folder;
   for (const char* name : {"the scene", "other"}) fs::copy(tinyScene(), folder / name, fs::copy_options::recursive);
@@ -130,7 +130,7 @@ TEST_CASE("a folder is typed, completed and opened by keys alone") {
   REQUIRE(report["places"].size() == 1);
   CHECK(report["places"][0]["place"] == (folder / "the scene/").string());
   REQUIRE(report["warnings"].size() == 1);
-  CHECK_THAT(report["warnings"][0].get<std::string>(), Contains("none") && Contains("missing"));
+  CHECK_THAT(report["warnings"][0].get<std::string>(), Contains((folder / "none").string()));
   const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
   CHECK(positionOf(report["places"][0]) != positionOf(begin));
   CHECK(rotationOf(report["places"][0]) != rotationOf(begin));
@@ -138,7 +138,7 @@ TEST_CASE("a folder is typed, completed and opened by keys alone") {
   CHECK(sameBesidePanel(pixels, readImage(folder / "shot.png")));
 }
 
-TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
+TEST_CASE("a scene is built from a folder of photographs in the background") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinySet().photographs, folder / "photos", fs::copy_options::recursive);
@@ -148,7 +148,10 @@ TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
   REQUIRE(outcome.code == 0);
   std::size_t begun = 0;
   const json said = json::parse(outcome.out)["said"];
-  for (const json& line : said) begun += line.get<std::string>().find("making a scene") != std::string::npos;
+  for (const json& line : said) {
+    const std::string text = line.get<std::string>();
+    begun += text.find((folder / "photos").string()) != std::string::npos && text.find("-scene") == std::string::npos;
+  }
   CHECK(begun == 1);  // although two builds were requested
   CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
   const json report = json::parse(outcome.out);
@@ -165,7 +168,7 @@ TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
   CHECK(json::parse(broken.out)["places"].size() == 1);
 }
 
-TEST_CASE("building is stopped when the viewer is closed") {
+TEST_CASE("closing the viewer stops a build in the background") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinySet().photographs, folder / "photos", fs::copy_options::recursive);
@@ -184,7 +187,7 @@ TEST_CASE("building is stopped when the viewer is closed") {
   CHECK(std::system(("pgrep -f '" + (folder / "photos").string() + "[-]scene' >/dev/null").c_str()) != 0);
 }
 
-TEST_CASE("what is being made is stopped by keys alone") {
+TEST_CASE("a job in the background is stopped by the keyboard alone") {
   if (!canView()) return;
   TemporaryFolder folder;
   const json report =
@@ -196,6 +199,6 @@ TEST_CASE("what is being made is stopped by keys alone") {
       });
   CHECK(fs::exists(folder / "out/path_0001.json"));
   CHECK(!fs::exists(folder / "out/path_0001.mp4"));
-  CHECK_THAT(report["said"].dump(), Contains("stopped"));
+  CHECK_THAT(report["said"].dump(), Contains("path_0001.mp4"));
   CHECK(report["warnings"].empty());
 }

@@ -63,7 +63,7 @@ TEST_CASE("a bounded view stays near the photographs") {
   CHECK(away(true) < 0.6 * away(false));
 }
 
-TEST_CASE("the middle button goes round the point that it is pressed on") {
+TEST_CASE("the middle mouse button orbits the point under the pointer") {
   if (!canView()) return;
   const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
   CHECK(begin["centre"].is_null());
@@ -85,7 +85,7 @@ TEST_CASE("the middle button goes round the point that it is pressed on") {
   CHECK(glm::distance(from, to) > 0.2);
 }
 
-TEST_CASE("a view that stands says how far it may be trusted") {
+TEST_CASE("trust is measured when the view is at rest") {
   if (!canView()) return;
   const auto after = [](const char* key, double seconds) {
     return whileViewing({tinyScene(), "--size", "320x240"}, [&](const std::string&) {
@@ -106,7 +106,7 @@ TEST_CASE("a view that stands says how far it may be trusted") {
   CHECK(away["tiers"][0] < at["tiers"][0]);
 }
 
-TEST_CASE("a camera path is shown from the start, again and again") {
+TEST_CASE("a camera path of the command line plays in a loop") {
   if (!canView()) return;
   TemporaryFolder folder;
   writePath(folder / "path.json", 0.2, 7.1);
@@ -142,7 +142,7 @@ TEST_CASE("a camera path is shown from the start, again and again") {
   CHECK_THAT(bad.err, Contains("path.json"));
 }
 
-TEST_CASE("a path that has been shown ends on its last key") {
+TEST_CASE("playing a camera path ends at its last key") {
   if (!canView()) return;
   const json report = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
     pressAll({"k", "bracketright"});
@@ -159,7 +159,7 @@ TEST_CASE("a path that has been shown ends on its last key") {
   CHECK(glm::distance(positionOf(report["places"][0]), positionOf(moved["places"][0])) < 1e-9);
 }
 
-TEST_CASE("who moves the view while a path is shown gets it") {
+TEST_CASE("moving the view stops a playing camera path") {
   if (!canView()) return;
   TemporaryFolder folder;
   writePath(folder / "path.json", 20, 9);

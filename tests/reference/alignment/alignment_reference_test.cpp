@@ -107,7 +107,7 @@ void shift(AlignedPictures& mesh, std::size_t member, glm::ivec2 by) {
 
 }  // namespace
 
-TEST_CASE("a square of two triangles covers the centres it holds, top and left edges in, right and bottom ones out") {
+TEST_CASE("a square of two triangles covers pixel centres by the top-left rule") {
   for (const bool otherDiagonal : {false, true}) {
     CHECK(square({2560, 2560}, 2560, otherDiagonal) == inRows(10, 10, 10, 10));
     CHECK(square({2560 + 128, 2560 + 128}, 2560, otherDiagonal) == inRows(10, 10, 10, 10));
@@ -121,7 +121,7 @@ TEST_CASE("a square of two triangles covers the centres it holds, top and left e
   CHECK(coveredPixels({-300, -300}, {100, -300}, {-300, 100}) == std::vector<glm::ivec2>{{-1, -1}});
 }
 
-TEST_CASE("fans cover no pixel twice and every pixel of their polygon, needles too") {
+TEST_CASE("triangle fans and needles cover each pixel of their polygon exactly once") {
   std::mt19937 random(1);
   int fans = 0;
   std::size_t pixels = 0;
@@ -140,7 +140,7 @@ TEST_CASE("fans cover no pixel twice and every pixel of their polygon, needles t
   CHECK(pixels > 100'000);
 }
 
-TEST_CASE("a sliver covers more pixels than its area, but not than area, perimeter and one together", "[N1][T2]") {
+TEST_CASE("a sliver covers at most area, perimeter and one pixel together", "[N1][T2]") {
   std::mt19937 random(2);
   double largest = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -156,7 +156,7 @@ TEST_CASE("a sliver covers more pixels than its area, but not than area, perimet
   CHECK(largest > 10);
 }
 
-TEST_CASE("equal pictures correlate fully, and each pixel is a sample") {
+TEST_CASE("equal images have ECC 1, and each pixel is a sample") {
   const Image8 picture = texture(1);
   for (std::size_t d : {2, 3, 4}) {
     const StarEcc star = starEcc(squares(std::vector<const Image8*>(d, &picture)), 4, 1);
@@ -176,7 +176,7 @@ TEST_CASE("equal pictures correlate fully, and each pixel is a sample") {
   }
 }
 
-TEST_CASE("photographs are read where their own corners are, between texels and past the border") {
+TEST_CASE("photographs are sampled at their own corners, between texels and beyond the border") {
   Image8 ramp(48, 40, 3);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 48; ++x) {
@@ -218,7 +218,7 @@ TEST_CASE("photographs are read where their own corners are, between texels and 
   }
 }
 
-TEST_CASE("a candidate is the mesh with the point moved there") {
+TEST_CASE("a candidate's ECC equals the ECC of the mesh with the moved point") {
   const Image8 a = texture(1), b = texture(2), c = texture(3);
   AlignedPictures mesh = squares({&a, &b, &c});
   shift(mesh, 2, {77, -31});
@@ -231,7 +231,7 @@ TEST_CASE("a candidate is the mesh with the point moved there") {
   CHECK(starEcc(mesh, 0, 1).targets[0].pixels < moved.targets[0].pixels);  // two of the four triangles
 }
 
-TEST_CASE("whole-pixel shifts give the ECC of the pixels themselves, in both definitions") {
+TEST_CASE("whole-pixel shifts give the ECC of the shifted pixels, in both definitions") {
   Image8 a = texture(1), b(48, 40, 3), c = texture(3);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 48; ++x)

@@ -57,7 +57,7 @@ double errorAgainstPhotograph(const HtmStage& stage, std::size_t camera, const I
 
 }  // namespace
 
-TEST_CASE("at a camera's pose its photograph comes back", "[htm]") {
+TEST_CASE("at a camera's pose the image equals its photograph", "[htm]") {
   const HtmStage stage(bumpyModel({.disagreement = 0.03}));
   for (std::size_t k = 0; k < stage.model().cameras.size(); ++k) {
     INFO("camera " << k);
@@ -68,7 +68,7 @@ TEST_CASE("at a camera's pose its photograph comes back", "[htm]") {
   }
 }
 
-TEST_CASE("harmonised photographs agree where blended ones do not", "[htm]") {
+TEST_CASE("harmonised photographs agree better than blended photographs", "[htm]") {
   const BumpyModel bumpy =
       bumpyModel({.cameras = 12, .width = 320, .height = 240, .longitudes = 48, .latitudes = 28, .disagreement = 0.02});
   const HtmStage stage(bumpy);
@@ -112,7 +112,7 @@ TEST_CASE("harmonised photographs agree where blended ones do not", "[htm]") {
   CHECK(harmonised < 0.5 * colours);
 }
 
-TEST_CASE("the place of the world's origin does not matter", "[htm][P6]") {
+TEST_CASE("the world's origin does not change the image", "[htm][P6]") {
   const glm::dvec3 far(1e5, -2e5, 3e5);
   const HtmStage here(bumpyModel()), there(bumpyModel({.middle = far}));
   for (const double angle : {0.2, 2.5}) {
@@ -123,7 +123,7 @@ TEST_CASE("the place of the world's origin does not matter", "[htm][P6]") {
   }
 }
 
-TEST_CASE("the order of cameras does not matter", "[htm]") {
+TEST_CASE("the order of cameras does not change the image", "[htm]") {
   const BumpyModel bumpy = bumpyModel();
   const std::vector<std::size_t> from{3, 0, 5, 1, 4, 2};  // new camera → old
   BumpyModel turned = bumpy;
@@ -147,7 +147,7 @@ TEST_CASE("the order of cameras does not matter", "[htm]") {
                             b.render(ringCamera({}, 0.8), {.method = method})) <= 1);
 }
 
-TEST_CASE("what only far cameras see has their colours", "[htm][N11]") {
+TEST_CASE("surfaces that only cameras of tiny weight see are drawn", "[htm][N11]") {
   const BumpyModel bumpy = bumpyModel({.cameras = 8, .disagreement = 0});
   const HtmStage stage(bumpy);
   const Camera view = ringCamera(bumpy.options, 0.1);
@@ -172,7 +172,7 @@ TEST_CASE("what only far cameras see has their colours", "[htm][N11]") {
   CHECK(none.pixel(80, 60)[0] == 255);
 }
 
-TEST_CASE("where no camera sees a point, those that take part show it", "[htm][N11][T23]") {
+TEST_CASE("a point that no camera sees is coloured by its member cameras", "[htm][N11][T23]") {
   BumpyModel bumpy = bumpyModel();
   for (HtmPicture& picture : bumpy.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
   const HtmStage blind(bumpy);
@@ -186,7 +186,7 @@ TEST_CASE("where no camera sees a point, those that take part show it", "[htm][N
   }
 }
 
-TEST_CASE("extremes of models are drawn", "[htm][T23]") {
+TEST_CASE("models of extreme sizes and values are drawn", "[htm][T23]") {
   const auto drawAll = [](const HtmStage& stage) {
     double covered = 0;
     for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {
@@ -217,13 +217,13 @@ TEST_CASE("extremes of models are drawn", "[htm][T23]") {
     std::ranges::fill(bumpy.model.surface.members, CameraSet(0));
     CHECK(drawAll(HtmStage(bumpy)) == 0);
   }
-  SECTION("a triangle without an area, and complements far beyond the pictures") {
+  SECTION("a triangle without area, and complements far outside the photographs") {
     BumpyModel bumpy = bumpyModel();
     bumpy.model.surface.mesh.triangles.emplace_back(3, 3, 5);
     for (glm::vec2& complement : bumpy.model.complements) complement *= 1e30f;
     CHECK(drawAll(HtmStage(bumpy)) > 0.1);
   }
-  SECTION("a camera within the mesh, and a view from there") {
+  SECTION("a camera inside the mesh, and a view from its position") {
     BumpyModel bumpy = bumpyModel();
     bumpy.model.cameras[2].camera.pose.position = glm::dvec3(0);
     const HtmStage stage(bumpy);
@@ -234,7 +234,7 @@ TEST_CASE("extremes of models are drawn", "[htm][T23]") {
   }
 }
 
-TEST_CASE("targets get the same picture in each format", "[htm]") {
+TEST_CASE("every target format shows the same image", "[htm]") {
   const HtmStage stage(bumpyModel());
   const HtmFramePlan plan = stage.plan(ringCamera({}, 1.1), {.background = {0.2f, 0.01f, 0.9f}});
   const Image8 first = stage.render(plan);
@@ -243,7 +243,7 @@ TEST_CASE("targets get the same picture in each format", "[htm]") {
   CHECK(errorOf([&] { stage.render(plan, VK_FORMAT_R16G16B16A16_SFLOAT); }).code() == ErrorCode::unsupported);
 }
 
-TEST_CASE("pictures must fit their cameras", "[htm]") {
+TEST_CASE("photographs that do not fit their cameras are refused", "[htm]") {
   const auto made = [](const BumpyModel& bumpy) { GpuHtmModel(testDevice(), bumpy.model, bumpy.source()); };
   BumpyModel bumpy = bumpyModel();
   bumpy.pictures[3].photograph = Image8(10, 10, 3);
@@ -256,7 +256,7 @@ TEST_CASE("pictures must fit their cameras", "[htm]") {
   CHECK(errorOf([&] { made(bumpy); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("a model put in another's place is drawn as it is by itself", "[htm]") {
+TEST_CASE("a replaced model is drawn like a newly created model", "[htm]") {
   const auto view = [](const BumpyOptions& options) {
     BumpyOptions sized = options;
     sized.width = 160, sized.height = 120;
@@ -301,7 +301,7 @@ TEST_CASE("a model put in another's place is drawn as it is by itself", "[htm]")
         alone.render(plan));
 }
 
-TEST_CASE("copies of a prepared picture share its levels", "[htm]") {
+TEST_CASE("copies of a prepared photograph share its mip levels", "[htm]") {
   const BumpyModel bumpy = bumpyModel();
   std::vector<HtmPicture> prepared;
   for (std::size_t i = 0; i < bumpy.pictures.size(); ++i)

@@ -37,7 +37,7 @@ void compareWithTwin(const HtmStage& stage, const Camera& view, const HtmSetting
 
 }  // namespace
 
-TEST_CASE("a harmonised model is drawn as its twin says", "[htm][P9]") {
+TEST_CASE("a harmonised model equals the reference implementation", "[htm][P9]") {
   const HtmStage stage(bumpyModel());
   const BumpyOptions options;
   for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {
@@ -54,7 +54,7 @@ TEST_CASE("a harmonised model is drawn as its twin says", "[htm][P9]") {
   }
 }
 
-TEST_CASE("pictures of different sizes share a page", "[htm]") {
+TEST_CASE("photographs of different sizes share a texture array", "[htm]") {
   BumpyModel bumpy = bumpyModel();
   BumpyOptions small;
   small.width = 90;
@@ -69,7 +69,7 @@ TEST_CASE("pictures of different sizes share a page", "[htm]") {
   compareWithTwin(stage, ringCamera({}, 0.7), {.gamma = 2, .weightCut = 0});
 }
 
-TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
+TEST_CASE("harmonised coordinates follow eq. 6", "[htm]") {
   BumpyModel bumpy = bumpyModel();
   bumpy.model.surface.members[7] = 0;
   const HtmStage stage(std::move(bumpy));
@@ -116,7 +116,7 @@ TEST_CASE("groups of vertices are folded into rows that a device can dispatch", 
     }
 }
 
-TEST_CASE("a harmonised model's parameters lie in memory as the shaders read them", "[htm]") {
+TEST_CASE("parameters of a harmonised model have the memory layout of the shaders", "[htm]") {
   using Offsets = std::map<std::string, std::uint32_t>;
   using shader::HtmCameraParameters;
   using shader::HtmFrame;

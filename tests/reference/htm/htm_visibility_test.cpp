@@ -75,7 +75,7 @@ HtmSettings flat(HtmMethod method) {
 
 }  // namespace
 
-TEST_CASE("what lies behind another part of the mesh does not have the camera's colour", "[htm]") {
+TEST_CASE("a camera does not colour surfaces that another part of the mesh hides", "[htm]") {
   const HtmStage stage(wall().model, wall().pictures);
   for (const HtmMethod method : kAll) {
     INFO("method " << int(method));
@@ -93,7 +93,7 @@ TEST_CASE("what lies behind another part of the mesh does not have the camera's 
   }
 }
 
-TEST_CASE("what a mask leaves out does not have the camera's colour", "[htm]") {
+TEST_CASE("a camera does not colour surfaces that its mask excludes", "[htm]") {
   Wall masked = wall();
   const Camera& red = masked.model.cameras[0].camera;
   const int half = kSize / 2;

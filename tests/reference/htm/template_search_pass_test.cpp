@@ -185,7 +185,7 @@ void expectCloseCorrelation(const Case& all, const Matches& matches, const Match
 
 }  // namespace
 
-TEST_CASE("absolute differences: both searches find what the reference finds, bit for bit") {
+TEST_CASE("absolute differences: CPU and device find the same matches as the reference") {
   const int radius = GENERATE(0, 1, 2, 8, kMaxTemplateRadius);
   const Case all = manyCases(unsigned(radius) + 1);
   const Matches processor = onProcessor(all, radius, TemplateMeasure::absoluteDifferences);
@@ -199,7 +199,7 @@ TEST_CASE("absolute differences: both searches find what the reference finds, bi
   expectSame(onDevice(all, radius, TemplateMeasure::absoluteDifferences), processor);
 }
 
-TEST_CASE("correlation: both searches find what the reference finds, but for roundings") {
+TEST_CASE("correlation: CPU and device find the same matches as the reference up to rounding") {
   const int radius = GENERATE(0, 3, 9);
   const Case all = manyCases(unsigned(radius) + 100);
   const Matches wanted = reference(all, radius, TemplateMeasure::correlation);
@@ -207,7 +207,7 @@ TEST_CASE("correlation: both searches find what the reference finds, but for rou
   expectCloseCorrelation(all, onDevice(all, radius, TemplateMeasure::correlation), wanted, radius, 4e-6);
 }
 
-TEST_CASE("the largest template of the largest contrast overflows nothing", "[N12]") {
+TEST_CASE("the largest template with the largest contrast does not overflow", "[N12]") {
   std::mt19937 random(5);
   Case all;
   all.pictures = {Image8(80, 80, 3)};
@@ -226,7 +226,7 @@ TEST_CASE("the largest template of the largest contrast overflows nothing", "[N1
     CHECK(matches[0].cost == Approx(2));
 }
 
-TEST_CASE("tasks that do not fit at once are searched piece by piece, from several threads") {
+TEST_CASE("tasks beyond the capacity are searched in batches, from several threads") {
   std::mt19937 random(9);
   Case all;
   all.pictures = {pictureOf(64, 64, Look::noise, random)};
@@ -251,7 +251,7 @@ TEST_CASE("tasks that do not fit at once are searched piece by piece, from sever
   CHECK(std::ranges::equal(byOther, wanted, same));
 }
 
-TEST_CASE("a pass searches again and again in commands of the caller") {
+TEST_CASE("a pass can be recorded repeatedly into the caller's commands") {
   const Case all = manyCases(3);
   TemplateSearchPass pass(testDevice(), all.views(), {all.tasks.size(), all.samples.size()});
   const std::span tasks(all.tasks);
@@ -269,13 +269,13 @@ TEST_CASE("a pass searches again and again in commands of the caller") {
         }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("what a device cannot hold is unsupported, before anything is allocated") {
+TEST_CASE("images beyond the device's limits are refused as unsupported") {
   const Image8 picture(1024, 1024, 3);
   const std::size_t most = testDevice().properties().limits.maxStorageBufferRange >> 22;
   const std::vector<const Image8*> tooMany(most + 1, &picture);
   const Error error = errorOf([&] { deviceTemplateSearch(testDevice())(tooMany); });
   CHECK(error.code() == ErrorCode::unsupported);
-  CHECK(std::string(error.what()).find("match on the processor") != std::string::npos);
+  CHECK_THAT(error.what(), Catch::Contains(std::to_string(4 * tooMany.size()) + " MiB"));
   const std::vector<const Image8*> one{&picture};
   CHECK(errorOf([&] {
           TemplateSearchPass(testDevice(), one, {std::size_t(1) << 40, 1});
@@ -283,7 +283,7 @@ TEST_CASE("what a device cannot hold is unsupported, before anything is allocate
   CHECK(errorOf([&] { TemplateSearchPass(testDevice(), one, {1, 0}); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("all searches refuse the same") {
+TEST_CASE("CPU and device searches refuse the same input") {
   const Image8 picture(4, 4, 3), grey(4, 4, 1), none;
   const std::vector<const Image8*> good{&picture};
   const std::vector<TemplateSample> samples(5000);

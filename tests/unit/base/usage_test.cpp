@@ -9,7 +9,7 @@
 
 using namespace ibr;
 
-TEST_CASE("the limit of a control group is the least of it and those above it") {
+TEST_CASE("the memory limit of a control group is the minimum over the group and its parents") {
   const test::TemporaryFolder folder;
   makeFolders(folder / "a/b/c");
   CHECK(!groupMemoryLimit(folder / "", "0::/a/b/c\n"));
@@ -24,7 +24,7 @@ TEST_CASE("the limit of a control group is the least of it and those above it") 
   CHECK(groupMemoryLimit(folder / "", "0::/not/there\n") == 1e9);
 }
 
-TEST_CASE("control groups of version 1 have a hierarchy of memory") {
+TEST_CASE("control groups of version 1 use their own hierarchy for memory") {
   const test::TemporaryFolder folder;
   makeFolders(folder / "memory/job");
   writeFile(folder / "memory/job/memory.limit_in_bytes", std::string_view("500000000\n"));
@@ -34,7 +34,7 @@ TEST_CASE("control groups of version 1 have a hierarchy of memory") {
   CHECK(!groupMemoryLimit(folder / "", "no such line"));
 }
 
-TEST_CASE("a process has what it took, and no more than it may") {
+TEST_CASE("resident memory includes an allocation and stays below the limit") {
   const double before = residentMemory();
   const std::vector<char> much(64 << 20, 1);
   CHECK(residentMemory() >= before + 60e6 + much[7]);

@@ -28,7 +28,7 @@ Camera viewAt(double angle) {
 
 }  // namespace
 
-TEST_CASE("a plan has all cameras that are not excluded, best first", "[htm]") {
+TEST_CASE("a plan has all cameras except excluded ones, best first", "[htm]") {
   const HtmFramePlan plan = planFor(viewAt(0.4), {.exclude = 0b100});
   REQUIRE(plan.cameras.size() == 11);
   CHECK(plan.cameras[0].camera == 1);
@@ -49,7 +49,7 @@ TEST_CASE("a plan has all cameras that are not excluded, best first", "[htm]") {
   CHECK(planFor(viewAt(0.4), {.exclude = ~CameraSet(0)}).cameras.empty());
 }
 
-TEST_CASE("turning a camera about its centre changes weights by axis only", "[htm]") {
+TEST_CASE("turning the view about its centre changes only weights by axis", "[htm]") {
   const Camera view = viewAt(0.4);
   Camera turned = view;
   turned.pose.rotation = turned.pose.rotation * glm::angleAxis(0.3, glm::dvec3(0, 1, 0));
@@ -66,7 +66,7 @@ TEST_CASE("turning a camera about its centre changes weights by axis only", "[ht
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == Approx(b[i]).margin(1e-6));
 }
 
-TEST_CASE("a view in the middle of the mesh has an axis all the same", "[htm]") {
+TEST_CASE("a view in the middle of the mesh has finite weights", "[htm]") {
   Camera view = viewAt(0.4);
   view.pose.position = htmBounds(bumpy().model).middle;
   for (const double log : planFor(view).next.logWeights) CHECK(std::isfinite(log));
@@ -93,7 +93,7 @@ TEST_CASE("weights follow the view with a time constant", "[htm]") {
   CHECK(planFor(viewAt(2), settings, {{0, 0}}, 0.1).next.logWeights == to);
 }
 
-TEST_CASE("a plan names what is wrong with its input", "[htm]") {
+TEST_CASE("a plan refuses invalid input by field", "[htm]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto message = [](const HtmSettings& settings) {
     return std::string(errorOf([&] { planFor(viewAt(0), settings); }).what());
@@ -119,7 +119,7 @@ TEST_CASE("a plan names what is wrong with its input", "[htm]") {
   CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("pinhole"));
 }
 
-TEST_CASE("nothing that is not finite gets into a plan's state", "[htm][N16][P4]") {
+TEST_CASE("values that are not finite are kept out of a plan's state", "[htm][N16][P4]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), most = std::numeric_limits<double>::max();
   const HtmState state = planFor(viewAt(0)).next;
   for (const double smooth : {0.0, 0.5, HUGE_VAL})
@@ -165,7 +165,7 @@ TEST_CASE("nothing that is not finite gets into a plan's state", "[htm][N16][P4]
   CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = 0.5}, deep, 0.1)));
 }
 
-TEST_CASE("bounds hold the mesh", "[htm]") {
+TEST_CASE("bounds enclose the mesh", "[htm]") {
   const HtmBounds bounds = htmBounds(bumpy().model);
   for (const glm::dvec3& position : bumpy().model.surface.mesh.positions)
     CHECK(glm::length(position - bounds.middle) <= bounds.radius);
@@ -186,7 +186,7 @@ TEST_CASE("a baseline is the source mesh without complements", "[htm]") {
   CHECK(validate(baseline).empty());
 }
 
-TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
+TEST_CASE("weights carry over to a model with other cameras", "[htm]") {
   const auto named = [](const std::vector<std::string>& names) {
     HtmModel model;
     for (const std::string& name : names) model.cameras.push_back({name, {}, {}, {}});
@@ -209,7 +209,7 @@ TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
   CHECK(htmStateFor(before, before, {{0, 0}}).logWeights.empty());
 }
 
-TEST_CASE("a prepared picture is its levels, with visibility as alpha", "[htm]") {
+TEST_CASE("a prepared photograph has mip levels with visibility as alpha", "[htm]") {
   HtmModel model = bumpy().model;
   model.cameras[1].camera.intrinsics.width = 40;  // widest camera: sets the size of the texture array
   const HtmPicture picture = bumpy().pictures[0], prepared = preparedHtmPicture(model, 0, picture);

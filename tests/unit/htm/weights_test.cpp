@@ -53,7 +53,7 @@ TEST_CASE("weights follow eq. 5 over all angles and exponents", "[htm][N11][T22]
   }
 }
 
-TEST_CASE("weights of any number of cameras are numbers and sum to one", "[htm][N11]") {
+TEST_CASE("weights of any number of cameras are finite and sum to one", "[htm][N11]") {
   for (std::size_t count = 1; count <= 64; ++count)
     for (const double gamma : {1.0, 50.0, 1000.0}) {
       std::vector<glm::dvec3> directions;
@@ -70,7 +70,7 @@ TEST_CASE("weights of any number of cameras are numbers and sum to one", "[htm][
     }
 }
 
-TEST_CASE("cameras that are all behind weigh the same, and so do two that look alike", "[htm][N11][T22]") {
+TEST_CASE("opposite cameras weigh the same, and so do cameras of equal direction", "[htm][N11][T22]") {
   const std::vector<glm::dvec3> behind(5, atAngle(180));
   for (const double log : htmLogWeights(behind, atAngle(0), 1000)) CHECK(log == 0);
   const std::vector<glm::dvec3> opposite(3, glm::dvec3(0, 0, 1));

@@ -88,7 +88,7 @@ double squares(const BlockPixels& a, const BlockPixels& b) {
 
 }  // namespace
 
-TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
+TEST_CASE("BC1 blocks decode to colours computed by hand", "[N14]") {
   // 0xFFFF is white, 0x0000 black; the first row takes all four colours, the second row the same in reverse.
   const BlockPixels four =
       decodeBc1(hexBlock<8>("ffff0000"
@@ -121,7 +121,7 @@ TEST_CASE("BC1 blocks decoded by hand", "[N14]") {
   CHECK(three[3] == std::array<std::uint8_t, 4>{0, 0, 0, 255});
 }
 
-TEST_CASE("a BC7 block decoded by hand", "[N14]") {
+TEST_CASE("a BC7 block decodes to colours computed by hand", "[N14]") {
   // Mode 6, lowest bit first. R 0 → 127, G 127 → 0, B 64 → 64, A 127 → 127, p-bits 0 and 1; the index of pixel i is i
   // (pixel 0 has 3 bits).
   //   1000000 | 0000000 1111111 | 1111111 0000000 | 0000001 0000001 | 1111111 1111111 | 0 1 | 000 1000 0100 1100 …
@@ -155,7 +155,7 @@ TEST_CASE("a BC7 block decoded by hand", "[N14]") {
   CHECK_FALSE(decodeBc7(block, pixels));
 }
 
-TEST_CASE("blocks of one colour", "[N14]") {
+TEST_CASE("blocks of one colour are off by at most 2 levels in BC1 and 1 level in BC7", "[N14]") {
   std::array<std::byte, 8> bc1;
   std::array<std::byte, 16> bc7;
   std::mt19937 random(5);
@@ -185,7 +185,7 @@ TEST_CASE("blocks of one colour", "[N14]") {
   }
 }
 
-TEST_CASE("any block: four colours in BC1, an error below that of the colours' box, nothing random in it", "[N14]") {
+TEST_CASE("any block is encoded deterministically, with an error below that of its colours' bounding box", "[N14]") {
   std::mt19937 random(7);
   std::array<std::byte, 8> bc1, bc1Again;
   std::array<std::byte, 16> bc7, bc7Again;
@@ -217,7 +217,7 @@ TEST_CASE("any block: four colours in BC1, an error below that of the colours' b
   CHECK(error7 < box16);
 }
 
-TEST_CASE("two colours come back as well as the endpoints allow") {
+TEST_CASE("blocks of two colours are as exact as the endpoints") {
   std::mt19937 random(11);
   std::array<std::byte, 8> bc1;
   std::array<std::byte, 16> bc7;

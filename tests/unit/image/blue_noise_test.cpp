@@ -8,7 +8,7 @@
 
 using ibr::blueNoise;
 
-TEST_CASE("every rank stands exactly once") {
+TEST_CASE("every rank occurs exactly once") {
   for (int size : {8, 16, 64}) {
     std::vector<std::uint16_t> ranks = blueNoise(size, 1), expected(ranks.size());
     std::iota(expected.begin(), expected.end(), std::uint16_t(0));
@@ -17,7 +17,7 @@ TEST_CASE("every rank stands exactly once") {
   }
 }
 
-TEST_CASE("deterministic for a seed") {
+TEST_CASE("blue noise is deterministic for a seed") {
   CHECK(blueNoise(16, 3) == blueNoise(16, 3));
   CHECK(blueNoise(16, 3) != blueNoise(16, 4));
 }

@@ -28,7 +28,7 @@ DepthMaps ramp(int width, int height) {
 
 }  // namespace
 
-TEST_CASE("half floats are the nearest, ties to even") {
+TEST_CASE("half floats are rounded to the nearest, ties to even") {
   struct Expected {
     float value;
     std::uint16_t half;
@@ -60,7 +60,7 @@ TEST_CASE("half floats are the nearest, ties to even") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a depth texture has the largest inverse depth of each block, and the consensus there") {
+TEST_CASE("a depth texel has the maximum inverse depth of its block and the consensus of that pixel") {
   const DepthMaps maps = ramp(10, 6);
   const DepthTexture made = depthTexture(maps, 20);  // two map pixels per texel
   CHECK(made.texture.format == TextureFormat::rg16f);
@@ -82,7 +82,7 @@ TEST_CASE("a depth texture has the largest inverse depth of each block, and the 
   CHECK(back.inverseDepth.pixel(4, 2)[0] == maps.inverseDepth.pixel(9, 5)[0]);
 }
 
-TEST_CASE("blocks that the border of a map cuts count what is inside") {
+TEST_CASE("blocks cut by the border of a map use only pixels inside") {
   const DepthMaps maps = ramp(7, 5);
   const DepthTexture made = depthTexture(maps, 10);  // three map pixels per texel
   CHECK(depthBlockSide(7, 10) == 3);
@@ -107,7 +107,7 @@ TEST_CASE("depth at infinity has scale 1") {
   CHECK(back.consensus.values == std::vector<float>(4, fromHalf(toHalf(0.1f))));
 }
 
-TEST_CASE("a depth texture comes back from its file") {
+TEST_CASE("a depth texture reads back unchanged from its file") {
   const test::TemporaryFolder folder;
   const DepthTexture made = depthTexture(ramp(33, 21), 66);
   writeKtx2(folder / "depth.ktx2", made.texture);

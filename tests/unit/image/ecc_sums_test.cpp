@@ -171,7 +171,7 @@ TEST_CASE("values with eight fraction bits stay exact to 16.7 million pixels of 
     }
 }
 
-TEST_CASE("the best candidate is the oracle's, ties go to the first", "[N1][T4]") {
+TEST_CASE("the best candidate is that of the oracle, ties go to the first", "[N1][T4]") {
   std::mt19937 random(3);
   for (int set = 0; set < 60; ++set) {
     const std::array<std::size_t, 3> areas{30 + random() % 400, 30 + random() % 400, 30 + random() % 400};
@@ -202,7 +202,7 @@ TEST_CASE("the best candidate is the oracle's, ties go to the first", "[N1][T4]"
   }
 }
 
-TEST_CASE("ranks differ where a double does not, by sign, and where nothing correlates", "[N1][T4]") {
+TEST_CASE("candidates are ranked exactly: below double precision, by sign, and without correlation", "[N1][T4]") {
   PreEcc four;
   for (const int a : {32767, 32767, -32767, -32767}) four.add(a, a);
   PreEcc same = times(four, 22), other = same;
@@ -233,7 +233,7 @@ TEST_CASE("ranks differ where a double does not, by sign, and where nothing corr
   CHECK_FALSE(eccGreater(four_counts, four_counts, EccDefinition::concatenated));
 }
 
-TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC", "[N1][T1][T3]") {
+TEST_CASE("the paper's counters give a wrong ECC, because each product is shifted", "[N1][T1][T3]") {
   const auto both = [](std::size_t area) {
     PaperSums paper(area, 3, 1);
     PreEcc exact;
@@ -256,7 +256,7 @@ TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC
   CHECK(saturated.squares() == 0);  // 2³² overflows a 32-bit counter
 }
 
-TEST_CASE("why not the paper's floats: they pick another candidate", "[N1][T4]") {
+TEST_CASE("the paper's floats select a wrong candidate", "[N1][T4]") {
   int wrong = 0;
   for (int set = 0; set < 20; ++set) {
     float bestFloat = -2;

@@ -49,7 +49,7 @@ double byDefinition(const Samples& a, const Samples& b, std::size_t channels, do
 
 }  // namespace
 
-TEST_CASE("ECC equals its definitions, from whole numbers and sample by sample", "[N2]") {
+TEST_CASE("ECC equals its definitions, from integer sums and sample by sample", "[N2]") {
   for (double deviation : {1.5, 6.0, 30.0})
     for (double mean : {20.0, 128.0, 230.0})
       for (int floor : {0, 25}) {
@@ -66,7 +66,7 @@ TEST_CASE("ECC equals its definitions, from whole numbers and sample by sample",
       }
 }
 
-TEST_CASE("ECC of one, of the negative, and of gain and offset", "[N2]") {
+TEST_CASE("ECC is 1 for equal samples, -1 for the negative, and ignores gain and offset", "[N2]") {
   const Samples a = texture(500, 12, {90, 130, 160}, 1);
   Samples negative = a, gained = a;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -90,7 +90,7 @@ TEST_CASE("ECC of one, of the negative, and of gain and offset", "[N2]") {
   CHECK(ecc(preEcc(a, other)).value == ecc(preEcc(other, a)).value);
 }
 
-TEST_CASE("targets count together, each about its own means") {
+TEST_CASE("targets count together, each relative to its own means") {
   const Samples a = texture(400, 9, {90, 130, 160}, 1), b = texture(300, 9, {60, 60, 60}, 2);
   Samples brighter = b;
   for (auto& v : brighter) v = std::uint8_t(v + 90);
@@ -100,7 +100,7 @@ TEST_CASE("targets count together, each about its own means") {
   CHECK(ecc(sums, EccDefinition::concatenated).value < 0.9);
 }
 
-TEST_CASE("unrelated textures of one colour: the paper's definition sees its channels, ours nothing", "[N2]") {
+TEST_CASE("unrelated textures of one colour correlate by the paper's definition, but not by ours", "[N2]") {
   // Expected values of the paper's definition, for four standard deviations.
   const std::array<double, 4> deviations{2, 10, 20, 40}, paper{0.998, 0.954, 0.836, 0.575};
   for (std::size_t k = 0; k < deviations.size(); ++k) {
@@ -112,7 +112,7 @@ TEST_CASE("unrelated textures of one colour: the paper's definition sees its cha
   }
 }
 
-TEST_CASE("nothing to correlate is undefined without a floor", "[N2][T5]") {
+TEST_CASE("ECC of flat samples is undefined without a floor", "[N2][T5]") {
   const Samples flat = texture(500, 0, {10, 200, 30}, 1), other = texture(500, 0, {90, 90, 90}, 1);
   const Samples rough = texture(500, 9, {128, 128, 128}, 1), grey(50, 128), noisy(rough.begin(), rough.begin() + 50);
   const Samples none, pixel{1, 2, 3};
@@ -158,13 +158,13 @@ TEST_CASE("ECC never exceeds one", "[N2]") {
   }
 }
 
-TEST_CASE("interpolation's rounding is no texture") {
+TEST_CASE("rounding of interpolation does not count as texture") {
   EccSums sums;
   for (int i = 0; i < 100; ++i) sums.add(glm::dvec3(100.0 + 1e-5 * (i % 3)), glm::dvec3(40.0 + 1e-5 * (i % 5)));
   CHECK_FALSE(sums.result().defined);
 }
 
-TEST_CASE("values that are not finite never become a coefficient", "[N2][N16]") {
+TEST_CASE("values that are not finite leave ECC undefined", "[N2][N16]") {
   for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, 1e100}) {
     EccSums sums;
     for (int i = 0; i < 10; ++i) sums.add(glm::dvec3(i), glm::dvec3(3 - i));

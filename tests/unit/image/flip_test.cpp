@@ -43,7 +43,7 @@ float largest(const ImageF& map) {
 
 }  // namespace
 
-TEST_CASE("FLIP of flat pictures is that of their colours") {
+TEST_CASE("FLIP of flat images follows from their colours") {
   // HyAB of black and white is 100, of green and blue 203.3 after the Hunt effect; without features no term is added.
   const auto of = [](const Image8& a, const Image8& b) { return flip(a, b); };
   const Image8 black = flat(40, 30, 0, 0, 0), white = flat(40, 30, 255, 255, 255);
@@ -65,7 +65,7 @@ TEST_CASE("FLIP of flat pictures is that of their colours") {
   }
 }
 
-TEST_CASE("FLIP is that of its authors' formulas") {
+TEST_CASE("FLIP follows its authors' formulas") {
   // Reference: NumPy in double precision with two-dimensional kernels and the constants of the authors' program.
   const Image8 a = ramp(96, 64, 2, 1, 40), b = ramp(96, 64, 2, 1, 55);
   CHECK(flip(a, b) == Approx(0.5343636803).epsilon(2e-4));
@@ -77,7 +77,7 @@ TEST_CASE("FLIP is that of its authors' formulas") {
   CHECK(flip(c, rolled(c), 30) == Approx(0.1748741696).epsilon(2e-4));
 }
 
-TEST_CASE("FLIP is symmetric, 0 for equal pictures, within 0 and 1, and grows with noise") {
+TEST_CASE("FLIP is symmetric, 0 for equal images, within 0 and 1, and grows with noise") {
   const Image8 clean = scene(64, 48, 0);
   CHECK(flip(clean, clean) == 0.0);
   double before = 0;
@@ -93,7 +93,7 @@ TEST_CASE("FLIP is symmetric, 0 for equal pictures, within 0 and 1, and grows wi
   }
 }
 
-TEST_CASE("FLIP: what is too fine for the eye counts less, and edges count more than their colours") {
+TEST_CASE("FLIP weights fine detail less, and edges more than flat differences") {
   // A chequerboard of single pixels against its mean: the difference shrinks with the viewing distance.
   Image8 fine(80, 80, 3), grey = flat(80, 80, 188, 188, 188);  // 188: half the light
   for (int y = 0; y < 80; ++y)
@@ -110,7 +110,7 @@ TEST_CASE("FLIP: what is too fine for the eye counts less, and edges count more 
   CHECK(atLine.pixel(5, 40)[0] == Approx(0.0).margin(1e-3));  // no difference far from the line
 }
 
-TEST_CASE("FLIP of tiny pictures, and of pictures with alpha") {
+TEST_CASE("FLIP accepts tiny images and ignores alpha") {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 5}, {3, 2}}) {
     const Image8 a = flat(width, height, 10, 200, 30), b = flat(width, height, 12, 90, 30);
     const double value = flip(a, b);
@@ -123,7 +123,7 @@ TEST_CASE("FLIP of tiny pictures, and of pictures with alpha") {
   CHECK(flip(rgba, rgb) == 0.0);
 }
 
-TEST_CASE("FLIP refuses what it cannot compare") {
+TEST_CASE("FLIP refuses images of different sizes or without colour") {
   const Image8 a(12, 12, 3), small(12, 11, 3), greyOnly(12, 12, 1);
   CHECK_THROWS_AS(flip(a, small), Error);
   CHECK_THROWS_AS(flip(a, greyOnly), Error);
@@ -132,7 +132,7 @@ TEST_CASE("FLIP refuses what it cannot compare") {
   for (const double perDegree : {0.0, -1.0, 1e9, std::nan("")}) CHECK_THROWS_AS(flip(a, a, perDegree), Error);
 }
 
-TEST_CASE("FLIP of any number of pixels a degree is refused or a share", "[N16]") {
+TEST_CASE("FLIP refuses extreme numbers of pixels per degree, and is otherwise within 0 and 1", "[N16]") {
   Image8 a(16, 16, 3, 40), b(16, 16, 3, 200);
   for (const double pixels : test::kExtremes) {
     INFO(pixels);

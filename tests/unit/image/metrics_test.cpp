@@ -68,7 +68,7 @@ double ssimByDefinition(const Image8& a, const Image8& b, const Image8* mask) {
 
 }  // namespace
 
-TEST_CASE("PSNR of known differences") {
+TEST_CASE("PSNR is exact for known differences") {
   const Image8 a(20, 10, 3, 100);
   CHECK(psnr(a, a) == std::numeric_limits<double>::infinity());
   CHECK(psnr(a, plus(a, 1)) == Approx(48.1308036087));    // 20 log10 255
@@ -79,7 +79,7 @@ TEST_CASE("PSNR of known differences") {
   CHECK(psnr(a, one) == Approx(10 * std::log10(255.0 * 255.0 * 600 / 10000)));
 }
 
-TEST_CASE("PSNR sees colour only, and only where the mask counts") {
+TEST_CASE("PSNR ignores alpha and masked pixels") {
   Image8 a(6, 6, 4, 10), b(6, 6, 4, 10);
   for (int x = 0; x < 6; ++x) b.pixel(x, 0)[3] = 99;
   CHECK(psnr(a, b) == std::numeric_limits<double>::infinity());
@@ -109,7 +109,7 @@ TEST_CASE("SSIM follows its definition") {
         Approx((2 * 100 * 120 + c1) / (100 * 100 + 120 * 120 + c1)));
 }
 
-TEST_CASE("SSIM takes the windows that lie wholly inside picture and mask") {
+TEST_CASE("SSIM uses only windows that lie inside image and mask") {
   const Image8 a = noise(30, 25, 3, 1), b = noise(30, 25, 3, 2);
   Image8 mask(30, 25, 1, 255);
   CHECK(ssim(a, b, mask) == ssim(a, b));
@@ -154,7 +154,7 @@ TEST_CASE("MS-SSIM needs 11 pixels at its coarsest scale") {
   CHECK(std::isnan(msSsim(Image8(1, 1, 3, 7), Image8(1, 1, 3, 7))));
 }
 
-TEST_CASE("detail: blur has less, a ghost has more, and moved edges are others") {
+TEST_CASE("detail: blur lowers the energy, ghosts raise the energy and lower the correlation") {
   const Image8 truth = blocks(80, 64, 8, 5), all(80, 64, 1, 255);
   const auto mixed = [](const Image8& a, const Image8& b) {
     Image8 image = a;
@@ -181,7 +181,7 @@ TEST_CASE("detail: blur has less, a ghost has more, and moved edges are others")
   CHECK(detail(opposite, truth, all).correlation == Approx(-1.0));
 }
 
-TEST_CASE("sampled detail: noise loses two thirds between its pixels, a ramp nothing") {
+TEST_CASE("sampled detail: noise loses two thirds between pixels, a ramp loses nothing") {
   Image8 noise(200, 200, 3), ramp(64, 8, 3), stripes(64, 8, 3);
   std::mt19937 random(3);
   for (int y = 0; y < 200; ++y)
@@ -203,7 +203,7 @@ TEST_CASE("sampled detail: noise loses two thirds between its pixels, a ramp not
   CHECK(std::isnan(sampledDetail(Image8(1, 1, 3, 7))));
 }
 
-TEST_CASE("detail counts neighbours that are both inside the mask") {
+TEST_CASE("detail counts only neighbours that are both inside the mask") {
   Image8 a(3, 1, 3, 0), b(3, 1, 3, 0);
   a.pixel(1, 0)[1] = 100, b.pixel(1, 0)[1] = 50;  // edges of 58.7 and 29.35 levels on both sides
   a.pixel(2, 0)[1] = 100;
@@ -217,7 +217,7 @@ TEST_CASE("detail counts neighbours that are both inside the mask") {
   CHECK(std::isnan(detail(Image8(1, 1, 3), Image8(1, 1, 3), Image8(1, 1, 1, 1)).correlation));
 }
 
-TEST_CASE("colour differences of known colours") {
+TEST_CASE("deltaE is exact for known colours") {
   const auto one = [](int r, int g, int b) {
     Image8 image(1, 1, 3);
     image.values = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b)};
@@ -243,7 +243,7 @@ TEST_CASE("difference counts pixels by their largest channel") {
   CHECK(at10.shareAbove == 0.0);
 }
 
-TEST_CASE("pictures that cannot be compared are refused") {
+TEST_CASE("metrics refuse images of different sizes, without colour, or with a wrong mask") {
   const Image8 a(12, 12, 3), small(12, 11, 3), greyOnly(12, 12, 1), mask(12, 12, 1), wideMask(13, 12, 1);
   CHECK_THROWS_AS(psnr(a, small), Error);
   CHECK_THROWS_AS(psnr(a, greyOnly), Error);
@@ -277,7 +277,7 @@ TEST_CASE("torn tiles are those with far more gradient than the truth") {
   CHECK(tornTiles(slight, flat) == 0);
 }
 
-TEST_CASE("the worst tile is the one of the largest mean squared error, however small it is") {
+TEST_CASE("the worst tile has the largest mean squared error, also if the tile is small") {
   const Image8 truth(70, 64, 3, 100);
   Image8 picture = truth;
   picture.pixel(3, 3)[0] = 200;

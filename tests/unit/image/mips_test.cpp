@@ -56,13 +56,13 @@ TEST_CASE("levels halve, rounded down, until one pixel is left") {
   CHECK(buildMips(noise(1, 4, 3)).size() == 3);
 }
 
-TEST_CASE("a constant picture stays constant at all levels, for every value") {
+TEST_CASE("a constant image stays constant at all levels, for every value") {
   for (int v = 0; v < 256; ++v)
     for (const Image8& level : buildMips(Image8(7, 6, 4, std::uint8_t(v))))
       for (std::uint8_t value : level.values) REQUIRE(value == v);
 }
 
-TEST_CASE("level 0 is the picture itself") {
+TEST_CASE("level 0 is the image itself") {
   const Image8 rgba = noise(5, 3, 4);
   CHECK(buildMips(rgba)[0] == rgba);
   const Image8 rgb = noise(5, 3, 3), first = buildMips(rgb)[0];
@@ -73,7 +73,7 @@ TEST_CASE("level 0 is the picture itself") {
     }
 }
 
-TEST_CASE("every level is the area average of linear light, to half a level of rounding") {
+TEST_CASE("every level is the area average of linear light, within half an 8-bit level") {
   for (auto [width, height] : {std::pair{16, 16}, {17, 16}, {16, 9}, {33, 21}, {1, 13}, {31, 1}, {3, 3}}) {
     const Image8 image = noise(width, height, 4);
     const auto levels = buildMips(image);
@@ -98,7 +98,7 @@ TEST_CASE("every level is the area average of linear light, to half a level of r
   }
 }
 
-TEST_CASE("a picture that cannot have mips is refused") {
+TEST_CASE("empty and single-channel images have no mips") {
   CHECK_THROWS_AS(buildMips(Image8()), Error);
   CHECK_THROWS_AS(buildMips(Image8(4, 4, 1)), Error);
 }

@@ -48,7 +48,7 @@ double sharpnessOf(const Image8& picture) {
 
 }  // namespace
 
-TEST_CASE("a picture that moved in any direction is less sharp, and the less the further") {
+TEST_CASE("motion blur in any direction lowers sharpness, and more so for a longer motion") {
   for (const unsigned seed : {1u, 2u}) {
     const Image8 sharp = scribble(256, seed);
     const double as = sharpnessOf(sharp);
@@ -63,7 +63,7 @@ TEST_CASE("a picture that moved in any direction is less sharp, and the less the
   }
 }
 
-TEST_CASE("contrast and turning change nothing") {
+TEST_CASE("contrast and rotation do not change sharpness") {
   const Image8 sharp = scribble(256, 3);
   Image8 dim = sharp, turned = sharp;
   for (int y = 0; y < 256; ++y)
@@ -76,7 +76,7 @@ TEST_CASE("contrast and turning change nothing") {
   CHECK(sharpnessOf(turned) == Approx(sharpnessOf(sharp)).epsilon(1e-9));
 }
 
-TEST_CASE("what shows nothing has no sharpness, and what is too small none that is known") {
+TEST_CASE("a flat image has sharpness 0, and a tiny image NaN") {
   CHECK(sharpnessOf(Image8(128, 128, 4, 90)) == 0);
   CHECK(std::isnan(sharpness(Image8(63, 63, 4), Image8(7, 7, 4))));
   CHECK(std::isnan(sharpness(Image8(), Image8())));

@@ -88,7 +88,7 @@ double costAt(const Image8& picture, const std::vector<TemplateSample>& samples,
 
 }  // namespace
 
-TEST_CASE("Every displacement is tried, and the cost is that of the measure") {
+TEST_CASE("every displacement is tried, and the cost follows the measure") {
   const Image8 picture = noise(31, 23, 1), other = noise(9, 9, 2);
   for (const TemplateMeasure measure : {absoluteDifferences, correlation})
     for (const glm::ivec2 corner : {glm::ivec2(10, 8), {-3, -4}, {27, 19}, {-30, 40}})
@@ -109,7 +109,7 @@ TEST_CASE("Every displacement is tried, and the cost is that of the measure") {
       }
 }
 
-TEST_CASE("A planted displacement is found at the window's rim, and not beyond it", "[N12]") {
+TEST_CASE("a planted displacement is found up to the border of the window", "[N12]") {
   const Image8 picture = noise(60, 50, 3);
   for (const TemplateMeasure measure : {absoluteDifferences, correlation})
     for (const glm::ivec2 shift : {glm::ivec2(0), {6, -6}, {-6, 6}, {5, 3}}) {
@@ -123,7 +123,7 @@ TEST_CASE("A planted displacement is found at the window's rim, and not beyond i
     }
 }
 
-TEST_CASE("Where nothing differs the start is the match", "[N12][T24]") {
+TEST_CASE("flat images match at the start", "[N12][T24]") {
   const Image8 flat = pictureOf(40, 40, [](int, int) { return Colour{90, 120, 30}; });
   for (const glm::ivec2 start : {glm::ivec2(0), {5, -3}, {-100, 100}}) {
     const auto same = square(flat, {15, 15}, 6, {0, 0});
@@ -137,7 +137,7 @@ TEST_CASE("Where nothing differs the start is the match", "[N12][T24]") {
   }
 }
 
-TEST_CASE("A pattern that repeats is matched nearest to the start, then first by rows", "[N12]") {
+TEST_CASE("a repeating pattern is matched nearest to the start, then first by rows", "[N12]") {
   const Image8 checks = pictureOf(64, 64, [](int x, int y) {
     const int phase = (x % 8) * 8 + y % 8;
     return Colour{phase * 3, (phase * 37) % 251, (phase * 91) % 241};
@@ -155,7 +155,7 @@ TEST_CASE("A pattern that repeats is matched nearest to the start, then first by
   CHECK(searched(stripes, shifted, {0, 0}, 5, absoluteDifferences).displacement == glm::ivec2(-1, 0));
 }
 
-TEST_CASE("Light that changes moves no correlation", "[N12]") {
+TEST_CASE("correlation ignores gain and offset of brightness", "[N12]") {
   const Image8 picture = noise(60, 60, 5);
   for (const auto& [gain, offset] : {std::pair(1.0, 30.0), {0.5, 0.0}, {0.4, 120.0}, {1.1, -15.0}}) {
     INFO(gain << " " << offset);
@@ -172,7 +172,7 @@ TEST_CASE("Light that changes moves no correlation", "[N12]") {
   CHECK(searched(picture, negative, {0, 0}, 0, correlation).cost == Approx(2));
 }
 
-TEST_CASE("Tasks are answered in their order, also those without samples", "[N12]") {
+TEST_CASE("results have the order of the tasks, also of tasks without samples", "[N12]") {
   const Image8 a = noise(50, 40, 6), b = noise(30, 60, 7);
   const Image8* pictures[] = {&a, &b};
   const auto search = processorTemplateSearch(pictures);
@@ -193,7 +193,7 @@ TEST_CASE("Tasks are answered in their order, also those without samples", "[N12
   }
 }
 
-TEST_CASE("The largest template overflows nothing", "[N12]") {
+TEST_CASE("the largest template does not overflow", "[N12]") {
   const Image8 black = pictureOf(80, 80, [](int, int) { return Colour{0, 0, 0}; });
   const Image8 white = pictureOf(80, 80, [](int, int) { return Colour{255, 255, 255}; });
   const auto samples = square(white, {8, 8}, 64, {0, 0});
@@ -204,7 +204,7 @@ TEST_CASE("The largest template overflows nothing", "[N12]") {
   CHECK(searched(halves, square(halves, {8, 8}, 64, {0, 0}), {0, 0}, 2, correlation).cost == Approx(0).margin(1e-6));
 }
 
-TEST_CASE("What a search cannot do is said") {
+TEST_CASE("invalid images, radii and tasks are refused") {
   const Image8 picture = noise(20, 20, 8), grey(20, 20, 1), none;
   const Image8* pictures[] = {&picture};
   for (const Image8* wrong : {&grey, &none}) {

@@ -29,7 +29,7 @@ Image8 ramps(int width, int height) {
 
 }  // namespace
 
-TEST_CASE("bytes of a picture") {
+TEST_CASE("the size of a level counts whole blocks") {
   CHECK(textureBytes(TextureFormat::rgba8, 5, 3) == 60);
   CHECK(textureBytes(TextureFormat::bc1, 5, 3) == 16);
   CHECK(textureBytes(TextureFormat::bc7, 5, 3) == 32);
@@ -39,7 +39,7 @@ TEST_CASE("bytes of a picture") {
   CHECK(textureBytes(TextureFormat::rgba8, 65536, 65536) == std::uint64_t(1) << 34);
 }
 
-TEST_CASE("chains of any size go through blocks and back", "[N14]") {
+TEST_CASE("mip chains of any size are encoded as blocks and decoded", "[N14]") {
   for (const auto format : {TextureFormat::bc1, TextureFormat::bc7})
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {4, 4}, {5, 4}, {7, 9}, {37, 18}, {64, 3}}) {
       INFO(textureFormatName(format) << " " << width << "x" << height);
@@ -62,7 +62,7 @@ TEST_CASE("chains of any size go through blocks and back", "[N14]") {
     }
 }
 
-TEST_CASE("RGBA8 is as it was") {
+TEST_CASE("RGBA8 levels decode unchanged") {
   const std::vector<Image8> levels = buildMips(ramps(13, 6));
   const Texture texture = levels;
   CHECK(texture.format == TextureFormat::rgba8);
@@ -72,10 +72,11 @@ TEST_CASE("RGBA8 is as it was") {
   CHECK(smallerLevels(texture, 2) == Texture({levels.begin() + 2, levels.end()}));
 }
 
-TEST_CASE("what does not belong together is refused") {
+TEST_CASE("inconsistent levels, lengths and block modes are refused") {
   const std::vector<Image8> levels = buildMips(ramps(8, 4));
   for (const auto format : {TextureFormat::rgba8, TextureFormat::bc1}) {
-    CHECK_THROWS_WITH(encodeTexture({levels[0], levels[2]}, format), Catch::Contains("level 1 is 2x1"));
+    CHECK_THROWS_WITH(encodeTexture({levels[0], levels[2]}, format),
+                      Catch::Contains("level 1") && Catch::Contains("2x1"));
     CHECK_THROWS_AS(encodeTexture({Image8(4, 4, 3)}, format), Error);
   }
   Texture texture = encodeTexture(levels, TextureFormat::bc7);
@@ -83,10 +84,10 @@ TEST_CASE("what does not belong together is refused") {
   CHECK_THROWS_WITH(decodeTexture(texture), Catch::Contains("8x4") && Catch::Contains("bc7"));
   texture = encodeTexture(levels, TextureFormat::bc7);
   texture.levels[1][0] = std::byte(1);  // mode 0
-  CHECK_THROWS_WITH(decodeTexture(texture), Catch::Contains("mode 6"));
+  CHECK_THROWS_WITH(decodeTexture(texture), Catch::Contains("BC7") && Catch::Contains("6"));
 }
 
-TEST_CASE("a picture is neither stored in rg16f nor read from it") {
+TEST_CASE("an image is neither stored in rg16f nor read from rg16f") {
   const std::vector<Image8> levels = buildMips(ramps(8, 4));
   CHECK(test::errorOf([&] { encodeTexture(levels, TextureFormat::rg16f); }).code() == ErrorCode::invalidInput);
   Texture texture = levels;
@@ -96,7 +97,7 @@ TEST_CASE("a picture is neither stored in rg16f nor read from it") {
 }
 
 // Floors are about 0.5 dB below measured values, in the order below: 37.0 and 47.6 dB, 38.4 and 46.0, 34.9 and 46.4.
-TEST_CASE("photographs keep their quality") {
+TEST_CASE("photographs keep a minimum PSNR in BC1 and BC7") {
   struct Expected {
     const char* file;
     double bc1, bc7;

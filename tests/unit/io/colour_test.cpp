@@ -93,7 +93,7 @@ double adobeLight(double v) {
 
 }  // namespace
 
-TEST_CASE("Display P3 in PNG and TIFF is read as sRGB") {
+TEST_CASE("Display P3 in PNG and TIFF is converted to sRGB") {
   test::TemporaryFolder folder;
   const Image8 before = cube();
   const test::Bytes profile = displayP3(), png = test::makePng(36, 6, PNG_COLOR_TYPE_RGB, 8, rowsOf(before));
@@ -105,7 +105,7 @@ TEST_CASE("Display P3 in PNG and TIFF is read as sRGB") {
   checkIsSrgbOf(readImage(folder / "a.tif"), kP3, linear);
 }
 
-TEST_CASE("Display P3 in JPEG is converted after it is decoded") {
+TEST_CASE("Display P3 in JPEG is converted after decoding") {
   test::TemporaryFolder folder;
   const test::Bytes jpeg = test::makeJpeg(test::noisyPicture(40, 24, 3), test::JpegKind::baseline);
   test::writeBytes(folder / "plain.jpg", jpeg);
@@ -117,7 +117,7 @@ TEST_CASE("Display P3 in JPEG is converted after it is decoded") {
   CHECK((readImage(folder / "plain.jpg") != right));
 }
 
-TEST_CASE("Adobe RGB is read as sRGB, also where only EXIF names it") {
+TEST_CASE("Adobe RGB is converted to sRGB, also if only EXIF names the colour space") {
   Image8 picture = cube();
   io::adobeRgbToSrgb(picture);
   checkIsSrgbOf(picture, kAdobe, adobeLight);
@@ -133,7 +133,7 @@ TEST_CASE("Adobe RGB is read as sRGB, also where only EXIF names it") {
     }
 }
 
-TEST_CASE("what is sRGB already, or has a profile that cannot be used, stays bit for bit") {
+TEST_CASE("images in sRGB or with an unusable profile stay unchanged") {
   const Image8 before = cube();
   cmsCIExyY white;
   REQUIRE(cmsWhitePointFromTemp(&white, 5000));
@@ -150,7 +150,7 @@ TEST_CASE("what is sRGB already, or has a profile that cannot be used, stays bit
   CHECK((picture == before));
 }
 
-TEST_CASE("grey with a profile of its own gets sRGB's curve") {
+TEST_CASE("grey images with a profile are converted to the curve of sRGB") {
   cmsToneCurve* const curve = cmsBuildGamma(nullptr, 1.8);
   cmsCIExyY white;
   REQUIRE(cmsWhitePointFromTemp(&white, 5003));

@@ -35,7 +35,7 @@ long peakKilobytes() {
 
 }  // namespace
 
-TEST_CASE("a file cut anywhere is an error that names it", "[P1][P2]") {
+TEST_CASE("the error for a truncated image file names the file", "[P1][P2]") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(61, 47, 3);
   cutEverywhere(folder, "baseline.jpg", test::makeJpeg(image, test::JpegKind::baseline));
@@ -48,7 +48,7 @@ TEST_CASE("a file cut anywhere is an error that names it", "[P1][P2]") {
   cutEverywhere(folder, "cut.tif", test::readBytes(folder / "whole.tif"));
 }
 
-TEST_CASE("a JPEG that was cut and closed again is an error too") {
+TEST_CASE("a truncated JPEG with an end marker is refused") {
   test::TemporaryFolder folder;
   test::Bytes bytes = test::makeJpeg(test::noisyPicture(61, 47, 3), test::JpegKind::baseline);
   bytes.resize(bytes.size() / 2);
@@ -57,7 +57,7 @@ TEST_CASE("a JPEG that was cut and closed again is an error too") {
   CHECK(test::errorOf([&] { readImage(folder / "a.jpg"); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("stray bytes that cameras leave do no harm") {
+TEST_CASE("stray bytes that cameras write are ignored") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(32, 32, 3);
   test::Bytes bytes = test::makeJpeg(image, test::JpegKind::baseline);
@@ -68,7 +68,7 @@ TEST_CASE("stray bytes that cameras leave do no harm") {
   CHECK(readImage(folder / "stray.jpg") == readImage(folder / "clean.jpg"));
 }
 
-TEST_CASE("a damaged PNG is an error") {
+TEST_CASE("a damaged PNG is refused") {
   test::TemporaryFolder folder;
   writeImage(folder / "a.png", test::noisyPicture(32, 32, 3));
   test::Bytes bytes = test::readBytes(folder / "a.png");
@@ -118,7 +118,7 @@ TEST_CASE("a progressive JPEG with hundreds of scans is refused", "[P1]") {
   CHECK_THAT(error.what(), Catch::Contains("scans"));
 }
 
-TEST_CASE("what is no picture is named") {
+TEST_CASE("the error for a file without an image names the file") {
   test::TemporaryFolder folder;
   test::writeBytes(folder / "a.jpg", {'h', 'e', 'l', 'l', 'o'});
   const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });

@@ -39,7 +39,7 @@ TEST_CASE("the orientation is found in both byte orders") {
   }
 }
 
-TEST_CASE("what is made upright is upright, whichever type its orientation has") {
+TEST_CASE("setUpright sets an orientation of any type to 1") {
   for (const bool bigEndian : {false, true})
     for (const int type : {3, 4}) {
       test::Bytes block =
@@ -51,14 +51,14 @@ TEST_CASE("what is made upright is upright, whichever type its orientation has")
     }
 }
 
-TEST_CASE("values that mean nothing mean as stored") {
+TEST_CASE("an invalid orientation is read as 1") {
   for (const int value : {0, 9, 255}) CHECK(orientationOf(test::exifBlock(value, false)) == 1);
   CHECK(orientationOf({}) == 1);
   CHECK(orientationOf({'I', 'M', 42, 0, 8, 0, 0, 0}) == 1);
   CHECK(orientationOf({'I', 'I', 43, 0, 8, 0, 0, 0}) == 1);
 }
 
-TEST_CASE("a damaged block is never read beyond its end") {
+TEST_CASE("a damaged EXIF block is never read beyond its end") {
   for (const bool bigEndian : {false, true}) {
     const test::Bytes whole = test::exifBlock(6, bigEndian);
     // A separate heap copy, so that sanitizers detect a read beyond its end.
@@ -73,7 +73,7 @@ TEST_CASE("a damaged block is never read beyond its end") {
   }
 }
 
-TEST_CASE("how a photograph was exposed is found in both byte orders") {
+TEST_CASE("the exposure is found in both byte orders") {
   for (const bool bigEndian : {false, true}) {
     const io::Exif exif = exifOf(cameraBlock(bigEndian));
     CHECK(exif.orientation == 6);
@@ -83,7 +83,7 @@ TEST_CASE("how a photograph was exposed is found in both byte orders") {
   }
 }
 
-TEST_CASE("a sensitivity that 16 bits cannot hold stands elsewhere") {
+TEST_CASE("an ISO value beyond 16 bits is read from the wider tags") {
   const auto isoOf = [](std::vector<test::ExifEntry> entries) {
     return exifOf(test::exifBlock({}, entries, false)).capture.iso;
   };
@@ -94,7 +94,7 @@ TEST_CASE("a sensitivity that 16 bits cannot hold stands elsewhere") {
   CHECK(isoOf({{0x8827, 3, {100}}, {0x8832, 4, {102400}}}) == 100);
 }
 
-TEST_CASE("what a camera wrote that cannot be is as if it were not there") {
+TEST_CASE("impossible exposure values are ignored") {
   const CaptureFacts facts =
       exifOf(test::exifBlock({}, {{0x829a, 5, {1, 0}}, {0x829d, 5, {0, 1}}, {0x8827, 5, {100, 1}}, {0x920a, 3, {50}}},
                              false))
@@ -105,7 +105,7 @@ TEST_CASE("what a camera wrote that cannot be is as if it were not there") {
   CHECK(!relativeExposure({.exposureTime = 0.01, .iso = 100}));
 }
 
-TEST_CASE("a damaged description of the exposure is never read beyond its end, and no number of it is absurd") {
+TEST_CASE("a damaged exposure is never read beyond its end, and its values are finite") {
   for (const bool bigEndian : {false, true}) {
     const test::Bytes whole = cameraBlock(bigEndian);
     const auto sound = [](const CaptureFacts& facts) {
@@ -124,7 +124,7 @@ TEST_CASE("a damaged description of the exposure is never read beyond its end, a
   }
 }
 
-TEST_CASE("JPEG, PNG and TIFF files tell how they were exposed") {
+TEST_CASE("the exposure is read from JPEG, PNG and TIFF files") {
   const test::TemporaryFolder folder;
   const Image8 picture = test::noisyPicture(16, 8, 3);
   test::writeBytes(folder / "a.jpg",

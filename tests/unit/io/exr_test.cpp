@@ -21,7 +21,7 @@ ImageF ramp(int width, int height, float step) {
 
 }  // namespace
 
-TEST_CASE("float channels come back bit for bit, in the order of their names") {
+TEST_CASE("float channels read back bit for bit, in the order of their names") {
   test::TemporaryFolder folder;
   std::vector<ExrChannel> channels{
       {"Z", ramp(37, 21, 0.1f)}, {"R", ramp(37, 21, -3.7e-5f)}, {"confidence.spread", ramp(37, 21, 1e30f)}};
@@ -40,7 +40,7 @@ TEST_CASE("float channels come back bit for bit, in the order of their names") {
   CHECK(readFile(folder / "a.exr") == readFile(folder / "b.exr"));
 }
 
-TEST_CASE("damaged OpenEXR files are errors that name the file, wherever they are damaged") {
+TEST_CASE("the error for a damaged OpenEXR file names the file") {
   test::TemporaryFolder folder;
   writeExr(folder / "whole.exr", std::vector<ExrChannel>{{"Z", ramp(64, 64, 0.3f)}});
   const std::vector<std::byte> whole = readFile(folder / "whole.exr");

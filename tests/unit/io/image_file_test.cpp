@@ -7,7 +7,7 @@
 
 using namespace ibr;
 
-TEST_CASE("PNG gives back every value, at every narrow size") {
+TEST_CASE("PNG keeps every value, also of narrow images") {
   test::TemporaryFolder folder;
   const std::pair<int, int> sizes[] = {{1, 1}, {1, 40}, {40, 1}, {2, 3}, {257, 3}};
   for (const auto& [width, height] : sizes) {
@@ -19,7 +19,7 @@ TEST_CASE("PNG gives back every value, at every narrow size") {
   }
 }
 
-TEST_CASE("JPEG of narrow sizes keeps its size") {
+TEST_CASE("JPEG keeps the size of narrow images") {
   test::TemporaryFolder folder;
   const std::pair<int, int> sizes[] = {{1, 1}, {1, 40}, {40, 1}, {17, 9}};
   for (const auto& [width, height] : sizes) {
@@ -28,7 +28,7 @@ TEST_CASE("JPEG of narrow sizes keeps its size") {
   }
 }
 
-TEST_CASE("JPEG quality is obeyed") {
+TEST_CASE("a higher JPEG quality gives a larger file with small errors") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(64, 64, 3);
   writeImage(folder / "low.jpg", image, 40);
@@ -41,7 +41,7 @@ TEST_CASE("JPEG quality is obeyed") {
   CHECK(largest <= 16);
 }
 
-TEST_CASE("the same picture gives the same bytes") {
+TEST_CASE("the same image gives the same bytes") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(50, 30, 3);
   for (const char* extension : {".png", ".jpg"}) {
@@ -52,7 +52,7 @@ TEST_CASE("the same picture gives the same bytes") {
   }
 }
 
-TEST_CASE("what cannot be written is named and leaves nothing") {
+TEST_CASE("an image that cannot be written throws and leaves no file") {
   test::TemporaryFolder folder;
   const Image8 image(4, 4, 3);
   CHECK(test::errorOf([&] { writeImage(folder / "no/such/a.png", image); }).code() == ErrorCode::io);
@@ -62,7 +62,7 @@ TEST_CASE("what cannot be written is named and leaves nothing") {
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("a header far behind its file's beginning is found") {
+TEST_CASE("a JPEG header far from the start of the file is found") {
   test::TemporaryFolder folder;
   test::Bytes jpeg = test::makeJpeg(test::noisyPicture(24, 16, 3), test::JpegKind::baseline);
   // Six comments of 64 KiB move the frame header beyond the part that a probe reads first.
@@ -75,7 +75,7 @@ TEST_CASE("a header far behind its file's beginning is found") {
   CHECK(probeImage(folder / "a.jpg").width == 24);
 }
 
-TEST_CASE("texts of a PNG come back, and leave its pixels as they are") {
+TEST_CASE("PNG texts read back unchanged and do not change the pixels") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(40, 30, 4);
   const std::vector<ImageText> texts{
@@ -93,7 +93,7 @@ TEST_CASE("texts of a PNG come back, and leave its pixels as they are") {
   CHECK(readImageTexts(folder / "a.jpg").empty());
 }
 
-TEST_CASE("texts that a PNG cannot hold are refused, and damaged ones are no text") {
+TEST_CASE("invalid PNG texts are not written, and damaged ones are not read") {
   test::TemporaryFolder folder;
   const Image8 image(4, 4, 3);
   const std::vector<ImageText> wrong[] = {{{"", "x"}},
@@ -119,7 +119,7 @@ TEST_CASE("texts that a PNG cannot hold are refused, and damaged ones are no tex
   CHECK(readImage(folder / "a.png") == image);
 }
 
-TEST_CASE("what begins as an image file does is one") {
+TEST_CASE("image files are recognised by their first bytes") {
   test::TemporaryFolder folder;
   writeImage(folder / "a.png", Image8(1, 1, 3));
   writeImage(folder / "b.jpg", Image8(1, 1, 3));

@@ -49,7 +49,7 @@ TEST_CASE("palette and alpha PNG become RGB") {
       for (std::size_t c = 0; c < 3; ++c) CHECK(image.pixel(x, y)[c] == withAlpha.pixel(x, y)[c]);
 }
 
-TEST_CASE("an interlaced PNG is the same picture") {
+TEST_CASE("an interlaced PNG gives the same image") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(13, 11, 3);
   std::vector<test::Bytes> rows;
@@ -59,7 +59,7 @@ TEST_CASE("an interlaced PNG is the same picture") {
   CHECK(readImage(folder / "a.png") == image);
 }
 
-TEST_CASE("baseline, progressive, arithmetic, RGB and grey JPEG are near the picture that was written") {
+TEST_CASE("baseline, progressive, arithmetic, RGB and grey JPEG are close to the written image") {
   test::TemporaryFolder folder;
   Image8 smooth(40, 24, 3);
   for (int y = 0; y < 24; ++y)
@@ -82,30 +82,30 @@ TEST_CASE("baseline, progressive, arithmetic, RGB and grey JPEG are near the pic
   CHECK(readImage(folder / "grey.jpg") == Image8(16, 8, 3, 77));
 }
 
-TEST_CASE("CMYK is refused with what to do, not shown in wrong colours") {
+TEST_CASE("CMYK is refused, and the error names the remedy") {
   test::TemporaryFolder folder;
   for (const auto kind : {test::JpegKind::cmyk, test::JpegKind::ycck}) {
     test::writeBytes(folder / "a.jpg", test::makeJpeg(test::noisyPicture(16, 16, 4), kind));
     CHECK(test::errorOf([&] { probeImage(folder / "a.jpg"); }).code() == ErrorCode::unsupported);
     const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });
     CHECK(error.code() == ErrorCode::unsupported);
-    CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains("CMYK") && Catch::Contains("as RGB"));
+    CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains("CMYK") && Catch::Contains("RGB"));
   }
   test::makeTiff(folder / "a.tif", Image<std::uint16_t>(4, 4, 4, 9), 8, PHOTOMETRIC_SEPARATED, false);
   CHECK(test::errorOf([&] { probeImage(folder / "a.tif"); }).code() == ErrorCode::unsupported);
   const Error error = test::errorOf([&] { readImage(folder / "a.tif"); });
   CHECK(error.code() == ErrorCode::unsupported);
-  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("CMYK") && Catch::Contains("as RGB"));
+  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("CMYK") && Catch::Contains("RGB"));
 }
 
-TEST_CASE("16-bit PNG of grey with alpha is rounded grey") {
+TEST_CASE("16-bit grey PNG with alpha is rounded to 8-bit grey") {
   test::TemporaryFolder folder;
   const test::Bytes row{0x00, 0x81, 0x12, 0x34, 0xff, 0x7e, 0, 0};
   test::writeBytes(folder / "a.png", test::makePng(2, 1, PNG_COLOR_TYPE_GRAY_ALPHA, 16, {row}));
   CHECK(readImage(folder / "a.png").values == std::vector<std::uint8_t>{1, 1, 1, 0xfe, 0xfe, 0xfe});
 }
 
-TEST_CASE("TIFF in strips, tiles, planes, both byte orders and with wide offsets is the same picture") {
+TEST_CASE("TIFF in strips, tiles, planes, both byte orders and with wide offsets gives the same image") {
   test::TemporaryFolder folder;
   const Image8 small = test::noisyPicture(21, 18, 3);
   for (const int bits : {8, 16}) {
@@ -123,7 +123,7 @@ TEST_CASE("TIFF in strips, tiles, planes, both byte orders and with wide offsets
   }
 }
 
-TEST_CASE("16-bit grey TIFF is rounded, also where white is 0") {
+TEST_CASE("16-bit grey TIFF is rounded, also if white is 0") {
   test::TemporaryFolder folder;
   Image<std::uint16_t> grey(3, 2, 1);
   grey.values = {0, 0x007f, 0x0081, 0x1280, 0xff7e, 0xffff};
@@ -139,20 +139,20 @@ TEST_CASE("16-bit grey TIFF is rounded, also where white is 0") {
     }
 }
 
-TEST_CASE("TIFF that holds no photograph to be shown is refused with what to do") {
+TEST_CASE("raw and two-channel TIFF files are refused, and the error names the remedy") {
   test::TemporaryFolder folder;
   const Image<std::uint16_t> rgb(4, 4, 3, 9);
   test::makeTiff(folder / "a.tif", rgb, 8, PHOTOMETRIC_RGB, false, 1, {.preview = true});
   Error error = test::errorOf([&] { readImage(folder / "a.tif"); });
   CHECK(error.code() == ErrorCode::unsupported);
-  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("raw files") && Catch::Contains("develop"));
+  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("raw"));
   test::makeTiff(folder / "b.tif", Image<std::uint16_t>(4, 4, 2, 9), 16, PHOTOMETRIC_RGB, false);
   error = test::errorOf([&] { readImage(folder / "b.tif"); });
   CHECK(error.code() == ErrorCode::unsupported);
-  CHECK_THAT(error.what(), Catch::Contains("b.tif") && Catch::Contains("8 or 16 bits"));
+  CHECK_THAT(error.what(), Catch::Contains("b.tif") && Catch::Contains("RGB") && Catch::Contains("16"));
 }
 
-TEST_CASE("files of other kinds are named by their content, whatever their extension") {
+TEST_CASE("the error for other formats names the format by content, not by extension") {
   test::TemporaryFolder folder;
   using namespace std::string_literals;
   const std::pair<const char*, std::string> kinds[] = {{"HEIC",
@@ -181,16 +181,17 @@ TEST_CASE("files of other kinds are named by their content, whatever their exten
          {std::function([&] { readImage(folder / "a.jpg"); }), std::function([&] { probeImage(folder / "a.jpg"); })}) {
       const Error error = test::errorOf(read);
       CHECK(error.code() == ErrorCode::unsupported);
-      CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains(kind) && Catch::Contains("convert"));
+      CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains(kind) && Catch::Contains("JPEG"));
     }
   }
   writeImage(folder / "b.png", Image8(2, 2, 3, 9));
   CHECK(foreignImageFormat(folder / "b.png").empty());
   test::writeBytes(folder / "empty.jpg", {});
-  CHECK_THAT(test::errorOf([&] { readImage(folder / "empty.jpg"); }).what(), Catch::Contains("is empty"));
+  CHECK_THAT(test::errorOf([&] { readImage(folder / "empty.jpg"); }).what(),
+             Catch::Contains("empty.jpg") && Catch::EndsWith("empty"));
 }
 
-TEST_CASE("TIFF of 8 and 16 bits, grey, RGB and opaque RGBA") {
+TEST_CASE("TIFF of 8 and 16 bits in grey, RGB and opaque RGBA is read as RGB") {
   test::TemporaryFolder folder;
   Image<std::uint16_t> rgb(2, 1, 3);
   rgb.values = {1, 2, 3, 250, 251, 252};
@@ -211,7 +212,7 @@ TEST_CASE("TIFF of 8 and 16 bits, grey, RGB and opaque RGBA") {
   CHECK(test::errorOf([&] { readImage(folder / "e.tif"); }).code() == ErrorCode::unsupported);
 }
 
-TEST_CASE("the eight EXIF orientations turn the stored picture upright, and only where asked") {
+TEST_CASE("the eight EXIF orientations turn the stored image upright, but only on request") {
   test::TemporaryFolder folder;
   // Upright picture of 16 × 8 px: four flat blocks, which JPEG preserves. Each orientation is stored as cameras do.
   const std::uint8_t tl = 10, tr = 80, bl = 160, br = 240;
@@ -244,7 +245,7 @@ TEST_CASE("the eight EXIF orientations turn the stored picture upright, and only
   }
 }
 
-TEST_CASE("the orientations of PNG and TIFF are those of JPEG") {
+TEST_CASE("PNG and TIFF have the orientations of JPEG") {
   test::TemporaryFolder folder;
   const Image8 stored = test::noisyPicture(8, 16, 3);
   std::vector<test::Bytes> rows;

@@ -50,7 +50,7 @@ TEST_CASE("the order of scores is exact up to the largest sums", "[N1][T4][P7]")
   CHECK(equal > 10000);
 }
 
-TEST_CASE("what is undefined is less than everything, and does not replace where a point stands", "[N2][T5]") {
+TEST_CASE("an undefined ECC is less than any other and never replaces a position", "[N2][T5]") {
   const EccScore none{5, 0, 7}, poor{-3, 4, 4}, fair{3, 4, 4}, zero{0, 4, 4};
   CHECK_FALSE(eccGreater(none, poor));
   CHECK(eccGreater(poor, none));
@@ -62,7 +62,7 @@ TEST_CASE("what is undefined is less than everything, and does not replace where
   CHECK(eccWins(zero, poor));
 }
 
-TEST_CASE("centred sums are the exact ones, rounded up", "[N1]") {
+TEST_CASE("centred sums equal the exact sums rounded up", "[N1]") {
   std::mt19937_64 random(4);
   for (int i = 0; i < 100000; ++i) {
     const std::int64_t n = 1 + randomBits(random, int(random() % 25));
@@ -75,7 +75,7 @@ TEST_CASE("centred sums are the exact ones, rounded up", "[N1]") {
   }
 }
 
-TEST_CASE("roots are rounded up") {
+TEST_CASE("square roots are rounded up") {
   std::mt19937_64 random(5);
   for (int i = 0; i < 20000; ++i) {
     const std::int64_t v = randomBits(random, int(random() % 51));

@@ -32,7 +32,7 @@ struct Seen {
 
 }  // namespace
 
-TEST_CASE("the gradient finds planted shifts to a tenth of a pixel", "[N3]") {
+TEST_CASE("the gradient method finds planted shifts to a tenth of a pixel", "[N3]") {
   const int members = GENERATE(2, 3, 4);
   const auto definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
   const int levels = GENERATE(1, 2);
@@ -49,7 +49,7 @@ TEST_CASE("the gradient finds planted shifts to a tenth of a pixel", "[N3]") {
   CHECK(summary.finalEcc > summary.initialEcc);
 }
 
-TEST_CASE("the gradient alone finds a point that is off, candidates at random left out") {
+TEST_CASE("gradient steps find displaced points without random candidates") {
   auto planted = test::planted(3, 112, 4, 1.2, 3);
   AlignmentOptions options = patient();
   options.escape = 0;
@@ -58,7 +58,7 @@ TEST_CASE("the gradient alone finds a point that is off, candidates at random le
 }
 
 // The guard is called after a class's moves are made; no other point of the star moves in the same step.
-TEST_CASE("a point that the gradient moves never lowers its star's ECC", "[N3]") {
+TEST_CASE("a gradient step never lowers the ECC of its star", "[N3]") {
   auto planted = test::planted(3, 112, 6, 2.0, 11);
   const Seen seen(planted.alignment);
   Positions at = planted.alignment.position;
@@ -84,7 +84,7 @@ TEST_CASE("a point that the gradient moves never lowers its star's ECC", "[N3]")
   CHECK(lower == 0);
 }
 
-TEST_CASE("the gradient's mesh does not depend on the number of threads, and two runs give the same", "[N3]") {
+TEST_CASE("the gradient method gives the same mesh on any number of threads", "[N3]") {
   std::vector<Positions> found;
   for (const int threads : {1, 1, 2, 5}) {
     auto planted = test::planted(3, 112, 6, 2.0, 5);
@@ -100,7 +100,7 @@ TEST_CASE("the gradient's mesh does not depend on the number of threads, and two
   CHECK(found[3] == found[0]);
 }
 
-TEST_CASE("nothing moves in constant pictures") {
+TEST_CASE("no point moves in constant images") {
   auto planted = test::planted(2, 112, 4, 2.0, 5);
   for (Image8& picture : planted.pictures) std::ranges::fill(picture.values, std::uint8_t(90));
   const Positions before = planted.alignment.position;
@@ -111,7 +111,7 @@ TEST_CASE("nothing moves in constant pictures") {
   CHECK(planted.alignment.position == before);
 }
 
-TEST_CASE("rigid points of a sky stay, and those of the textured half are found") {
+TEST_CASE("rigidity keeps points of an untextured half, and the textured half is aligned") {
   auto planted = test::planted(2, 112, 6, 2.0, 5);
   const std::size_t n = planted.alignment.position[0].size();
   std::mt19937 random(2);
@@ -140,7 +140,7 @@ TEST_CASE("rigid points of a sky stay, and those of the textured half are found"
   CHECK(furthest(40, false) > 0.5);
 }
 
-TEST_CASE("off its epipolar line a point goes less far the more it costs") {
+TEST_CASE("epipolarWeight keeps points near their epipolar lines") {
   auto planted = test::planted(2, 112, 4, 2.0, 5);
   const Positions start = planted.alignment.position;
   // The lines are horizontal, so the vertical part of the points' errors cannot be corrected along them.
@@ -163,7 +163,7 @@ TEST_CASE("off its epipolar line a point goes less far the more it costs") {
   CHECK(held.x > 0.2);
 }
 
-TEST_CASE("directions that are not one a point and picture are refused") {
+TEST_CASE("epipolar directions of the wrong number are refused") {
   auto planted = test::planted(2, 112, 4, 2.0, 5);
   const Positions before = planted.alignment.position;
   planted.alignment.epipolar.assign(2, std::vector<glm::vec2>(before[0].size() - 1));
@@ -173,7 +173,7 @@ TEST_CASE("directions that are not one a point and picture are refused") {
   CHECK(planted.alignment.position == before);
 }
 
-TEST_CASE("points of the border slide along it") {
+TEST_CASE("points of the border slide along the border") {
   auto planted = test::planted(2, 112, 4, 2.0, 9);
   // The upper border is a horizontal line in both pictures: its points may slide, but do not leave the line.
   const Positions start = planted.alignment.position;
@@ -187,7 +187,7 @@ TEST_CASE("points of the border slide along it") {
   CHECK(slid > 0);
 }
 
-TEST_CASE("the sums of the gradient are those that judging finds by differences") {
+TEST_CASE("gradient sums match finite differences of the ECC") {
   auto planted = test::planted(3, 112, 3, 1.0, 21);
   const Seen seen(planted.alignment);
   const std::uint32_t point = 5;
@@ -211,7 +211,7 @@ TEST_CASE("the sums of the gradient are those that judging finds by differences"
   CHECK(glm::length(measured) > 0.003);
 }
 
-TEST_CASE("the closed form finds the displacement of a signal that is linear in it") {
+TEST_CASE("the closed-form step finds the displacement of a linear signal") {
   // Source x, target y = 3(x + g·d) with d = (0.7, −0.4); 4000 samples suffice.
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0, 1);

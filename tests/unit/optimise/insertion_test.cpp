@@ -143,7 +143,7 @@ void checkWhole(const Alignment& before, const Alignment& now) {
 
 }  // namespace
 
-TEST_CASE("a point comes to stand on each ridge that the mesh misses, and nowhere else") {
+TEST_CASE("points are inserted only on ridges that the mesh misses") {
   const int members = GENERATE(2, 3);
   const double noise = GENERATE(0.0, 6.0);
   const auto method = GENERATE(AlignmentMethod::cpu, AlignmentMethod::gradient);
@@ -170,8 +170,8 @@ TEST_CASE("a point comes to stand on each ridge that the mesh misses, and nowher
   CHECK(squares == std::set<unsigned>(Ridges::kBent.begin(), Ridges::kBent.end()));
 }
 
-TEST_CASE("nothing is inserted where nothing is missing, or where there is nothing to tell") {
-  SECTION("flat, under noise, a tenth of a pixel off") {
+TEST_CASE("no point is inserted into a correct mesh or without texture") {
+  SECTION("flat surface under noise, a tenth of a pixel off") {
     auto planted = test::planted(GENERATE(2, 3), kSide, GENERATE(2, 4), 0.1, 32);
     addNoise(planted, 6);
     AlignmentOptions options = optionsWith();
@@ -179,7 +179,7 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
     options.insertBelow = 1;
     CHECK(insert(planted.alignment, options) == 0);
   }
-  SECTION("nothing but noise, or nothing at all: not even if it pays") {
+  SECTION("noise only, or constant images, with any gain accepted") {
     auto planted = test::planted(2, kSide, kSquares, 0, 25);
     for (Image8& picture : planted.pictures) picture = Image8(kSide, kSide, 3, 90);
     addNoise(planted, GENERATE(0.0, 3.0));
@@ -187,17 +187,17 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
     options.varianceFloor = 25;
     CHECK(insert(planted.alignment, options) == 0);
   }
-  SECTION("triangles that are too small to be split") {
+  SECTION("triangles that are too small to split") {
     auto planted = test::planted(2, kSide, 20, 1, 26);  // 26 samples per triangle
     CHECK(insert(planted.alignment, anythingGoes()) == 0);
   }
-  SECTION("what agrees well enough") {
+  SECTION("triangles with an ECC above insertBelow") {
     Ridges ridges;
     AlignmentOptions options = optionsWith();
     options.insertBelow = -0.5;
     CHECK(insert(ridges.alignment, options) == 0);
   }
-  SECTION("what the guard refuses, though it has not moved") {
+  SECTION("unmoved points that the guard refuses") {
     auto planted = test::planted(2, kSide, kSquares, 0, 37);
     for (Image8& picture : planted.pictures) picture = Image8(kSide, kSide, 3, 90);
     AlignmentOptions options = anythingGoes();
@@ -207,7 +207,7 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
     CHECK(insert(planted.alignment, options) == 0);
     CHECK(planted.alignment.inserted.size() == before);
   }
-  SECTION("what the guard refuses") {
+  SECTION("points that the guard refuses") {
     Ridges ridges;
     AlignmentOptions options = optionsWith();
     std::set<unsigned> asked;
@@ -237,7 +237,7 @@ TEST_CASE("an edge that a third triangle shares is not split") {
     }
 }
 
-TEST_CASE("however many points come, the mesh stays whole, with any number of threads") {
+TEST_CASE("the mesh stays consistent with many insertions and any number of threads") {
   const auto grown = [](int threads, bool kept) {
     auto planted = test::planted(3, kSide, kSquares, 4, 35);
     Alignment& a = planted.alignment;
@@ -270,7 +270,7 @@ TEST_CASE("however many points come, the mesh stays whole, with any number of th
   CHECK(once == grown(3, kept));
 }
 
-TEST_CASE("no more points than asked for, and those first that gain most") {
+TEST_CASE("at most insertShare of the points are inserted, the largest gains first") {
   Ridges all, some;
   insert(all.alignment, optionsWith());
   const std::size_t most = GENERATE(0, 1, 3);
@@ -280,7 +280,7 @@ TEST_CASE("no more points than asked for, and those first that gain most") {
 }
 
 // A triangle is so thin in one picture that rounding a new point to the grid decides if the triangle folds over.
-TEST_CASE("of triangles that are thin in one picture no part folds over", "[N4][P8]") {
+TEST_CASE("splitting triangles that are thin in one image folds no part over", "[N4][P8]") {
   const Image8 grey(80, 80, 3, 90);
   std::mt19937 random(36);
   const auto upTo = [&](int most) { return int(random() % unsigned(most + 1)); };
@@ -310,7 +310,7 @@ TEST_CASE("of triangles that are thin in one picture no part folds over", "[N4][
   CHECK(refused > 20);
 }
 
-TEST_CASE("the optimiser inserts between its cycles if it is told to, and agrees better across a step") {
+TEST_CASE("the optimiser inserts points between cycles with insertPoints and raises the ECC") {
   AlignmentOptions options = optionsWith(GENERATE(AlignmentMethod::cpu, AlignmentMethod::gradient));
   options.levels = options.method == AlignmentMethod::gradient ? 2 : 1;
   options.rigidity = 1;
@@ -351,7 +351,7 @@ TEST_CASE("the optimiser inserts between its cycles if it is told to, and agrees
   CHECK(again.finalEcc == with.finalEcc);
 }
 
-TEST_CASE("a stop leaves the alignment without its new points, and values out of range are told") {
+TEST_CASE("cancelling removes inserted points, and options out of range are reported") {
   Ridges ridges;
   AlignmentOptions options = optionsWith();
   options.insertPoints = true;
@@ -367,7 +367,8 @@ TEST_CASE("a stop leaves the alignment without its new points, and values out of
     change(wrong);
     return optionsFault(wrong);
   };
-  CHECK(fault([](auto& o) { o.insertGain = -0.1; }) == "insertion gain -0.1: 0 to 1");
-  CHECK(fault([](auto& o) { o.insertBelow = 1.5; }) == "insertion below 1.5: -1 to 1");
-  CHECK(fault([](auto& o) { o.insertShare = 5; }) == "insertion share 5: 0 to 4");
+  CHECK_THAT(fault([](auto& o) { o.insertGain = -0.1; }), Catch::Contains("insertGain") && Catch::Contains("-0.1"));
+  CHECK_THAT(fault([](auto& o) { o.insertBelow = 1.5; }), Catch::Contains("insertBelow") && Catch::Contains("1.5"));
+  CHECK_THAT(fault([](auto& o) { o.insertShare = 5; }),
+             Catch::Contains("insertShare") && Catch::Contains("5") && Catch::Contains("4"));
 }

@@ -55,7 +55,7 @@ JudgeDifference compared(const Alignment& alignment, int grid, int radius, doubl
 
 }  // namespace
 
-TEST_CASE("stars whose edges run through centres of pixels cover the twin's, and correlate as they do there") {
+TEST_CASE("stars with edges through pixel centres have the reference's pixels and ECC") {
   const auto [members, cells, floor] = GENERATE(std::tuple{2, 2, 0}, std::tuple{2, 4, 25}, std::tuple{2, 12, 0},
                                                 std::tuple{3, 4, 0}, std::tuple{3, 12, 25}, std::tuple{4, 4, 25});
   const int grid = GENERATE(1, 32);  // 32 units are a quarter of a pixel: edges pass through pixel centres

@@ -34,7 +34,7 @@ void addNoise(test::Planted& planted, int strength, std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE("every candidate covers the twin's pixels, and its ECC is the twin's to 1e-5", "[N1]") {
+TEST_CASE("every candidate has the reference's pixels and its ECC to 1e-5", "[N1]") {
   const int members = GENERATE(2, 3, 4);
   const bool noisy = GENERATE(false, true);
   test::Planted planted = test::planted(members, 96, 5, 3.0, std::uint32_t(20 + members));
@@ -70,7 +70,7 @@ TEST_CASE("every candidate covers the twin's pixels, and its ECC is the twin's t
   CHECK(largest <= 1e-5);
 }
 
-TEST_CASE("interior points keep their pixels whatever the candidate", "[N3]") {
+TEST_CASE("interior points keep their number of pixels for every candidate", "[N3]") {
   const Prepared p(2, 96, 5, 3.0, 31);
   const Positions& at = p.alignment().position;
   for (std::uint32_t point = 0; point < p.mesh.pointCount(); ++point) {
@@ -83,7 +83,7 @@ TEST_CASE("interior points keep their pixels whatever the candidate", "[N3]") {
   }
 }
 
-TEST_CASE("rows that pruning looks at are those of the whole") {
+TEST_CASE("sums over all phases of pruned rows equal the full sums") {
   const Prepared p(3, 96, 4, 2.0, 32);
   const Positions& at = p.alignment().position;
   for (std::uint32_t point = 0; point < p.mesh.pointCount(); ++point) {
@@ -101,7 +101,7 @@ TEST_CASE("rows that pruning looks at are those of the whole") {
   }
 }
 
-TEST_CASE("a picture with itself has ECC 1, a constant one has none", "[N2]") {
+TEST_CASE("an image has ECC 1 with itself, and a constant image has none", "[N2]") {
   Prepared p(2, 64, 3, 0.0, 33);
   Alignment same = p.alignment();
   same.pictures[1] = same.pictures[0];

@@ -10,7 +10,7 @@
 
 using namespace ibr;
 
-TEST_CASE("an optimiser's numbers are refused by name, or its ECCs are finite", "[N16]") {
+TEST_CASE("extreme option values are refused or give finite ECCs", "[N16]") {
   int refused = 0, ran = 0;
   for (double AlignmentOptions::*field :
        {&AlignmentOptions::radiusPx, &AlignmentOptions::decay, &AlignmentOptions::threshold,

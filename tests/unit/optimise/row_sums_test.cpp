@@ -37,7 +37,7 @@ bool equal(const shader::EccTarget& a, const shader::EccTarget& b) {
 
 }  // namespace
 
-TEST_CASE("the fastest way to add runs gives the portable one's sums", "[N1]") {
+TEST_CASE("the fastest run adder gives the sums of the portable run adder", "[N1]") {
   const int contrast = GENERATE(8, 255);
   std::mt19937 random(5);
   const Texels a = texelsOf(randomPicture(random, contrast)), b = texelsOf(randomPicture(random, contrast));
@@ -55,7 +55,7 @@ TEST_CASE("the fastest way to add runs gives the portable one's sums", "[N1]") {
   CHECK(equal(fastSums, portableSums));
 }
 
-TEST_CASE("all black and all white lose nothing to overflow", "[N1]") {
+TEST_CASE("sums of black and white images do not overflow", "[N1]") {
   const auto level = std::uint8_t(GENERATE(0, 255));
   const Texels texels = texelsOf(Image8(97, 83, 3, level));
   const RunSource run{texels.at(10, 10), texels.stride, 0, 0, 1 << shader::kEccRunBits, 0};

@@ -53,7 +53,7 @@ struct Star {
 
 }  // namespace
 
-TEST_CASE("scores are compared as whole numbers of any size are") {
+TEST_CASE("scores compare like integers of unlimited size") {
   std::mt19937_64 random(2);
   const auto variance = [&] { return std::int64_t(random() >> (2 + random() % 62)); };
   for (int i = 0; i < 100'000; ++i) {
@@ -78,7 +78,7 @@ TEST_CASE("scores are compared as whole numbers of any size are") {
   }
 }
 
-TEST_CASE("a star's score is its tuples' ECC") {
+TEST_CASE("a star's score equals the ECC of its samples") {
   std::mt19937 random(3);
   for (const std::vector<int>& areas : {std::vector{400}, {300, 310}, {250, 90, 700}})
     for (const double deviation : {2.0, 20.0})

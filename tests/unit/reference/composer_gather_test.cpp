@@ -72,7 +72,7 @@ double shareOfSecond(const Photographs& photographs) {
 
 }  // namespace
 
-TEST_CASE("a sampler's pixel, depth, border and resolution") {
+TEST_CASE("a photograph sampler gives pixel, depth, border and resolution") {
   Photographs photographs;
   photographs.add(pinholeAt({1, 0, 0}, 200), 10);
   photographs.add(panoramaAt({0, 0, -2}), 10);
@@ -100,7 +100,7 @@ TEST_CASE("a sampler's pixel, depth, border and resolution") {
   CHECK_FALSE(panorama.pixel({0, 0, 0}));
 }
 
-TEST_CASE("depth maps are bilinear, end at the border of a pinhole and go around in a panorama") {
+TEST_CASE("depth maps are bilinear, clamped at a pinhole's border and wrapped in a panorama") {
   Photographs photographs;
   photographs.add(pinholeAt({0, 0, 0}), 10);
   photographs.add(panoramaAt({0, 0, 0}), 10);
@@ -131,7 +131,7 @@ TEST_CASE("weights fall with the angle and with the distance of the ray's origin
   CHECK(shareOfSecond(photographs) == Approx(costly / (near + costly)));
 }
 
-TEST_CASE("finer photographs weigh more, up to half as fine again as the view") {
+TEST_CASE("finer photographs weigh more, up to 1.5 times the view's resolution") {
   for (const double focal : {50.0, 120.0, 400.0}) {
     Photographs photographs;
     photographs.add(pinholeAt({0.5, 0, 0}), 0);
@@ -144,7 +144,7 @@ TEST_CASE("finer photographs weigh more, up to half as fine again as the view") 
   }
 }
 
-TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
+TEST_CASE("the mip level follows the displacement by uncertain depth") {
   // Columns alternate between black and white, so all smaller mip levels are grey.
   Photographs photographs;
   photographs.add(pinholeAt({1, 0, 0}), 0);
@@ -174,7 +174,7 @@ TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
   CHECK(own.at({41.5, kMiddle.y}, 0.25, 0.1).colour.x == Approx(1).margin(1e-3));
 }
 
-TEST_CASE("a hidden photograph counts little, one that sees behind the point a quarter") {
+TEST_CASE("a hidden photograph weighs little, and one that sees behind the point a quarter") {
   // Tolerance t' = 2 (2 step + .01 ρ) + residual, at ρ = .25.
   constexpr double kTolerance = 2 * (2 * kStep + 0.0025) + 0.005;
   const auto visibility = [&](double own) {
@@ -193,7 +193,7 @@ TEST_CASE("a hidden photograph counts little, one that sees behind the point a q
   CHECK(visibility(0.25 - 2.1 * kTolerance) == Approx(0.25));
 }
 
-TEST_CASE("uncertain depth hides less: what is within three of its standard deviations is seen") {
+TEST_CASE("uncertain depth does not hide points within three standard deviations") {
   // The second photograph has a surface in front of the point; their inverse depths differ by half of the point's.
   const auto share = [](float consensus, double uncertainty) {
     Photographs photographs;
@@ -215,7 +215,7 @@ TEST_CASE("uncertain depth hides less: what is within three of its standard devi
   CHECK(share(1, 0.05) == Approx(visible / (1 + visible)).margin(0.01));
 }
 
-TEST_CASE("a photograph fades along its border, but at its own pose") {
+TEST_CASE("a photograph fades along its border, except at its own pose") {
   Photographs photographs;
   photographs.add(pinholeAt({0.5, 0, 0}), 0);
   Camera other = pinholeAt({-0.5, 0, 0});
@@ -235,7 +235,7 @@ TEST_CASE("a photograph fades along its border, but at its own pose") {
   CHECK(shareOfSecond(photographs) == Approx(weight / (weight + weightBeside(0.5))));
 }
 
-TEST_CASE("the best colours are a mean, less the weight of the next; none are nothing") {
+TEST_CASE("the best colours are averaged, with the next colour's weight subtracted") {
   Photographs photographs;
   CHECK_FALSE(photographs.gathered().known);
   photographs.add(pinholeAt({1, 0, 0}), 51);
@@ -253,7 +253,7 @@ TEST_CASE("the best colours are a mean, less the weight of the next; none are no
   CHECK_FALSE(photographs.gathered(2).known);
 }
 
-TEST_CASE("a mask takes a photograph's weight, all of it from half of it on") {
+TEST_CASE("a mask reduces a photograph's weight, to zero from half coverage on") {
   for (const auto& [alpha, left] : {std::pair{255, 1.0}, std::pair{204, 0.6}, std::pair{127, 0.0}, std::pair{0, 0.0}}) {
     Photographs photographs;
     photographs.add(pinholeAt({0.5, 0, 0}), 0);

@@ -47,7 +47,7 @@ std::size_t covered(const std::vector<Hypothesis>& layer) {
 
 }  // namespace
 
-TEST_CASE("a layer interpolates in perspective") {
+TEST_CASE("a layer interpolates with perspective correction") {
   // A floor from z = −1 to z = −9; trust falls with the distance.
   const HypothesisMesh floor = quad(
       {at({-9, -1, -1}, 1, 0.9), at({9, -1, -1}, 1, 0.9), at({9, -1, -9}, 0.25, 0.1), at({-9, -1, -9}, 0.25, 0.1)});
@@ -69,7 +69,7 @@ TEST_CASE("a layer interpolates in perspective") {
   CHECK(compared > 500);
 }
 
-TEST_CASE("triangles that reach behind the view are drawn before it") {
+TEST_CASE("triangles that reach behind the camera are drawn in front of it") {
   const HypothesisMesh floor = quad({at({-20, -1, 30}), at({20, -1, 30}), at({20, -1, -900}), at({-20, -1, -900})});
   const std::vector<Hypothesis> layer =
       reference::drawLayer(cameraAt({0, 0, 0}), candidateAt(cameraAt({0, 0, 0})), floor);
@@ -80,7 +80,7 @@ TEST_CASE("triangles that reach behind the view are drawn before it") {
   CHECK(covered(reference::drawLayer(away, candidateAt(cameraAt({0, 0, 0})), floor)) == 0);
 }
 
-TEST_CASE("the nearest surface wins, whatever the order; one at infinity is a surface") {
+TEST_CASE("the nearest surface wins in any order, and a surface at infinity is drawn") {
   HypothesisMesh mesh = quad({at({-9, -9, -5}), at({9, -9, -5}), at({9, 9, -5}), at({-9, 9, -5})});
   for (Vertex corner : {at({-0.5, -0.5, -2}), at({0.5, -0.5, -2}), at({0.5, 0.5, -2})}) mesh.vertices.push_back(corner);
   for (std::size_t p = 0; p < 4; ++p) {
@@ -105,7 +105,7 @@ TEST_CASE("the nearest surface wins, whatever the order; one at infinity is a su
   CHECK(std::ranges::all_of(far, [](const Hypothesis& h) { return h.inverseDepth == 0 && h.trust == 1; }));
 }
 
-TEST_CASE("a backdrop's triangles of tier 0 are hypotheses; more confirmations are trusted more") {
+TEST_CASE("triangles of tier 0 of a backdrop are hypotheses, trusted by confirmations") {
   const Intrinsics k = pinholeFromFov(kSide, kSide, 1.0);
   MorphMesh mesh;
   mesh.match = {{{0, 0}, {40, 0}, {40, 40}, {0, 40}, {20, 20}}};
@@ -127,7 +127,7 @@ TEST_CASE("a backdrop's triangles of tier 0 are hypotheses; more confirmations a
   CHECK(glm::distance(made.vertices[4].point, glm::dvec3(0, 0, -2)) < 1e-12);
 }
 
-TEST_CASE("a depth map is a grid that is cut where depth jumps by more than two steps") {
+TEST_CASE("the mesh of a depth map is cut where depth jumps by more than two steps") {
   reference::PhotographDepth depth{ImageF(4, 3, 1, 0.5f), Image8(4, 3, 1, 2), ImageF(4, 3, 1, 0.4f), 0.01, 0};
   const Intrinsics k = pinholeFromFov(kSide, kSide, 1.0);
   const auto triangles = [&] { return reference::hypothesisMesh(k, depth).triangles.size(); };

@@ -66,7 +66,7 @@ const Camera kBetween = cameraAt({0.2, 0.2, 0.05});
 
 }  // namespace
 
-TEST_CASE("a photograph's own pose gives it back, rim included, whatever its depth is") {
+TEST_CASE("at a photograph's pose the image equals the photograph for any depth, border included") {
   Stage stage;
   const bool wrong = GENERATE(false, true);
   if (wrong)
@@ -88,7 +88,7 @@ TEST_CASE("with exact depth a view between photographs is near the truth") {
   CHECK(double(right) / double(depth.values.size()) > 0.97);
 }
 
-TEST_CASE("a surface that others contradict is outvoted") {
+TEST_CASE("a contradicted surface is outvoted") {
   Stage stage;
   const Image8 truth = renderTruth(stage.made, kBetween);
   const double before = psnr(stage.compose(kBetween).picture, truth);
@@ -106,7 +106,7 @@ TEST_CASE("a surface that others contradict is outvoted") {
   CHECK(psnr(stage.compose(kBetween).picture, truth) < outvoted - 3);
 }
 
-TEST_CASE("moving, turning and scaling the world changes nothing") {
+TEST_CASE("moving, turning and scaling the world does not change the image") {
   Stage stage;
   const Composed before = stage.compose(kBetween);
   const double scale = GENERATE(1e-3, 1.0, 1e4);
@@ -125,7 +125,7 @@ TEST_CASE("moving, turning and scaling the world changes nothing") {
   CHECK(difference(before.picture, after.picture, 1).shareAbove < 0.002);
 }
 
-TEST_CASE("the order of photographs and the number of threads change nothing") {
+TEST_CASE("the order of photographs and the number of threads do not change the image") {
   Stage stage;
   const Composed before = stage.compose(kBetween);
   const Composed threaded =
@@ -138,7 +138,7 @@ TEST_CASE("the order of photographs and the number of threads change nothing") {
   CHECK(largestDifference(stage.compose(kBetween).picture, before.picture) <= 1);
 }
 
-TEST_CASE("a camera that moves by a thousandth of the spacing changes the picture little") {
+TEST_CASE("a camera step of a thousandth of the spacing changes the image little") {
   const Stage stage;
   for (int i = 0; i < 8; ++i) {
     const Camera here = cameraAt({0.05 + 0.06 * i, 0.1 + 0.02 * i, 0.04 * i}, 0.02 * i);
@@ -148,7 +148,7 @@ TEST_CASE("a camera that moves by a thousandth of the spacing changes the pictur
   }
 }
 
-TEST_CASE("fewer candidates than photographs: the one at the limit comes and goes without a step") {
+TEST_CASE("with fewer candidates than photographs weights lie between 0 and 1") {
   const Stage stage;
   const Composer composer(stage.photographs, {.candidates = 3});
   const auto chosen = composer.candidates(kBetween);
@@ -160,7 +160,7 @@ TEST_CASE("fewer candidates than photographs: the one at the limit comes and goe
   CHECK(chosen[0].weight == 1);
 }
 
-TEST_CASE("where no photograph looks nothing is shown, and infinitely far is a depth") {
+TEST_CASE("views without photographs are empty, and depth at infinity is drawn") {
   Stage stage;
   const Composed behind = stage.compose(cameraAt({0, 0, 0}, 3.14159));
   CHECK(std::ranges::all_of(behind.picture.values, [](int v) { return v == 0; }));
@@ -170,7 +170,7 @@ TEST_CASE("where no photograph looks nothing is shown, and infinitely far is a d
   CHECK(std::ranges::count(far.picture.values, 0) == 0);
 }
 
-TEST_CASE("tiers tell confirmed depth from completed depth") {
+TEST_CASE("tiers distinguish confirmed and completed depth") {
   Stage stage;
   const auto tier = [](const Composed& composed) {
     return (255 - composed.picture.pixel(kWidth / 2, kHeight / 2)[3]) / 64;
@@ -180,7 +180,7 @@ TEST_CASE("tiers tell confirmed depth from completed depth") {
   CHECK(tier(stage.compose(kBetween)) == kTierCompleted);
 }
 
-TEST_CASE("photographs that cannot be composed are refused by number") {
+TEST_CASE("invalid photographs are refused by number") {
   Stage stage;
   CHECK(errorOf([] { Composer({}); }).code() == ErrorCode::invalidInput);
   const auto refusal = [&](auto&& spoil) {

@@ -27,7 +27,7 @@ TEST_CASE("the weight of a vote falls with the distance of its photograph") {
   CHECK(reference::toleranceOf(kStep, 1.5) == Approx(0.035));
 }
 
-TEST_CASE("no votes are no surface, one is its own") {
+TEST_CASE("no votes give no surface, and one vote gives its own surface") {
   CHECK(voted({}).count == 0);
   const Surfaces one = voted({{0.5, 2, 1, 0.45}});
   REQUIRE(one.count == 1);
@@ -37,7 +37,7 @@ TEST_CASE("no votes are no surface, one is its own") {
   CHECK(one.margin == 1);
 }
 
-TEST_CASE("a surface is as uncertain as its consensus is small, by up to a tenth of its depth") {
+TEST_CASE("uncertainty of a surface falls with its consensus, from a tenth of its depth") {
   for (const auto& [consensus, uncertainty] :
        {std::pair{0.0, 0.1}, {0.1, 0.08}, {0.25, 0.05}, {0.5, 0.0}, {1.0, 0.0}}) {
     CAPTURE(consensus);
@@ -56,7 +56,7 @@ TEST_CASE("a surface is the mean of the votes around its peak, by weight and nea
   CHECK(two.margin == Approx((2 + other - supportOfOther) / (2 + other)));
 }
 
-TEST_CASE("surfaces are from front to back, opaque by their share of what both show") {
+TEST_CASE("surfaces are ordered front to back, with opacity by their share of the visible") {
   // Presences 1, 1 and 1 of equal support; from front to back they show .4, .6 · .5 and .6 · .5.
   const std::vector<Vote> votes{{0.2, 1, 1, 0.9}, {1, 1, 1, 0.36}, {0.6, 1, 1, 0.45}};
   const Surfaces both = voted(votes);
@@ -72,7 +72,7 @@ TEST_CASE("surfaces are from front to back, opaque by their share of what both s
   CHECK(one.surface[0].opacity == 1);
 }
 
-TEST_CASE("what is hardly opaque or present hides nothing; what shows most counts, wherever it stands") {
+TEST_CASE("surfaces with the largest visible shares are chosen at any depth") {
   // Front to back: consensus .018 shows .02, a support of a hundredth shows .98 · .01; the last two share the rest.
   const std::vector<Vote> votes{{1, 1, 1, 0.018}, {0.8, 0.01, 1, 0.9}, {0.6, 1, 1, 0.54}, {0.2, 1, 1, 0.09}};
   const Surfaces both = voted(votes);
@@ -86,7 +86,7 @@ TEST_CASE("what is hardly opaque or present hides nothing; what shows most count
   CHECK(less.surface[0].opacity == Approx(0.64 / (0.64 + 0.36 * 0.9)));
 }
 
-TEST_CASE("the margin is that of the choice which is nearest to another one") {
+TEST_CASE("the margin is that of the closest decision") {
   // Presences 1, 2/3 and 1/3; they show 11/18, then 7/18 · 2/3 · 5/6, then a third of the rest.
   const Surfaces three = voted({{1, 3, 1, 0.45}, {0.6, 2, 1, 0.45}, {0.2, 1, 1, 0.9}});
   const double second = 7 / 18.0 * 2 / 3 * 5 / 6, third = (7 / 18.0 - second) / 3;
@@ -94,7 +94,7 @@ TEST_CASE("the margin is that of the choice which is nearest to another one") {
   CHECK(three.surface[0].opacity == Approx(11 / 18.0 / (11 / 18.0 + second)));
 }
 
-TEST_CASE("a hypothesis near one of more support fades into its surface") {
+TEST_CASE("a hypothesis near a better supported one fades into its surface") {
   // t = .02 at infinity; the kernel is 1 − (Δ / t)².
   const auto second = [](double apart) {
     const Surfaces s = voted({{0, 2, 1, 0.45}, {apart, 1, 1, 0.45}});
@@ -106,7 +106,7 @@ TEST_CASE("a hypothesis near one of more support fades into its surface") {
   CHECK(second(0.0211) == Approx(0.25));  // alone: presence .5, opacity .5
 }
 
-TEST_CASE("the surfaces of a pixel change little where its hypotheses do") {
+TEST_CASE("surfaces of a pixel change continuously with its hypotheses") {
   // Sum over the surfaces of share · ρ. The image is continuous if this sum is.
   const auto seen = [](const std::vector<Vote>& votes) {
     const Surfaces s = voted(votes);
@@ -128,7 +128,7 @@ TEST_CASE("the surfaces of a pixel change little where its hypotheses do") {
   }
 }
 
-TEST_CASE("equal supports: the lower candidate is the peak") {
+TEST_CASE("with equal support the lower candidate is the peak") {
   // At infinity all tolerances are .02.
   const std::vector<Vote> votes{{0, 1, 1, 0.9}, {0, 1, 0.06, 0.1}};
   const Surfaces tie = voted(votes);
@@ -154,7 +154,7 @@ TEST_CASE("a surface is completed where most of its weight was completed") {
   CHECK_FALSE(voted({{0.5, 1, 0.156, 0.1}}).surface[0].completed);
 }
 
-TEST_CASE("holes are filled from around by pull and push") {
+TEST_CASE("holes are filled from their surroundings by pull and push") {
   constexpr int kWidth = 5, kHeight = 3;
   const auto image = [](const std::vector<std::pair<int, double>>& known) {
     std::vector<Surfaces> pixels(kWidth * kHeight);

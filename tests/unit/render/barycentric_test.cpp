@@ -95,7 +95,7 @@ TEST_CASE("weights are exact to rounding, in small and large worlds", "[N5][T9][
   CHECK(worst <= 1e-14);
 }
 
-TEST_CASE("slivers keep their digits where a matrix inverse has none", "[N5][T9]") {
+TEST_CASE("weights of slivers are accurate where a matrix inverse is not", "[N5][T9]") {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> unit(0.1, 0.9);
   for (double height : {1e-2, 1e-5, 1e-8}) {
@@ -137,7 +137,7 @@ TEST_CASE("the clamped point is the closest one", "[N5][P5]") {
     }
 }
 
-TEST_CASE("on corners, edges, faces and inside, a point has distance 0", "[N5]") {
+TEST_CASE("points on corners, edges, faces and inside have distance 0", "[N5]") {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   for (const Weights& w : {Weights{1, 0, 0, 0}, Weights{0, 0, 1, 0}, Weights{0.5, 0.5, 0, 0}, Weights{0, 0.25, 0.75, 0},
                            Weights{0.5, 0.25, 0.25, 0}, Weights{0.25, 0.25, 0.25, 0.25}}) {
@@ -147,7 +147,7 @@ TEST_CASE("on corners, edges, faces and inside, a point has distance 0", "[N5]")
   }
 }
 
-TEST_CASE("degenerate simplices fall to a lower one and say so", "[N5][T9]") {
+TEST_CASE("degenerate simplices are reduced to a lower dimension and reported", "[N5][T9]") {
   const glm::dvec3 a(1e5, 2, 3), p = a + glm::dvec3(0.25, 0.5, -1);
   const glm::dvec3 e(1, 0, 0);
   for (const std::vector<glm::dvec3>& corners :
@@ -189,7 +189,7 @@ TEST_CASE("smoothstepped weights sum to 1 and never vanish (T12)", "[N5][T12]") 
   CHECK(smoothstep({0.9, 0.1, 0, 0})[0] > 0.98);  // biased towards fewer members
 }
 
-TEST_CASE("a cell of a millimetre at UTM coordinates has exact weights; in single precision it has none", "[N5][T9]") {
+TEST_CASE("a millimetre cell at UTM coordinates has exact weights in double precision only", "[N5][T9]") {
   const glm::dvec3 o(500123.25, 4200321.5, 250);
   const std::vector<glm::dvec3> corners{o, o + glm::dvec3(1e-3, 0, 0), o + glm::dvec3(0, 1e-3, 0),
                                         o + glm::dvec3(0, 0, 1e-3)};
@@ -202,7 +202,7 @@ TEST_CASE("a cell of a millimetre at UTM coordinates has exact weights; in singl
   for (const glm::dvec3& corner : corners) CHECK((glm::vec2(corner) == glm::vec2(o)));
 }
 
-TEST_CASE("weights go with their members, whatever the order, and far outside too", "[N5]") {
+TEST_CASE("weights do not depend on the order of members, far outside too", "[N5]") {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> unit(-1, 1);
   double worst = 0;

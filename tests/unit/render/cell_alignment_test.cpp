@@ -100,7 +100,7 @@ double largestDifference(const Motion& a, const Motion& b) {
 
 }  // namespace
 
-TEST_CASE("a planted motion is found, though a third of the pairs lie") {
+TEST_CASE("a planted motion is found with a third of the pairs being outliers") {
   const Motion motion{0.004, -0.009, 0.006, 0.01, 0.02, -0.015};
   std::vector<SightPair> pairs = planted(motion, 300, 1);
   CHECK(largestDifference(fitMotion(pairs).motion, motion) < 3e-4);
@@ -114,7 +114,7 @@ TEST_CASE("a planted motion is found, though a third of the pairs lie") {
   CHECK(largestDifference(found, {0.004, -0.009, 0.006}) < 3e-5);
 }
 
-TEST_CASE("what is not determined stays nothing") {
+TEST_CASE("undetermined components of the motion stay zero") {
   std::vector<SightPair> pairs(20, {{{0, 0, -1}, 0}, {{0, 0, -1}, 0}, 1});
   CHECK(fitMotion(pairs).motion == Motion{});
   for (SightPair& pair : pairs) pair.to.direction = glm::normalize(glm::dvec3(0.01, 0, -1));
@@ -124,7 +124,7 @@ TEST_CASE("what is not determined stays nothing") {
   CHECK(solved({}, {1, 2, 3, 4, 5, 6}) == Motion{});
 }
 
-TEST_CASE("anchors lie on the photograph's ray, and see what every member sees") {
+TEST_CASE("anchors lie on the photograph's ray and on surfaces that every member shows") {
   const Scene scene = sceneOf(kNeighbours);
   const SceneBounds bounds = sceneBounds(scene);
   const SceneBounds::Anchors::OfCells& anchors = bounds.anchors->of(scene);
@@ -153,7 +153,7 @@ TEST_CASE("anchors lie on the photograph's ray, and see what every member sees")
   CHECK(SceneBounds::Anchors().of(lone).at(0).empty());
 }
 
-TEST_CASE("cells that differ because a pose is wrong agree again") {
+TEST_CASE("cells that differ because of a wrong pose agree after the correction") {
   const Scene scene = turned(sceneOf(kNeighbours), 3, 0.5);
   const Camera view = cameraAt({0.65, 0.6, 0.15});
   const FramePlan plan = planOf(scene, view);
@@ -169,13 +169,13 @@ TEST_CASE("cells that differ because a pose is wrong agree again") {
   for (const PlannedCell& cell : planOf(scene, view, settings).cells) CHECK((cell.correction == Correction{}));
 }
 
-TEST_CASE("exact scenes stay as they are, and so does whatever shares no photograph") {
+TEST_CASE("exact scenes and cells without a shared photograph are not corrected") {
   for (const glm::dvec3 place : {glm::dvec3(0.65, 0.6, 0.15), {0.2, 0.1, 0}, {1.4, -0.3, 0.9}})
     for (const Scene& scene : {sceneOf(kNeighbours), turned(sceneOf({{0, 1}, {2, 3}}), 3, 1)})
       for (const PlannedCell& cell : planOf(scene, cameraAt(place)).cells) CHECK((cell.correction == Correction{}));
 }
 
-TEST_CASE("at a photograph's pose what shows it is not moved") {
+TEST_CASE("at a photograph's pose cells that show the photograph are not corrected") {
   const Scene scene = turned(turned(turned(sceneOf({{0, 1, 2}, {1, 2, 3}, {0, 3}}), 3, 0.5), 0, -0.4), 1, 0.3);
   for (std::uint32_t node = 0; node < 4; ++node) {
     const FramePlan plan = planOf(scene, scene.nodes[node].camera);
@@ -191,7 +191,7 @@ TEST_CASE("at a photograph's pose what shows it is not moved") {
   }
 }
 
-TEST_CASE("the order of cells, and where and how large the world is, change no correction") {
+TEST_CASE("corrections do not depend on the order of cells or the world's position and scale") {
   const Scene scene = turned(sceneOf({{0, 1, 2}, {1, 2, 3}, {0, 3}}), 3, 0.5);
   const Camera view = cameraAt({0.65, 0.6, 0.15});
   const FramePlan expected = planOf(scene, view);
@@ -224,7 +224,7 @@ TEST_CASE("the order of cells, and where and how large the world is, change no c
     }
 }
 
-TEST_CASE("corrections are finite wherever the view is") {
+TEST_CASE("corrections are finite for any view") {
   for (const bool atInfinity : {false, true}) {
     Scene scene = turned(sceneOf(kNeighbours, atInfinity), 3, 0.5);
     RenderSettings settings = aligned();
@@ -250,7 +250,7 @@ TEST_CASE("corrections are finite wherever the view is") {
   CHECK(alignCells(scene, {}, {}).empty());
 }
 
-TEST_CASE("both eyes get one correction, a rigid motion") {
+TEST_CASE("both eyes get the same rigid correction") {
   const Scene scene = turned(sceneOf(kNeighbours), 3, 0.5);
   Camera left = cameraAt({0.62, 0.6, 0.15}), right = cameraAt({0.68, 0.6, 0.15});
   const FramePlan plan = planFrame(scene, sceneBounds(scene), {{left, right}, aligned()});
@@ -266,7 +266,7 @@ TEST_CASE("both eyes get one correction, a rigid motion") {
   CHECK(glm::length(seenFrom(left.pose.position) - point) > 1e-4);
 }
 
-TEST_CASE("what is culled with a correction has no vertex in view, nor any that a margin's turn could bring there") {
+TEST_CASE("corrected cells are culled only without a vertex in view or within the margin") {
   const Scene scene = sceneOf(kNeighbours);
   const SceneBounds bounds = sceneBounds(scene);
   const Cell& cell = scene.cells[1];

@@ -39,7 +39,7 @@ CellCover tiles(std::initializer_list<std::size_t> set) {
 
 }  // namespace
 
-TEST_CASE("a cell covers the tiles that its points are seen in, of each view") {
+TEST_CASE("a cell covers the tiles of its visible points in each view") {
   const Camera camera = viewAt({3, 1, -2});
   const CellBounds bounds = seenFrom(camera, 0.2);
   const glm::dvec3 place = camera.pose.position;
@@ -55,7 +55,7 @@ TEST_CASE("a cell covers the tiles that its points are seen in, of each view") {
   CHECK(coverOf({}, place, std::vector{camera}).none());
 }
 
-TEST_CASE("what lies at infinity is covered from everywhere, also far from the origin") {
+TEST_CASE("content at infinity is covered from every position, far from the origin too") {
   const Camera camera = viewAt({0, 0, 0});
   const CellBounds sky = seenFrom(camera, 0), wall = seenFrom(camera, 0.1);
   for (const double far : {0.0, 1e3, 1e9, 1e12}) {
@@ -66,7 +66,7 @@ TEST_CASE("what lies at infinity is covered from everywhere, also far from the o
   }
 }
 
-TEST_CASE("cells are chosen by what they add, not by what they are worth alone") {
+TEST_CASE("cells are chosen by their added coverage, not by their own value") {
   // 0 and 1 cover the same four tiles and are worth most; 2 covers another tile.
   const std::vector<CellCover> covers{tiles({0, 1, 2, 3}), tiles({0, 1, 2, 3}), tiles({4})};
   const std::vector<double> worth{1, 0.9, 0.3};
@@ -87,7 +87,7 @@ TEST_CASE("cells are chosen by what they add, not by what they are worth alone")
   CHECK(coveringCells(none, worth, 0, 2, 3) == std::vector<std::size_t>{0, 1});
 }
 
-TEST_CASE("the chosen cells cover at least (1 - 1/e) of what the best cells could") {
+TEST_CASE("the chosen cells cover at least (1 - 1/e) of the optimal coverage") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int repeat = 0; repeat < 50; ++repeat) {

@@ -26,7 +26,7 @@ FramePlan colours(FramePlan plan, double seconds, const PlanState& state) {
 
 }  // namespace
 
-TEST_CASE("a cell keeps its slot for as long as it is drawn, and slots differ") {
+TEST_CASE("a cell keeps its slot while it is drawn, and slots differ") {
   FramePlan plan = colours(planOf({7, 3, 9}), 0.02, {});
   for (const PlannedCell& cell : plan.cells) CHECK(cell.colourFresh);
   const std::uint32_t slotOf3 = plan.cells[1].colourSlot, slotOf9 = plan.cells[2].colourSlot;
@@ -57,7 +57,7 @@ TEST_CASE("a cell keeps its slot for as long as it is drawn, and slots differ") 
   }
 }
 
-TEST_CASE("cells of the previous order keep the tables they had, in the same slots") {
+TEST_CASE("cells of the previous order keep their tables and slots") {
   FramePlan plan = colours(planOf({1, 2}), 0.02, {});
   FramePlan next = planOf({2, 4});
   next.previous = planOf({1, 2}).cells;
@@ -76,7 +76,7 @@ TEST_CASE("cells of the previous order keep the tables they had, in the same slo
   CHECK(next.previousWeight == 0);
 }
 
-TEST_CASE("what no table was made for shows its own colours") {
+TEST_CASE("cells without a table keep their colours") {
   FramePlan plan = planOf({1, 2});
   plan.previous = planOf({1, 5}).cells;
   plan.previousWeight = 1;
@@ -88,7 +88,7 @@ TEST_CASE("what no table was made for shows its own colours") {
   CHECK(plan.fadingOut[1].planned.colourSlot == plan.cells[1].colourSlot);
 }
 
-TEST_CASE("after a switch the main table is the identity in a second, in equal steps; another switch begins anew") {
+TEST_CASE("the main table fades to the identity in equal steps, and restarts at a switch") {
   PlanState state = colours(planOf({1, 2}), 0, {}).next;
   state.mainCell = 1;
   FramePlan plan = planOf({2, 1});
@@ -114,7 +114,7 @@ TEST_CASE("after a switch the main table is the identity in a second, in equal s
   CHECK(state.colourFade == 0);
 }
 
-TEST_CASE("time that stands still moves no table; the first frame shows its target", "[N9][T18]") {
+TEST_CASE("a time step of zero moves no table, and the first frame shows its target", "[N9][T18]") {
   FramePlan plan = colours(planOf({1, 2}), 0, {});
   CHECK(plan.colour.mainShare == 1);  // no previous table to fade from
   plan = colours(planOf({2, 1}), 0, plan.next);
@@ -138,7 +138,7 @@ TEST_CASE("time that stands still moves no table; the first frame shows its targ
   CHECK(plan.colour.mainShare == Approx(0.02));
 }
 
-TEST_CASE("colours are counted every few frames, and at once where a cell is new") {
+TEST_CASE("colours are counted every few frames, and at once for a new cell") {
   PlanState state;
   int counted = 0;
   for (int frame = 0; frame < 33; ++frame) {
@@ -156,7 +156,7 @@ TEST_CASE("colours are counted every few frames, and at once where a cell is new
   CHECK(colours(planOf({1, 2}, ColourMapping::paper), 0.02, state).colour.counted);
 }
 
-TEST_CASE("the main cell is drawn without a table once its own is the identity") {
+TEST_CASE("the main cell is drawn without a table once its table is the identity") {
   PlanState state;
   state.mainCell = 5;
   FramePlan plan = colours(planOf({1, 2}), 0.1, state);

@@ -122,7 +122,7 @@ int oracle(const Pair& pair, int i, std::uint32_t method) {
 
 }  // namespace
 
-TEST_CASE("tables of a hundred thousand histogram pairs keep what N9 promises", "[N9]") {
+TEST_CASE("tables of a hundred thousand histogram pairs are monotone and exact", "[N9]") {
   std::mt19937 random(9);
   for (int round = 0; round < 100'000; ++round) {
     const Pair pair = randomPair(random);
@@ -140,7 +140,7 @@ TEST_CASE("tables of a hundred thousand histogram pairs keep what N9 promises", 
   }
 }
 
-TEST_CASE("tables equal the formulas at every level", "[N9][T16]") {
+TEST_CASE("tables equal the formulas at every 8-bit level", "[N9][T16]") {
   std::mt19937 random(10);
   for (int round = 0; round < 300; ++round) {
     const Pair pair = randomPair(random);
@@ -155,7 +155,7 @@ TEST_CASE("tables equal the formulas at every level", "[N9][T16]") {
   }
 }
 
-TEST_CASE("equal histograms leave occupied levels alone", "[N9]") {
+TEST_CASE("equal histograms keep occupied levels", "[N9]") {
   std::mt19937 random(11);
   for (int round = 0; round < 2000; ++round) {
     Pair pair = randomPair(random);
@@ -167,7 +167,7 @@ TEST_CASE("equal histograms leave occupied levels alone", "[N9]") {
   }
 }
 
-TEST_CASE("below the least number of samples nothing changes, from twice that on everything does", "[N9]") {
+TEST_CASE("tables are the identity below the minimum samples, and complete from twice that", "[N9]") {
   std::mt19937 random(12);
   for (std::uint32_t least : {1u, 2u, 100u, 256u, 1u << 20}) {
     for (int round = 0; round < 50; ++round) {
@@ -190,7 +190,7 @@ TEST_CASE("below the least number of samples nothing changes, from twice that on
   CHECK(levelTable({}, {}, kMapPreserving, 0) == identityTable());
 }
 
-TEST_CASE("preserving ends where the range ends, whenever the strict line would leave it", "[N9]") {
+TEST_CASE("the preserving method ends at the range's ends where the strict line would clip", "[N9]") {
   std::mt19937 random(13);
   for (int round = 0; round < 5000; ++round) {
     const Pair pair = randomPair(random);
@@ -202,7 +202,7 @@ TEST_CASE("preserving ends where the range ends, whenever the strict line would 
   }
 }
 
-TEST_CASE("a planted change of exposure is found again", "[N9]") {
+TEST_CASE("a planted change of exposure is undone", "[N9]") {
   std::mt19937 random(14);
   std::uniform_real_distribution<double> gammas(0.8, 1.25), gains(0.7, 1.4);
   for (int round = 0; round < 200; ++round) {
@@ -256,7 +256,7 @@ TEST_CASE("tables move towards their target, arrive exactly, and never faster th
   CHECK(shown == 200 * kFine);
 }
 
-TEST_CASE("the state of a pixel is told from alpha with room to spare", "[N7][T14]") {
+TEST_CASE("the state of a pixel is read from alpha with a safety margin", "[N7][T14]") {
   for (int tier = 0; tier < 4; ++tier) {
     const float final = float(255 - 64 * tier) / 255;
     for (float error : {-15.4f, -1.0f, -0.5f, 0.0f, 0.5f}) {
@@ -268,7 +268,7 @@ TEST_CASE("the state of a pixel is told from alpha with room to spare", "[N7][T1
   CHECK(pixelState(15.4f / 255) == kPixelEmpty);
 }
 
-TEST_CASE("colours and packed entries survive the way through 8 bits") {
+TEST_CASE("colours and packed entries are preserved through 8 bits") {
   for (std::uint32_t level = 0; level < 256; ++level) {
     CHECK(levelsOf(vec3(float(level) / 255.0f)) == uvec3(level));
     const std::uint32_t entry = packLevels(level, 255 - level, level / 2);
@@ -278,7 +278,7 @@ TEST_CASE("colours and packed entries survive the way through 8 bits") {
   }
 }
 
-TEST_CASE("a range of one level goes on with slope 1", "[N9][T15]") {
+TEST_CASE("a range of one level continues with slope 1", "[N9][T15]") {
   for (int seen = 0; seen < 256; seen += 15)
     for (int meant = 0; meant < 256; meant += 17) {
       Pair pair{"one level"};
@@ -288,7 +288,7 @@ TEST_CASE("a range of one level goes on with slope 1", "[N9][T15]") {
     }
 }
 
-TEST_CASE("histograms of the same pixels map exactly from any sample, of others only from many", "[N9][T17]") {
+TEST_CASE("histograms of the same pixels map exactly from any sample, other histograms only from many", "[N9][T17]") {
   std::mt19937 random(17);
   std::normal_distribution<double> scene(110, 45);
   const auto changed = [](int r) { return std::size_t(40 + r / 2); };  // darker and flatter: two levels become one

@@ -13,7 +13,7 @@ using ibr::shader::kNoiseSize;
 using ibr::shader::noiseFromRank;
 using ibr::shader::vec4;
 
-TEST_CASE("every member is chosen as often as it weighs", "[N7]") {
+TEST_CASE("every member is chosen in proportion to its weight", "[N7]") {
   const auto ranks = ibr::blueNoise(kNoiseSize, 1);
   std::mt19937_64 random(1);
   std::exponential_distribution<float> exponential;
@@ -35,8 +35,7 @@ TEST_CASE("every member is chosen as often as it weighs", "[N7]") {
   }
 }
 
-TEST_CASE("random numbers never reach 0 or 1, and rounding never chooses a member that is not there (T11)",
-          "[N7][T11]") {
+TEST_CASE("random numbers lie between 0 and 1, and rounding never chooses a missing member (T11)", "[N7][T11]") {
   CHECK(noiseFromRank(0) > 0.0f);
   CHECK(noiseFromRank(kNoiseSize * kNoiseSize - 1) < 1.0f);
   for (float r : {0.0f, 1.0f / 512, 255.0f / 256, std::nextafter(1.0f, 0.0f), 1.0f}) {

@@ -58,14 +58,14 @@ bool near(glm::dvec3 a, glm::dvec3 b) {
 
 }  // namespace
 
-TEST_CASE("the curve of a gain is that of linear light") {
+TEST_CASE("a gain approximates scaling of linear light") {
   CHECK(worstError(1.25) < 0.04);
   CHECK(worstError(2) < 0.4);
   CHECK(worstError(4) < 1.9);
   CHECK(worstError(8) < 3.9);
 }
 
-TEST_CASE("a gain of 1 changes no bit, black stays black, and no gain turns the order of levels") {
+TEST_CASE("a gain of 1 changes no bit, and every gain keeps black and the order of levels") {
   for (int i = 0; i <= 4096; ++i) {
     const float value = float(i) / 4096;
     CHECK(std::bit_cast<std::uint32_t>(shader::exposedValue(value, 1, 1)) == std::bit_cast<std::uint32_t>(value));
@@ -79,7 +79,7 @@ TEST_CASE("a gain of 1 changes no bit, black stays black, and no gain turns the 
   }
 }
 
-TEST_CASE("what is clipped stays white, and what is not keeps the curve") {
+TEST_CASE("clipped colours stay white, and other colours follow the gain curve") {
   using shader::vec3;
   const vec3 gain(0.3f, 0.5f, 0.9f), slope = glm::pow(gain, vec3(1 / 2.4f));
   CHECK(shader::exposedColour(vec3(1), gain, slope) == vec3(1));
@@ -92,7 +92,7 @@ TEST_CASE("what is clipped stays white, and what is not keeps the curve") {
   CHECK(brighter.g == shader::exposedValue(0.5f, 2, std::pow(2.0f, 1 / 2.4f)));
 }
 
-TEST_CASE("the eye adapts to the photographs of the main cell, by their weights") {
+TEST_CASE("exposure adapts to the photographs of the main cell by their weights") {
   const Scene scene = exposedScene();
   RenderSettings settings;
   settings.exposure = Exposure::adapted;
@@ -106,7 +106,7 @@ TEST_CASE("the eye adapts to the photographs of the main cell, by their weights"
   }
 }
 
-TEST_CASE("the eye adapts over time, and at once where nothing was seen before") {
+TEST_CASE("exposure adapts over time, and at once in the first frame") {
   const Scene scene = exposedScene();
   RenderSettings settings;
   settings.exposureSeconds = 0.5;
@@ -128,7 +128,7 @@ TEST_CASE("the eye adapts over time, and at once where nothing was seen before")
   CHECK(near(away.exposure, first.exposure));
 }
 
-TEST_CASE("where no cell is drawn the eye adapts to the photographs that are gathered from") {
+TEST_CASE("without a drawn cell exposure adapts to the gathered photographs") {
   Scene scene = exposedScene();
   for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
     Cell backdrop;

@@ -79,7 +79,7 @@ FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings
 
 }  // namespace
 
-TEST_CASE("the main cell holds the camera and looks its way; the rest follow by distance, then angle") {
+TEST_CASE("the main cell contains the camera, and other cells follow by distance, then angle") {
   const Scene scene = stackedGrid();
   REQUIRE(validate(scene).empty());
   const FramePlan plan = planOf(scene, cameraAt({0.3, 0, 0.2}, 0.1));
@@ -146,7 +146,7 @@ TEST_CASE("the extrapolation limit is in cell sizes") {
   CHECK(planOf(scene, cameraAt({1, 0, 2.8}, 0), settings).cells.empty());
 }
 
-TEST_CASE("the order of cells, members and nodes in the scene changes nothing", "[N8][T13]") {
+TEST_CASE("the order of cells, members and nodes in the scene does not change the plan", "[N8][T13]") {
   const Scene scene = stackedGrid();
   Scene shuffled = scene;
   std::mt19937_64 random(4);
@@ -166,7 +166,7 @@ TEST_CASE("the order of cells, members and nodes in the scene changes nothing", 
   }
 }
 
-TEST_CASE("moving the world changes no plan", "[P6]") {
+TEST_CASE("moving the world does not change the plan", "[P6]") {
   const Scene scene = stackedGrid();
   const glm::dvec3 offset(1e7, -3e6, 2e5);
   const glm::dquat turn = glm::angleAxis(1.234, glm::normalize(glm::dvec3(1, 2, 3)));
@@ -187,7 +187,7 @@ TEST_CASE("moving the world changes no plan", "[P6]") {
   CHECK(a.cells[0].cell == b.cells[0].cell);
 }
 
-TEST_CASE("a camera that trembles on a border keeps its main cell (N8)", "[N8][T13]") {
+TEST_CASE("a camera that jitters on a border keeps its main cell (N8)", "[N8][T13]") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   std::mt19937_64 random(9);
@@ -205,7 +205,7 @@ TEST_CASE("a camera that trembles on a border keeps its main cell (N8)", "[N8][T
           {0.1 + 0.8 * i / 10000.0 + jitter(random), jitter(random), 0.9 - 0.8 * i / 10000.0 + jitter(random)}));
     CHECK(switches == 0);
   }
-  SECTION("across it, once") {
+  SECTION("across the shared face") {
     for (int i = 0; i < 10000; ++i)
       step(cameraAt({0.2 + 0.5 * i / 10000.0, 0, 0.2 + 0.5 * i / 10000.0 + jitter(random)}));
     CHECK(switches == 1);
@@ -239,7 +239,7 @@ TEST_CASE("views that cannot be rendered are refused", "[N16]") {
   CHECK(planOf(Scene{}, cameraAt({0, 0, 0})).cells.empty());
 }
 
-TEST_CASE("a switch of the main cell is mixed for its time, then forgotten") {
+TEST_CASE("a switch of the main cell is cross-faded for switchSeconds, then forgotten") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   const Camera before = cameraAt({0.45, 0, 0.45}), after = cameraAt({0.55, 0, 0.55});
@@ -278,7 +278,7 @@ TEST_CASE("time between frames is clamped (T18)", "[N9][T18]") {
     CHECK(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).next.secondsSinceSwitch == 0.1);
 }
 
-TEST_CASE("both eyes get one order, from their middle, and weights of their own", "[N8]") {
+TEST_CASE("both eyes get one draw order of cells, from their midpoint, and their own weights", "[N8]") {
   const Scene scene = stackedGrid();
   // The border of two triangles runs between the eyes.
   const Camera left = cameraAt({0.47, 0, 0.5}), right = cameraAt({0.535, 0, 0.5});
@@ -296,7 +296,7 @@ TEST_CASE("both eyes get one order, from their middle, and weights of their own"
   CHECK_THROWS_AS(planFrame(scene, sceneBounds(scene), {{left, left, left}, {}}), Error);
 }
 
-TEST_CASE("cells dissolve before they reach the limit, and the main cell is never cut while inside") {
+TEST_CASE("cells dissolve smoothly before the extrapolation limit") {
   const Scene scene = stackedGrid();
   RenderSettings settings;
   settings.extrapolationLimit = 1;
@@ -312,7 +312,7 @@ TEST_CASE("cells dissolve before they reach the limit, and the main cell is neve
   CHECK(last == 0);
 }
 
-TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays the same") {
+TEST_CASE("holes are not filled in a scene with a mask, and drawn cells stay the same") {
   Scene scene = stackedGrid();
   const auto maxTier = [&](const RenderSettings& settings) {
     return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.maxTier;
@@ -330,7 +330,7 @@ TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays 
   CHECK(maxTier(few) == kTierAgrees);
 }
 
-TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequence of colours") {
+TEST_CASE("order changes fade, except with the paper's colour mapping") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   for (const ColourMapping mapping : {ColourMapping::off, ColourMapping::ours, ColourMapping::paper}) {
@@ -351,7 +351,7 @@ TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequen
   }
 }
 
-TEST_CASE("the hybrid draws two cells at most, which add to each other; chosen cells are drawn without a gather") {
+TEST_CASE("the hybrid draws at most two cells, and solo cells are drawn without a gather") {
   Scene scene = stackedGrid();
   for (const std::uint32_t n : {0u, 4u}) {
     Cell backdrop = cellOf(scene, {n});
@@ -387,7 +387,7 @@ TEST_CASE("the hybrid draws two cells at most, which add to each other; chosen c
   }
 }
 
-TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and in") {
+TEST_CASE("muted cells and cells outside a solo are not planned, and fade out and in") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   const Camera view = cameraAt({0.3, 0, 0.2}, 0.1);

@@ -54,7 +54,7 @@ Scene sceneOf(const std::vector<glm::dvec3>& places, const std::vector<glm::dvec
 
 }  // namespace
 
-TEST_CASE("the paper's morph errs as the table says; ours does not") {
+TEST_CASE("the paper's morph has the errors of the table, our morph none") {
   struct Row {
     double ratio;
     std::array<double, 5> pixels;  // θ = 0, 15, 30, 45° at the midpoint; λ = 2 at θ = 30°
@@ -76,7 +76,7 @@ TEST_CASE("the paper's morph errs as the table says; ours does not") {
   }
 }
 
-TEST_CASE("ours is exact inside, outside and off the span, for lines, triangles and tetrahedra") {
+TEST_CASE("our morph is exact inside, outside and off the span of lines, triangles and tetrahedra") {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(-1, 1);
   const std::vector<glm::dvec3> all{{0, 0, 0}, {1, 0.1, 0}, {0.3, 0.9, 0.2}, {0.4, 0.2, -0.8}};
@@ -96,7 +96,7 @@ TEST_CASE("ours is exact inside, outside and off the span, for lines, triangles 
   }
 }
 
-TEST_CASE("at a member's pose its own rays come back, whatever ratio and depth say") {
+TEST_CASE("at a member's pose the morph returns its own rays for any ratio and depth") {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<float> factor(0.3f, 3.0f);
   const std::vector<glm::dvec3> places{{0, 0, 0}, {1, 0.1, 0}, {0.3, 0.9, 0.2}};
@@ -114,7 +114,7 @@ TEST_CASE("at a member's pose its own rays come back, whatever ratio and depth s
     }
 }
 
-TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)", "[N6][T10]") {
+TEST_CASE("sums of directions in float are accurate up to 120° of spread (N6)", "[N6][T10]") {
   const glm::vec3 a(0, 0, -1);
   for (double degrees : {0.0, 1e-6, 60.0, 90.0, 120.0, 150.0, 179.0})
     for (double lambda : {0.0, 0.5, 1.0, -2.0, 3.0}) {
@@ -130,7 +130,7 @@ TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)", "
     }
 }
 
-TEST_CASE("triangles whose rays part by more than 120° are left out, and none that part by less", "[N6][T10]") {
+TEST_CASE("only triangles whose rays differ by more than 120° are left out", "[N6][T10]") {
   for (const double degrees : {0.0, 1e-6, 60.0, 90.0, 119.99, 120.01, 150.0, 179.0, 179.99, 180.0}) {
     const double half = degrees * kPi / 360;  // two cameras see a point from both sides
     const glm::dvec3 x(0, 0, -std::cos(half));

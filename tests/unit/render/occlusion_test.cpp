@@ -42,7 +42,7 @@ bool inside(const std::array<glm::dvec2, 3>& t, glm::dvec2 p) {
 
 }  // namespace
 
-TEST_CASE("tiles that an outline holds are covered, those it touches are not") {
+TEST_CASE("tiles inside an outline are covered, and tiles on it are not") {
   CoverMask mask(160, 96, 1);  // 10 × 6 tiles
   CHECK(mask.open().size() == 2);
   mask.add(rectangle(31, -50, 100, 50));
@@ -53,7 +53,7 @@ TEST_CASE("tiles that an outline holds are covered, those it touches are not") {
   CHECK(mask.open().empty());
 }
 
-TEST_CASE("holes stay open, either way around a mesh goes, and covers add up") {
+TEST_CASE("holes stay open for both orientations, and covers add up") {
   for (const bool reversed : {false, true}) {
     CoverMask mask(160, 160, 1);
     Edges outline = rectangle(-9, -9, 169, 169), hole = polygon({{50, 50}, {50, 60}, {60, 60}, {60, 50}});
@@ -73,7 +73,7 @@ TEST_CASE("holes stay open, either way around a mesh goes, and covers add up") {
   }
 }
 
-TEST_CASE("whatever triangles there are, no open point is called covered") {
+TEST_CASE("no open point is marked as covered by any triangles") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> at(-60, 260);
   int covered = 0;
@@ -100,7 +100,7 @@ TEST_CASE("whatever triangles there are, no open point is called covered") {
   CHECK(covered > 1000);
 }
 
-TEST_CASE("of stacked cells the first is drawn, of stitched ones none that shows is hidden") {
+TEST_CASE("only the first of stacked cells is drawn, and visible stitched cells are not hidden") {
   const auto plan = [](const char* name, auto change) {
     Scene scene = makeBenchScene(*findBenchShape(name), 0.1);
     change(scene);
@@ -130,7 +130,7 @@ TEST_CASE("of stacked cells the first is drawn, of stitched ones none that shows
   CHECK(hidden(plan("panorama-3", asItIs)) == 0);
 }
 
-TEST_CASE("what dissolves hides nothing, and the paper's order hides nothing") {
+TEST_CASE("dissolving cells and the paper's draw order hide nothing") {
   const BenchShape& shape = *findBenchShape("stacked-5");
   const Scene scene = makeBenchScene(shape, 0.1);
   FrameInput input{benchViews(shape, 1, 640, 360), {}};

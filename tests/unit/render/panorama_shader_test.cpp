@@ -45,7 +45,7 @@ Pixel pixelAt(glm::dvec3 ray, double size, double roll = 0) {
 
 }  // namespace
 
-TEST_CASE("the shader's angles are right to 3e-7, whatever the quadrant", "[N10][T21]") {
+TEST_CASE("angles of the shader are exact to 3e-7 in every quadrant", "[N10][T21]") {
   CHECK(shader::angleOf(0.0f, 0.0f) == 0.0f);
   CHECK(shader::angleOf(0.0f, 1.0f) == 0.0f);
   CHECK(shader::angleOf(1.0f, 0.0f) == float(kPi / 2));
@@ -64,7 +64,7 @@ TEST_CASE("the shader's angles are right to 3e-7, whatever the quadrant", "[N10]
   }
 }
 
-TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, everywhere", "[N10][T21]") {
+TEST_CASE("directions map to pixels within 1e-3 px of 8192, poles and antimeridian included", "[N10][T21]") {
   for (const float tiny : {0.0f, -0.0f, 1e-7f, -1e-7f})
     for (const float other : {0.0f, -0.0f, 1e-7f, -1e-7f})
       for (const float pole : {1.0f, -1.0f}) {
@@ -82,7 +82,7 @@ TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, 
   CHECK(worst < 1.2e-3);  // 3e-7 rad of longitude, half a ulp of u, and the same in latitude
 }
 
-TEST_CASE("the six axes lie where INTERFACE places them", "[N10][T19]") {
+TEST_CASE("the six axes map to the pixels of the camera convention", "[N10][T19]") {
   const auto at = [](float x, float y, float z) { return shader::panoramaCoordinate({x, y, z}); };
   CHECK(at(0, 0, -1) == shader::vec2(0.5f, 0.5f));
   CHECK(at(1, 0, 0) == shader::vec2(0.75f, 0.5f));
@@ -93,7 +93,7 @@ TEST_CASE("the six axes lie where INTERFACE places them", "[N10][T19]") {
   CHECK(at(-1e-6f, 0, 1).x == Approx(0).margin(1e-6));
 }
 
-TEST_CASE("a pixel's level of detail is the same wherever on the sphere it looks, and however it is rolled") {
+TEST_CASE("a pixel's level of detail is the same for every direction and roll") {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   const double size = 0.004;  // rad
@@ -108,7 +108,7 @@ TEST_CASE("a pixel's level of detail is the same wherever on the sphere it looks
   }
 }
 
-TEST_CASE("towards a pole a pixel takes more taps, that join without gap or step") {
+TEST_CASE("towards a pole a pixel takes more taps, without gaps or steps") {
   const double size = 0.004, texels = size * 8192 / (2 * kPi);  // 5.2
   float before = 0;
   for (int i = 0; i <= 9000; ++i) {
@@ -135,7 +135,7 @@ TEST_CASE("towards a pole a pixel takes more taps, that join without gap or step
   CHECK(shader::panoramaFootprint(fine.ray, fine.dx, fine.dy, {8192, 4096}).reach == 0.0f);
 }
 
-TEST_CASE("a cell of panoramas looks in all directions, a mixed one as its pinholes do") {
+TEST_CASE("cells of panoramas have no rotational distance, and mixed cells less than pinhole cells") {
   Scene scene;
   for (const double x : {0.0, 1.0})
     scene.nodes.push_back({"", {{CameraModel::equirectangular, 64, 32}, {{x, 0, 0}, {1, 0, 0, 0}}}, "", ""});
@@ -152,7 +152,7 @@ TEST_CASE("a cell of panoramas looks in all directions, a mixed one as its pinho
   CHECK(half < 0.9);
 }
 
-TEST_CASE("near a pole angles keep apart where the arc cosine lets them collapse", "[N10][T21]") {
+TEST_CASE("near a pole angles are more accurate than with the arc cosine", "[N10][T21]") {
   const double pixels = 8192 / (2 * kPi);  // px of the equator per radian
   double worst = 0, worstOfPaper = 0;
   for (double fromPole = 1e-8; fromPole < 1e-2; fromPole *= 1.07)

@@ -74,7 +74,7 @@ double largestChange(const std::map<std::string, double>& a, const std::map<std:
 
 }  // namespace
 
-TEST_CASE("at most so many photographs are chosen, each once, with weights from 0 to 1") {
+TEST_CASE("the requested number of photographs is chosen, each once, with weights from 0 to 1") {
   const Scene scene = photographed(6, 5);
   for (const std::size_t count : {1u, 4u, 12u, 16u}) {
     const auto weights = chosen(scene, viewAt({1.2, 1.1, 0.1}, 0.1), count);
@@ -83,14 +83,14 @@ TEST_CASE("at most so many photographs are chosen, each once, with weights from 
   }
 }
 
-TEST_CASE("all photographs are chosen in full where there are no more than asked for") {
+TEST_CASE("all photographs are chosen with weight 1 if there are no more than requested") {
   const Scene scene = photographed(3, 2);
   const auto weights = chosen(scene, viewAt({0.5, 0.3, 0}));
   REQUIRE(weights.size() == 6);
   for (const auto& [name, weight] : weights) CHECK(weight == 1);
 }
 
-TEST_CASE("a photograph is chosen in full at its own pose") {
+TEST_CASE("a photograph is chosen with weight 1 at its own pose") {
   const Scene scene = photographed(6, 5);
   for (const Node& node : scene.nodes) {
     Camera view = node.camera;
@@ -99,7 +99,7 @@ TEST_CASE("a photograph is chosen in full at its own pose") {
   }
 }
 
-TEST_CASE("a view that moves by a thousandth of the spacing changes no photograph's weight by more than a tenth") {
+TEST_CASE("a camera step of a thousandth of the spacing changes weights by less than a tenth") {
   const Scene scene = photographed(7, 5);
   const double step = 0.001 * kSpacing;
   double largest = 0;
@@ -115,7 +115,7 @@ TEST_CASE("a view that moves by a thousandth of the spacing changes no photograp
   CHECK(largest < 0.1);
 }
 
-TEST_CASE("the order of a scene's photographs changes no choice") {
+TEST_CASE("the order of a scene's photographs does not change the choice") {
   const Scene scene = photographed(6, 5);
   Scene shuffled = scene;
   std::vector<std::uint32_t> order(scene.nodes.size());
@@ -128,7 +128,7 @@ TEST_CASE("the order of a scene's photographs changes no choice") {
   }
 }
 
-TEST_CASE("moving, turning and scaling the world changes no choice") {
+TEST_CASE("moving, turning and scaling the world does not change the choice") {
   const Scene scene = photographed(6, 5);
   const glm::dquat turn = glm::normalize(glm::dquat(0.8, 0.1, -0.4, 0.3));
   for (const double scale : {1e-6, 1.0, 1e6}) {
@@ -145,7 +145,7 @@ TEST_CASE("moving, turning and scaling the world changes no choice") {
   }
 }
 
-TEST_CASE("both eyes share photographs that see what either does") {
+TEST_CASE("both eyes share photographs chosen for either eye's view") {
   const Scene scene = photographed(6, 5);
   const Camera left = viewAt({1.0, 0.8, 0}, 0.2), right = viewAt({1.1, 0.8, 0}, -0.2);
   const Pose middle{{1.05, 0.8, 0}, glm::dquat(1, 0, 0, 0)};
@@ -162,7 +162,7 @@ TEST_CASE("photographs without evidence or without a depth texture are not chose
   CHECK(!weights.contains("0_1"));
 }
 
-TEST_CASE("nothing is chosen where no photograph looks the view's way") {
+TEST_CASE("no photograph is chosen if none looks in the view's direction") {
   const Scene scene = photographed(3, 2);
   CHECK(chosen(scene, viewAt({0.5, 0.3, 0}, 3.1)).empty());
 }

@@ -58,7 +58,7 @@ bool finite(const FramePlan& plan) {
 
 }  // namespace
 
-TEST_CASE("a plan is finite or refused, whatever number is handed over", "[N16][P4]") {
+TEST_CASE("a plan is finite or refused for extreme input numbers", "[N16][P4]") {
   const SyntheticScene made = place();
   const SceneBounds bounds = sceneBounds(made.scene);
   Camera view{pinholeFromFov(64, 48, 1), {}};
@@ -111,7 +111,7 @@ TEST_CASE("a plan is finite or refused, whatever number is handed over", "[N16][
   CHECK(refused > 50);
 }
 
-TEST_CASE("a scene's numbers are faults or leave its vertices finite", "[N16][P4]") {
+TEST_CASE("extreme numbers in a scene are faults or leave its vertices finite", "[N16][P4]") {
   const SyntheticScene made = place();
   using Spoil = std::pair<std::string, std::function<void(Scene&, double)>>;
   const std::vector<Spoil> spoils{

@@ -95,7 +95,7 @@ std::vector<std::uint32_t> ofOneClass(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("what fits comes and stays") {
+TEST_CASE("photographs that fit are loaded and stay") {
   Device device({{100, 4}}, ofOneClass(10), 250);  // two texture arrays of four layers
   CHECK(device.frame(range(0, 8), 3, 1, 0).waiting == 0);
   CHECK(device.loaded == 8);
@@ -104,7 +104,7 @@ TEST_CASE("what fits comes and stays") {
   CHECK(device.loaded == 8);
 }
 
-TEST_CASE("the most urgent come first") {
+TEST_CASE("the most urgent photographs are loaded first") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   const auto counts = device.frame({7, 3, 9, 1}, 3, 1, 0, 2);
   CHECK(device.residency.seat(7));
@@ -114,7 +114,7 @@ TEST_CASE("the most urgent come first") {
   CHECK(counts.withoutRoom == 0);
 }
 
-TEST_CASE("what is shown is never displaced by what is not, nor by itself") {
+TEST_CASE("a shown photograph is not displaced by photographs of lower rank") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   device.frame(range(0, 4), 4, 1, 0);
   const auto counts = device.frame(range(0, 6), 6, 2, 1);
@@ -124,7 +124,7 @@ TEST_CASE("what is shown is never displaced by what is not, nor by itself") {
   CHECK(device.loaded == 4);
 }
 
-TEST_CASE("a layer is given away when its last frame has finished, not before") {
+TEST_CASE("a layer is reused only after its last frame has finished") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   device.frame(range(0, 4), 4, 5, 4);
   CHECK(device.frame(range(4, 4), 4, 6, 4).waiting == 4);  // frame 5 may be unfinished
@@ -133,7 +133,7 @@ TEST_CASE("a layer is given away when its last frame has finished, not before") 
   CHECK(device.loaded == 8);
 }
 
-TEST_CASE("the less urgent leaves even if every frame shows it, and only then the more urgent comes") {
+TEST_CASE("a less urgent photograph is evicted for a more urgent one even if always shown") {
   Device device({{100, 2}}, ofOneClass(4), 100);
   device.frame({1, 2}, 2, 1, 0);
   // The device is always two frames behind. 0 is more urgent than 1 and 2, which every frame shows as well.
@@ -158,7 +158,7 @@ TEST_CASE("the less urgent leaves even if every frame shows it, and only then th
   CHECK(device.loaded == 3);
 }
 
-TEST_CASE("the one that was not shown for longest leaves first") {
+TEST_CASE("the least recently shown photograph is evicted first") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   for (std::uint32_t p = 0; p < 4; ++p) device.frame({p}, 1, p + 1, p);
   device.frame({0}, 1, 5, 4);  // 1 is the least recently used
@@ -171,7 +171,7 @@ TEST_CASE("the one that was not shown for longest leaves first") {
   CHECK(device.residency.seat(2));
 }
 
-TEST_CASE("memory goes from one class to another, and no page is freed in vain") {
+TEST_CASE("memory moves between classes, and no texture array is freed in vain") {
   // Photographs 0 to 7 are small, 8 to 11 large, 12 is larger than the budget.
   std::vector<std::uint32_t> classOf(13, 0);
   for (std::size_t p = 8; p < 12; ++p) classOf[p] = 1;
@@ -189,7 +189,7 @@ TEST_CASE("memory goes from one class to another, and no page is freed in vain")
   CHECK_FALSE(device.residency.seat(8));
 }
 
-TEST_CASE("what does not stream, what cannot be read, and a device with less memory than the budget") {
+TEST_CASE("unstreamed and unreadable photographs and a refused allocation are handled") {
   Residency residency({{100, 2}}, {Residency::kNone, 0, 0, 0, 0}, 1000);
   residency.begin(std::vector<std::uint32_t>{0, 1, 2, 3, 4}, 4, 1, 0);
   CHECK(residency.next()->kind == Step::Kind::makePage);
@@ -219,7 +219,7 @@ TEST_CASE("what does not stream, what cannot be read, and a device with less mem
   CHECK(residency.end().failed == 1);
 }
 
-TEST_CASE("any walk keeps the rules") {
+TEST_CASE("random walks keep the residency rules") {
   std::mt19937 random(3);
   for (int run = 0; run < 60; ++run) {
     constexpr std::uint32_t kPhotographs = 60;

@@ -44,7 +44,7 @@ std::map<std::uint32_t, double> shares(const std::vector<ShownCell>& shown) {
 
 }  // namespace
 
-TEST_CASE("where something else shows behind, the first cell fades in, and the last one out") {
+TEST_CASE("above other content the first cell fades in, and the last cell fades out") {
   const auto hidden = [](std::uint32_t) { return true; };
   const Order one{7}, none;
   const std::vector<ShownCell> in = showCells({}, {one, hidden, hidden, true}, 0.25);
@@ -54,13 +54,13 @@ TEST_CASE("where something else shows behind, the first cell fades in, and the l
   CHECK(showCells(whole, {none, hidden, hidden, true}, 0.25) == std::vector<ShownCell>{{7, 0.75, true}});
 }
 
-TEST_CASE("the same order again is shown whole") {
+TEST_CASE("an unchanged order is shown without fading") {
   const std::vector<ShownCell> first = show({}, {4, 2, 7}, 0.1);
   CHECK(first == std::vector<ShownCell>{{4, 1, false}, {2, 1, false}, {7, 1, false}});
   CHECK(show(first, {4, 2, 7}, 0.1) == first);
 }
 
-TEST_CASE("a cell that falls back fades out where it was, and is whole where it goes") {
+TEST_CASE("a cell that moves back fades out at its old rank and is opaque at its new rank") {
   std::vector<ShownCell> shown = show({}, {1, 2, 3}, 0.25);
   shown = show(shown, {2, 3, 1}, 0.25);
   CHECK(shown == std::vector<ShownCell>{{1, 0.75, true}, {2, 1, false}, {3, 1, false}, {1, 1, false}});
@@ -68,7 +68,7 @@ TEST_CASE("a cell that falls back fades out where it was, and is whole where it 
   CHECK(shown == std::vector<ShownCell>{{2, 1, false}, {3, 1, false}, {1, 1, false}});
 }
 
-TEST_CASE("a cell that comes forward fades in, and stays where it was until then") {
+TEST_CASE("a cell that moves forward fades in, and stays at its old rank until then") {
   std::vector<ShownCell> shown = show({}, {1, 2, 3, 4, 5}, 0.25);
   shown = show(shown, {5, 1, 2, 3, 4}, 0.25);
   CHECK(shown.front() == ShownCell{5, 0.25, false});
@@ -78,14 +78,14 @@ TEST_CASE("a cell that comes forward fades in, and stays where it was until then
   CHECK(leavingCount(shown) == 0);
 }
 
-TEST_CASE("where nothing of the frame before is left in view, what was hidden is there at once") {
+TEST_CASE("with no previous cell in view hidden cells are shown at once") {
   const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
   CHECK(show(before, {3, 4}, 0.25, true, false) == std::vector<ShownCell>{{3, 1, false}, {4, 1, false}});
   CHECK(show(before, {}, 0.25, true, false).empty());
   CHECK(show(before, {3, 1}, 0.25, true, false) == std::vector<ShownCell>{{3, 0.25, false}, {1, 1, false}});
 }
 
-TEST_CASE("what was left out fades in, what comes into view is there; what is out of view is gone") {
+TEST_CASE("omitted cells fade in, cells entering the view show at once, and cells out of view vanish") {
   const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
   CHECK(show(before, {1, 3}, 0.25, true) == std::vector<ShownCell>{{1, 1, false}, {2, 1, true}, {3, 0.25, false}});
   CHECK(show(before, {1, 3}, 0.25, false, false) == std::vector<ShownCell>{{1, 1, false}, {3, 1, false}});
@@ -95,8 +95,7 @@ TEST_CASE("what was left out fades in, what comes into view is there; what is ou
   CHECK(show(before, {3}, 0.0).size() == 3);
 }
 
-TEST_CASE(
-    "whatever the orders, cells are shown as wanted, once, no hole opens, and no share jumps after a quiet time") {
+TEST_CASE("random orders of cells are reached without holes, duplicates or jumps") {
   std::mt19937 random(3);
   const double step = GENERATE(0.05, 0.3);
   Order all(12);
@@ -127,7 +126,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("no more leave at once than there is room for, the faintest goes first") {
+TEST_CASE("at most kMaxFadingOutCount cells fade out at once") {
   std::vector<ShownCell> shown = show({}, {0}, 0.01);
   for (std::uint32_t c = 1; c < 40; ++c) {
     shown = show(shown, {c}, 0.01);

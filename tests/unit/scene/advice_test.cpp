@@ -91,7 +91,7 @@ void checkViews(const Scene& scene, const CaptureAdvice& advice) {
 
 }  // namespace
 
-TEST_CASE("a good capture gives no complaint, and ten places where more may be taken") {
+TEST_CASE("a good capture gives no advice and ten next-best views") {
   const Scene scene = ofWall(grid(4, 0.5), gridCells(4)).scene;
   const CaptureAdvice advice = adviseCapture(scene);
   CHECK(sentences(advice).empty());
@@ -109,7 +109,7 @@ TEST_CASE("a good capture gives no complaint, and ten places where more may be t
   CHECK(adviseCapture(scene, {.views = 0}).views.empty());
 }
 
-TEST_CASE("neighbours that are too far apart are named, and the first photograph to take is between them") {
+TEST_CASE("neighbours too far apart are named, and the next-best view is between them") {
   std::vector<Camera> cameras = grid(4, 0.5);
   for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.5;  // the third column is 3 from the second
   const Scene scene = ofWall(cameras, gridCells(4)).scene;
@@ -117,14 +117,14 @@ TEST_CASE("neighbours that are too far apart are named, and the first photograph
   CHECK(kinds(advice) == std::set<std::string>{"wide"});
   REQUIRE(advice.advice.size() == 2);
   CHECK_THAT(sentences(advice)[0] + sentences(advice)[1],
-             Contains("view1 and view2 are too far apart") && Contains("view5 and view6") && Contains("more"));
+             Contains("view1") && Contains("view2") && Contains("view5") && Contains("view6"));
   CHECK(advice.advice[0].figure < 0.75);
   REQUIRE(!advice.views.empty());
   CHECK(advice.views[0].camera.pose.position.x > 0.6);
   CHECK(advice.views[0].camera.pose.position.x < 2.9);
   checkViews(scene, advice);
 
-  SECTION("with no cell between them, they are not joined") {
+  SECTION("neighbours without a cell between them form separate groups") {
     Cells cells = gridCells(4);
     std::erase_if(cells, [](const auto& cell) {
       const auto x = [](std::uint32_t i) { return i % 4; };
@@ -134,21 +134,24 @@ TEST_CASE("neighbours that are too far apart are named, and the first photograph
     CHECK(kinds(apart) == std::set<std::string>{"apart"});
     REQUIRE(apart.advice.size() == 1);
     CHECK(apart.advice[0].severity == Severity::serious);
-    CHECK_THAT(apart.advice[0].sentence, Contains("a group of 4 photographs"));
+    CHECK(apart.advice[0].figure == 4);
+    CHECK_THAT(apart.advice[0].sentence, Contains("4") && Contains("view"));
     CHECK(apart.views[0].camera.pose.position.x > 0.6);
   }
-  SECTION("joined elsewhere, they are a hole") {
+  SECTION("neighbours connected through other photographs form a hole") {
     Cells cells = gridCells(4);
     std::erase_if(cells, [](const auto& cell) { return cell == std::vector<std::uint32_t>{1, 2, 5}; });
     std::erase_if(cells, [](const auto& cell) { return cell == std::vector<std::uint32_t>{2, 5, 6}; });
     cells.push_back({1, 6});
     const CaptureAdvice hole = adviseCapture(ofWall(cameras, cells).scene);
     CHECK(kinds(hole) == std::set<std::string>{"hole"});
-    CHECK_THAT(sentences(hole)[0], Contains("Nothing joins"));
+    REQUIRE(hole.advice[0].nodes.size() == 2);
+    for (const std::uint32_t node : hole.advice[0].nodes)
+      CHECK_THAT(hole.advice[0].sentence, Contains("view" + std::to_string(node)));
   }
 }
 
-TEST_CASE("where one or two more are enough, the remedy is what is among those to add") {
+TEST_CASE("a remedy of one or two photographs agrees with the next-best views") {
   for (const double gap : {1.8, 2.2, 2.6}) {
     std::vector<Camera> cameras = grid(4, 0.5);
     for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += gap - 0.5;
@@ -159,23 +162,23 @@ TEST_CASE("where one or two more are enough, the remedy is what is among those t
       for (const NextView& view : advice.views) {
         const std::set<std::uint32_t> beside(view.beside.begin(), view.beside.end());
         if (beside != std::set<std::uint32_t>(one.nodes.begin(), one.nodes.end())) continue;
-        thirds += view.where.starts_with("a third of the way");
-        halves += view.where.starts_with("halfway");
+        thirds += view.where.find("third") != std::string::npos;
+        halves += view.where.find("halfway") != std::string::npos;
       }
       INFO(gap << ": " << one.remedy << ' ' << halves << " halfway, " << thirds << " at a third");
       CHECK((one.remedy.find("halfway") != std::string::npos) == (halves == 1 && thirds == 0));
-      CHECK((one.remedy.find("a third of the way") != std::string::npos) == (thirds > 0 && halves == 0));
+      CHECK((one.remedy.find("third") != std::string::npos) == (thirds > 0 && halves == 0));
     }
   }
 }
 
-TEST_CASE("too few photographs, or all of them from one place") {
+TEST_CASE("too few photographs, or photographs from one position, are reported") {
   CHECK(kinds(adviseCapture(Scene{})) == std::set<std::string>{"tooFew"});
   Scene one;
   one.nodes.push_back({"view0", ahead(0), {}, {}});
   const CaptureAdvice lonely = adviseCapture(one);
   CHECK(kinds(lonely) == std::set<std::string>{"tooFew"});
-  CHECK_THAT(sentences(lonely)[0], Contains("view0 is the only photograph"));
+  CHECK_THAT(sentences(lonely)[0], Contains("view0"));
   CHECK(lonely.views.empty());
 
   Scene turned = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}, {1, 2}}).scene;
@@ -189,12 +192,12 @@ TEST_CASE("too few photographs, or all of them from one place") {
   loose.unused = {{"view1", "it shares nothing"}, {"elsewhere.jpg", "the poses do not know it"}};
   const CaptureAdvice unjoined = adviseCapture(loose);
   CHECK(kinds(unjoined) == std::set<std::string>{"tooFew", "unused"});
-  CHECK_THAT(sentences(unjoined)[0], Contains("None of the 3 photographs could be joined"));
+  CHECK_THAT(sentences(unjoined)[0], Contains("3"));
   CHECK_THAT(sentences(unjoined)[1] + sentences(unjoined)[2],
-             Contains("view1 is not used: it shares nothing.") && Contains("elsewhere.jpg"));
+             Contains("view1") && Contains("it shares nothing") && Contains("elsewhere.jpg"));
 }
 
-TEST_CASE("a row is hinted at, and a place beside it offered") {
+TEST_CASE("a single row gives a hint and a next-best view beside the row") {
   const Scene scene = ofWall({ahead(0), ahead(0.5), ahead(1), ahead(1.5)}, {{0, 1}, {1, 2}, {2, 3}}).scene;
   const CaptureAdvice advice = adviseCapture(scene, {.views = 40});
   CHECK(kinds(advice) == std::set<std::string>{"row"});
@@ -204,7 +207,7 @@ TEST_CASE("a row is hinted at, and a place beside it offered") {
   CHECK(std::ranges::any_of(advice.views, [](const NextView& v) { return v.where.find("higher") != v.where.npos; }));
 }
 
-TEST_CASE("what is the matter with one photograph is told of that one") {
+TEST_CASE("a defect of one photograph is reported for this photograph only") {
   SyntheticScene made = ofWall(grid(4, 0.5), gridCells(4));
   Scene& scene = made.scene;
   const auto only = [&](const char* kind, const char* name) {
@@ -215,26 +218,28 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
     CHECK_THAT(advice.advice[0].sentence, Contains(name));
     CHECK(!advice.advice[0].remedy.empty());
   };
-  SECTION("it is not used") {
+  SECTION("the photograph is not used") {
     scene.unused = {{"last.jpg", kNotRegistered}};
-    only("unused", "last.jpg is not used: not registered");
+    only("unused", "last.jpg");
+    only("unused", kNotRegistered);
     scene.unused = {{"last.heic", "HEIC files are not read: convert them"}};  // the reason contains the remedy
     const Advice told = adviseCapture(scene).advice.at(0);
-    CHECK(told.sentence == "last.heic is not used: HEIC files are not read: convert them.");
+    CHECK_THAT(told.sentence, Contains("last.heic") && Contains("HEIC files are not read: convert them"));
     CHECK(told.remedy.empty());
   }
-  SECTION("it repeats another") {
+  SECTION("the photograph repeats another") {
     std::vector<Camera> cameras = grid(4, 0.5);
     cameras.push_back(ahead(0.5));
     scene = ofWall(cameras, gridCells(4)).scene;
-    only("twice", "view8 repeats view1");
+    only("twice", "view8");
+    only("twice", "view1");
   }
-  SECTION("its pose is doubtful") {
+  SECTION("the pose is inaccurate") {
     for (Cell& cell : scene.cells)
       cell.quality.residualPx = std::ranges::count(cell.members, 0u) ? 2 : 0.1;  // photograph 0 is in one cell
-    only("pose", "Where view0 was taken from is doubtful");
+    only("pose", "view0");
   }
-  SECTION("hardly anything agrees with its neighbours") {
+  SECTION("few matches agree with the neighbours") {
     for (Cell& cell : scene.cells)
       if (std::ranges::count(cell.members, 0u)) {  // photograph 0 is in one cell, at a corner
         MorphMesh& mesh = cell.mesh;
@@ -242,13 +247,13 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
       }
     only("unmatched", "view0");
   }
-  SECTION("all poses are doubtful") {
+  SECTION("all poses are inaccurate") {
     for (Cell& cell : scene.cells) cell.quality.residualPx = 2;
-    only("pose", "not well known");
+    only("pose", "%");
   }
 }
 
-TEST_CASE("a look that a place lacks is told by a neighbour that has it") {
+TEST_CASE("a viewing direction missing at a capture site is reported with a neighbour that has it") {
   const auto back = [](double x) { return test::lookingAlong({x, 0, 0}, {0, -1, 0}, 96, 72); };
   // Five capture sites in a row; each has two viewing directions, except the middle one.
   std::vector<Camera> cameras;
@@ -260,12 +265,17 @@ TEST_CASE("a look that a place lacks is told by a neighbour that has it") {
   cells.push_back({7, 8});
   const CaptureAdvice advice = adviseCapture(ofWall(cameras, cells).scene);
   CHECK(kinds(advice) == std::set<std::string>{"direction", "row"});
-  CHECK_THAT(sentences(advice)[0], Contains("From where view2 was taken nothing looks as view"));
-  CHECK(
-      std::ranges::any_of(advice.views, [](const NextView& v) { return v.where.starts_with("from where view2 was"); }));
+  REQUIRE(advice.advice[0].nodes.size() == 2);
+  for (const std::uint32_t node : advice.advice[0].nodes)
+    CHECK_THAT(advice.advice[0].sentence, Contains("view" + std::to_string(node)));
+  CHECK_THAT(advice.advice[0].sentence, Contains("view2"));
+  CHECK(std::ranges::any_of(advice.views, [&](const NextView& v) {
+    return v.where.find("view2") != v.where.npos &&
+           glm::distance(v.camera.pose.position, cameras[2].pose.position) < 1e-6;
+  }));
 }
 
-TEST_CASE("exposure that jumps is told from the gains") {
+TEST_CASE("exposure jumps are detected from the gains") {
   SyntheticScene made = ofWall(grid(4, 0.5), gridCells(4));
   made.scene.nodes[2].gain = glm::dvec3(1.8);
   CHECK(sentences(adviseCapture(made.scene)).empty());
@@ -273,16 +283,16 @@ TEST_CASE("exposure that jumps is told from the gains") {
   const CaptureAdvice advice = adviseCapture(made.scene);
   REQUIRE(advice.advice.size() == 1);
   CHECK(advice.advice[0].kind == AdviceKind::exposure);
-  CHECK_THAT(advice.advice[0].sentence, Contains("view2") && Contains("2.0 stops darker"));
+  CHECK_THAT(advice.advice[0].sentence, Contains("view2") && Contains("2.0") && Contains("darker"));
   CHECK(advice.advice[0].figure == Approx(-2).margin(0.02));
   CHECK((advice.advice[0].nodes == std::vector<std::uint32_t>{2}));
   made.scene.nodes[2].gain = glm::dvec3(0.25);
-  CHECK_THAT(sentences(adviseCapture(made.scene))[0], Contains("2.0 stops brighter"));
+  CHECK_THAT(sentences(adviseCapture(made.scene))[0], Contains("2.0") && Contains("brighter"));
   for (Node& node : made.scene.nodes) node.gain = glm::dvec3(0.25);
   CHECK(sentences(adviseCapture(made.scene)).empty());
 }
 
-TEST_CASE("blur is told from the pictures") {
+TEST_CASE("blur is detected from the textures") {
   test::TemporaryFolder folder;
   SyntheticScene made = ofWall(grid(4, 0.5), gridCells(4));
   made.scene.folder = folder.path();
@@ -295,7 +305,7 @@ TEST_CASE("blur is told from the pictures") {
   CHECK(sentences(adviseCapture(made.scene)).empty());
   const Image8& good = made.photographs[2];
 
-  SECTION("blurred") {
+  SECTION("a blurred photograph is reported") {
     Image8 soft = good;
     for (int y = 0; y < good.height; ++y)
       for (int x = 0; x < good.width; ++x)
@@ -310,10 +320,10 @@ TEST_CASE("blur is told from the pictures") {
     const CaptureAdvice advice = adviseCapture(made.scene);
     CHECK(kinds(advice) == std::set<std::string>{"blurred"});
     REQUIRE(advice.advice.size() == 1);
-    CHECK_THAT(sentences(advice)[0], Contains("view2 is much less sharp"));
+    CHECK_THAT(sentences(advice)[0], Contains("view2"));
     CHECK(adviseCapture(made.scene, {.pictures = false}).advice.empty());
   }
-  SECTION("textures that cannot be read are passed over") {
+  SECTION("textures that cannot be read are ignored") {
     writeFile(folder.path() / made.scene.nodes[2].textureFile, std::string_view("no texture"));
     std::filesystem::remove(folder.path() / made.scene.nodes[3].textureFile);
     made.scene.nodes[4].textureFile.clear();
@@ -321,7 +331,7 @@ TEST_CASE("blur is told from the pictures") {
   }
 }
 
-TEST_CASE("neither the order of things nor where the world lies changes what is advised") {
+TEST_CASE("advice does not depend on the order of nodes and cells or on the world's coordinates") {
   std::vector<Camera> cameras = grid(4, 0.5);
   for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.7;
   const Scene scene = ofWall(cameras, gridCells(4)).scene;
@@ -354,7 +364,7 @@ TEST_CASE("neither the order of things nor where the world lies changes what is 
   }
 }
 
-TEST_CASE("a scene with a fault is refused, one at infinity is not") {
+TEST_CASE("a scene with a fault is refused, a scene at infinity is not") {
   Scene scene = ofWall(grid(2, 0.5), gridCells(2)).scene;
   scene.cells[0].members[0] = 99;
   CHECK_THAT(test::errorOf([&] { adviseCapture(scene); }).what(), Contains("cells[0].members[0]"));

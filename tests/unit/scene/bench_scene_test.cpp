@@ -67,7 +67,7 @@ TEST_CASE("bench scenes have the shapes of [T] table 2 and are valid") {
   CHECK(findBenchShape("stitched-6") == nullptr);
 }
 
-TEST_CASE("stitched cells overlap as in the paper's frames, stacked ones all fill the view") {
+TEST_CASE("stitched cells overlap as in the paper's frames, stacked cells all fill the view") {
   for (const auto& [name, mean] : std::map<std::string, double>{{"stitched-5", 1.76},
                                                                 {"stitched-12", 3.57},
                                                                 {"stitched-30", 8.66},
@@ -81,7 +81,7 @@ TEST_CASE("stitched cells overlap as in the paper's frames, stacked ones all fil
   }
 }
 
-TEST_CASE("photographs of one place agree, and are not flat") {
+TEST_CASE("photographs of a bench scene agree at matches, and are not flat") {
   const Scene scene = makeBenchScene(*findBenchShape("stitched-5"), 0.25);
   const std::vector<Image8> first = benchPhotograph(scene, 0), second = benchPhotograph(scene, 1);
   REQUIRE(first.size() == 9);

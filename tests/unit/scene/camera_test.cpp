@@ -32,7 +32,7 @@ bool finite(glm::dvec3 v) {
 
 }  // namespace
 
-TEST_CASE("fields of view from a needle to half the sphere", "[N13]") {
+TEST_CASE("pinhole cameras have fields of view from 0.001 to 179.9 degrees", "[N13]") {
   for (double degrees : {1e-3, 1.0, 60.0, 120.0, 170.0, 179.0, 179.9}) {
     const double fov = degrees * kPi / 180;
     const Intrinsics k = pinholeFromFov(1920, 1080, fov);
@@ -54,7 +54,7 @@ TEST_CASE("fields of view from a needle to half the sphere", "[N13]") {
   CHECK_THROWS_AS(pinholeFromFov(640, -1, 1.0), Error);
 }
 
-TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them", "[N13]") {
+TEST_CASE("off-centre frusta are exact up to 89.9 degrees", "[N13]") {
   const double steepest = 89.9 * kPi / 180;
   double worst = 0;  // px
   for (double left : {-steepest, -1.0, -0.1, 1e-9, 0.3})
@@ -80,7 +80,7 @@ TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them", "[N13]"
   CHECK(worst < 1e-8);  // 0.01 px would suffice
 }
 
-TEST_CASE("the tangents of a centred pinhole are that pinhole") {
+TEST_CASE("the tangents of a centred pinhole camera give the same camera") {
   const double tangent = std::tan(0.4);
   const Intrinsics a = pinholeFromFov(640, 480, 0.8);
   const Intrinsics b = pinholeFromTangents(640, 480, -tangent * 4 / 3, tangent * 4 / 3, tangent, -tangent);
@@ -90,7 +90,7 @@ TEST_CASE("the tangents of a centred pinhole are that pinhole") {
   CHECK(b.cy == Approx(a.cy).epsilon(1e-15));
 }
 
-TEST_CASE("tangents that no headset has are refused", "[N13][N16]") {
+TEST_CASE("tangents without a valid frustum are refused", "[N13][N16]") {
   const auto refused = [](double left, double right, double up, double down) {
     CHECK_THROWS_AS(pinholeFromTangents(640, 480, left, right, up, down), Error);
   };
@@ -111,7 +111,7 @@ TEST_CASE("tangents that no headset has are refused", "[N13][N16]") {
   CHECK_THROWS_AS(pinholeFromTangents(640, -1, -1, 1, 1, -1), Error);
 }
 
-TEST_CASE("the six axes of a panorama", "[N10][T19]") {
+TEST_CASE("the six axes are at their pixels of a panorama", "[N10][T19]") {
   // Axes: x right, y up; −z is forward, in the middle of the picture.
   const auto at = [](glm::dvec3 d) { return project(kPanorama, d).value(); };
   CHECK(at({0, 0, -1}) == glm::dvec2(4096, 2048));
@@ -123,7 +123,7 @@ TEST_CASE("the six axes of a panorama", "[N10][T19]") {
   CHECK(at({-1e-300, 0, 1}).x == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("panorama round trips, at the poles and the seam too", "[N10]") {
+TEST_CASE("panorama round trips are exact, also at the poles and the seam", "[N10]") {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const auto roundTrip = [](glm::dvec3 d) {
@@ -143,7 +143,7 @@ TEST_CASE("panorama round trips, at the poles and the seam too", "[N10]") {
   }
 }
 
-TEST_CASE("nothing behind a pinhole is seen") {
+TEST_CASE("a pinhole camera sees nothing behind itself") {
   const Intrinsics k = pinholeFromFov(640, 480, 1.0);
   CHECK_FALSE(project(k, {0, 0, 1}));
   CHECK_FALSE(project(k, {1, 0, 0}));
@@ -151,7 +151,7 @@ TEST_CASE("nothing behind a pinhole is seen") {
   CHECK(project(k, {0, 0, -5e-324}) == glm::dvec2(320, 240));
 }
 
-TEST_CASE("a resized camera sees the same") {
+TEST_CASE("a resized camera keeps its rays") {
   Intrinsics k{CameraModel::pinhole, 4000, 3000, 3100, 3090, 2010, 1480};
   const Intrinsics half = resized(k, 1000, 1500);
   for (glm::dvec2 pixel : {glm::dvec2(0, 0), {4000, 3000}, {17.5, 2000.25}})
@@ -161,7 +161,7 @@ TEST_CASE("a resized camera sees the same") {
   CHECK_THROWS_AS(resized(Intrinsics{}, 10, 10), Error);
 }
 
-TEST_CASE("no camera function returns NaN, whatever it is given", "[N16][P4]") {
+TEST_CASE("no camera function returns NaN for any input", "[N16][P4]") {
   std::vector<Intrinsics> cameras{kPanorama, pinholeFromFov(640, 480, 1.0)};
   for (double value : kExtremes)
     for (double Intrinsics::*field : {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::cx, &Intrinsics::cy}) {
@@ -200,7 +200,7 @@ TEST_CASE("no camera function returns NaN, whatever it is given", "[N16][P4]") {
     }
 }
 
-TEST_CASE("a panorama's pixels look along their centres", "[N10][T20]") {
+TEST_CASE("rays of a panorama pass through pixel centres", "[N10][T20]") {
   const Intrinsics small{CameraModel::equirectangular, 8, 4};
   for (int x = 0; x < 8; ++x)
     for (int y = 0; y < 4; ++y) {
@@ -213,7 +213,7 @@ TEST_CASE("a panorama's pixels look along their centres", "[N10][T20]") {
     }
 }
 
-TEST_CASE("a photograph's exposure is known and positive, or not known", "[N16]") {
+TEST_CASE("the exposure of a photograph is positive or unknown", "[N16]") {
   for (const double value : test::kExtremes)
     for (double CaptureFacts::*field : {&CaptureFacts::exposureTime, &CaptureFacts::fNumber, &CaptureFacts::iso}) {
       CaptureFacts facts{0.01, 8, 100, 0, 0, "", "", ""};

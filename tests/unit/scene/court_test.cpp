@@ -8,7 +8,7 @@
 
 using namespace ibr;
 
-TEST_CASE("a court's photographs show all that is there, however little of it is looked at for each") {
+TEST_CASE("photographs of a court equal renderings of all its planes") {
   const Court court = makeCourt(30, 48, 36, 1);
   SyntheticScene all;
   all.planes = court.planes;
@@ -18,7 +18,7 @@ TEST_CASE("a court's photographs show all that is there, however little of it is
   CHECK((photograph(court, between, 1) == renderTruth(all, between, 1)));
 }
 
-TEST_CASE("neighbours in a court are as far apart however many there are") {
+TEST_CASE("the distance of neighbours in a court does not depend on their number") {
   for (const int count : {24, 200}) {
     const Court court = makeCourt(count, 48, 36, 1);
     REQUIRE(court.cameras.size() == std::size_t(count));
@@ -30,7 +30,7 @@ TEST_CASE("neighbours in a court are as far apart however many there are") {
   }
 }
 
-TEST_CASE("tracks of a court are where cameras see them, and nothing stands before them") {
+TEST_CASE("tracks of a court project to their pixels and are not occluded") {
   const Court court = makeCourt(24, 80, 60, 3);
   SyntheticScene all;
   all.planes = court.planes;
@@ -52,7 +52,7 @@ TEST_CASE("tracks of a court are where cameras see them, and nothing stands befo
   for (const int count : seen) CHECK(count > 100);
 }
 
-TEST_CASE("a seed makes a court, another one another") {
+TEST_CASE("a court is deterministic for a seed") {
   const auto picture = [](std::uint64_t seed) {
     const Court court = makeCourt(10, 32, 24, seed);
     return photograph(court, court.cameras[3], 1);

@@ -48,7 +48,7 @@ void expectFault(const HtmModel& wrong, const std::string& field) {
   CHECK(test::contentsBelow(folder.path()).empty());
 }
 
-TEST_CASE("A model without faults has none") {
+TEST_CASE("a valid model has no faults") {
   CHECK(validate(model()).empty());
   CHECK(validate(model(1)).empty());
   CHECK(validate(model(kMaxHtmCameraCount)).empty());
@@ -58,7 +58,7 @@ TEST_CASE("A model without faults has none") {
   CHECK(validate(plain).empty());
 }
 
-TEST_CASE("Every fault of a model is found at its place") {
+TEST_CASE("each fault of a model is reported with its field") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto with = [](auto&& change) {
     HtmModel wrong = model();
@@ -129,7 +129,7 @@ void expectSame(const HtmModel& a, const HtmModel& b, double tolerance) {
   CHECK(a.settings == b.settings);
 }
 
-TEST_CASE("A saved model comes back, and is then saved as it was") {
+TEST_CASE("a saved model loads unchanged, and saving again writes the same bytes") {
   TriangleMesh sphere = test::sphere(20);
   for (glm::dvec3& p : sphere.positions) p = 0.7 * p + glm::dvec3(4e5, 5e6, 300);
   std::vector<HtmModel> models{model(), model(64), model(1), model(4, sphere)};
@@ -154,7 +154,7 @@ TEST_CASE("A saved model comes back, and is then saved as it was") {
   }
 }
 
-TEST_CASE("Indices of many vertices are wide") {
+TEST_CASE("models of many vertices have 32-bit indices") {
   const TriangleMesh grid = test::flatGrid(260);
   HtmModel large = model(1, grid);
   large.complements.clear();
@@ -163,7 +163,7 @@ TEST_CASE("Indices of many vertices are wide") {
   CHECK(loadHtmModel(folder.path()).surface.mesh == grid);
 }
 
-TEST_CASE("Saving again leaves no buffer of what was there before") {
+TEST_CASE("saving again removes stale buffers and no other files") {
   test::TemporaryFolder folder;
   HtmModel first = model();
   first.source = first.surface;
@@ -180,7 +180,7 @@ TEST_CASE("Saving again leaves no buffer of what was there before") {
   CHECK(contents.contains("meshes/notes.txt"));
 }
 
-TEST_CASE("Texts and names that cannot stand in the file are refused") {
+TEST_CASE("models with invalid texts, paths or surfaces are not saved") {
   const auto refused = [](auto&& change, const char* why) {
     HtmModel wrong = model();
     change(wrong);
@@ -194,10 +194,10 @@ TEST_CASE("Texts and names that cannot stand in the file are refused") {
   refused([](HtmModel& m) { m.cameras[1].imageFile = "/etc/passwd"; }, "cameras[1].imageFile");
   refused([](HtmModel& m) { m.cameras[2].visibilityFile = "../up.png"; }, "cameras[2].visibilityFile");
   refused([](HtmModel& m) { m.settings = "{"; }, "settings");
-  refused([](HtmModel& m) { m.surface.mesh.triangles.clear(); }, "no triangle");
+  refused([](HtmModel& m) { m.surface.mesh.triangles.clear(); }, "triangle");
 }
 
-TEST_CASE("A folder or a document tells what it holds") {
+TEST_CASE("the kind of an asset is known from its folder or document") {
   test::TemporaryFolder folder;
   CHECK_FALSE(assetKind(folder.path()).has_value());
   CHECK_FALSE(assetKind(folder / "missing").has_value());

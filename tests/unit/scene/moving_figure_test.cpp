@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-TEST_CASE("The figure is closed, outward, periodic, and moves without jumps") {
+TEST_CASE("the moving figure is closed, oriented outward, periodic and free of jumps") {
   const TexturedMesh first = movingFigure(0, 1);
   CHECK(test::isOrientedManifold(first.mesh));
   CHECK(test::borderEdges(first.mesh) == 0);
@@ -35,7 +35,7 @@ TEST_CASE("The figure is closed, outward, periodic, and moves without jumps") {
   CHECK(moved > 0.3);
 }
 
-TEST_CASE("The inexact mesh is as far off as it is told to be") {
+TEST_CASE("the inexact mesh has the requested error") {
   const TriangleMesh exact = movingFigure(0.3, 1).mesh, inexact = inexactMesh(exact, 0.004, 0.3, 7);
   CHECK(inexact.triangles == exact.triangles);
   double sum = 0;
@@ -69,7 +69,7 @@ struct Rectangle {
   }
 };
 
-TEST_CASE("A rectangle's photograph is that of the plane it is") {
+TEST_CASE("the photograph of a rectangle equals that of its plane") {
   const Rectangle r;
   const MeshPhotograph picture = photograph(r.mesh, r.camera, 2);
   SyntheticScene scene;
@@ -90,7 +90,7 @@ TEST_CASE("A rectangle's photograph is that of the plane it is") {
   CHECK(partly > 50);
 }
 
-TEST_CASE("What is nearer hides what is farther, and nothing is drawn from behind") {
+TEST_CASE("near surfaces hide far ones, and nothing behind the camera is drawn") {
   Rectangle r;
   const Image8 alone = photograph(r.mesh, r.camera, 1).colours;
   const auto first = std::uint32_t(r.mesh.mesh.positions.size());

@@ -143,7 +143,7 @@ void compare(const Scene& a, const Scene& b) {
 
 }  // namespace
 
-TEST_CASE("a scene comes back from its files as it was") {
+TEST_CASE("a saved scene loads unchanged") {
   const test::TemporaryFolder folder;
   const Scene scene = example();
   REQUIRE(validate(scene).empty());
@@ -153,13 +153,13 @@ TEST_CASE("a scene comes back from its files as it was") {
   CHECK(loadScene(folder / "scene").folder == folder / "scene");
 }
 
-TEST_CASE("an empty scene comes back too") {
+TEST_CASE("an empty scene loads unchanged") {
   const test::TemporaryFolder folder;
   saveScene(Scene{}, folder.path());
   compare(loadScene(folder.path()), Scene{});
 }
 
-TEST_CASE("saving what was loaded writes the same bytes, and nothing else is left behind", "[P3]") {
+TEST_CASE("saving a loaded scene writes the same bytes and removes stale files", "[P3]") {
   const test::TemporaryFolder folder;
   saveScene(example(), folder / "a");
   saveScene(example(2), folder / "b");
@@ -185,7 +185,7 @@ TEST_CASE("a locale with decimal commas changes no file") {
   CHECK(readTextFile(folder / "a/scene.gltf") == readTextFile(folder / "b/scene.gltf"));
 }
 
-TEST_CASE("what is not valid is not saved") {
+TEST_CASE("a scene that is not valid is not saved") {
   const test::TemporaryFolder folder;
   Scene scene = example();
   scene.cells[1].mesh.ratio[2][17] = -1;
@@ -193,7 +193,7 @@ TEST_CASE("what is not valid is not saved") {
   CHECK_FALSE(fs::exists(folder / "scene/scene.gltf"));
 }
 
-TEST_CASE("a mesh comes back from the bytes of its buffer") {
+TEST_CASE("a mesh is decoded unchanged from its buffer") {
   const Scene scene = example();
   for (const Cell& cell : scene.cells) {
     std::vector<glm::ivec2> sizes;
@@ -206,7 +206,7 @@ TEST_CASE("a mesh comes back from the bytes of its buffer") {
   }
 }
 
-TEST_CASE("a scene of version 1 is refused with what to do about it") {
+TEST_CASE("a scene of version 1 is refused, and the error names the remedy") {
   const test::TemporaryFolder folder;
   saveScene(example(), folder.path());
   std::string text = readTextFile(folder / "scene.gltf");
@@ -222,7 +222,7 @@ TEST_CASE("a scene of version 1 is refused with what to do about it") {
                                Catch::Contains("`ibr build`"));
 }
 
-TEST_CASE("the memory demand counts depth textures whole") {
+TEST_CASE("the memory demand includes all bytes of depth textures") {
   const test::TemporaryFolder folder;
   Scene scene = example();
   scene.folder = folder.path();
@@ -237,7 +237,7 @@ TEST_CASE("the memory demand counts depth textures whole") {
   CHECK(with.sum() == without.sum() + 76800);
 }
 
-TEST_CASE("matches keep their grid through texture coordinates of any size") {
+TEST_CASE("matches keep their grid in texture coordinates of any image size") {
   std::mt19937_64 random(3);
   for (const int side : {1, 3, 480, 641, 1567, 16383, 16384, 30001, 65536}) {
     const double grid = side <= 16384 ? 512 : 128;
@@ -250,7 +250,7 @@ TEST_CASE("matches keep their grid through texture coordinates of any size") {
   }
 }
 
-TEST_CASE("file names travel as URIs") {
+TEST_CASE("file names are encoded as URIs and decoded unchanged") {
   for (const char* name : {"images/a b.jpg", "images/ä%20#?.png", "a..b/c+d&e.jpg", "100%.jpg"})
     CHECK(decodeUri(encodeUri(name)) == name);
   CHECK(encodeUri("a b%.jpg") == "a%20b%25.jpg");

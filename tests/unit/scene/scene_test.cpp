@@ -54,7 +54,7 @@ void setDepth(Node& node, double scale) {
 
 }  // namespace
 
-TEST_CASE("each fault of a scene is named", "[P2]") {
+TEST_CASE("validation reports each fault of a scene with its field", "[P2]") {
   REQUIRE(validate(goodScene()).empty());
   const std::vector<std::pair<const char*, std::function<void(Scene&)>>> faults{
       {"nodes[1].name", [](Scene& s) { s.nodes[1].name.clear(); }},
@@ -169,7 +169,7 @@ TEST_CASE("a scene with evidence and depth textures is valid") {
   CHECK(validate(scene).empty());
 }
 
-TEST_CASE("faults are all found, in order, up to the limit") {
+TEST_CASE("validation reports all faults in order, up to the limit") {
   Scene scene = goodScene();
   for (Node& node : scene.nodes) node.camera.intrinsics.fx = 0;
   scene.cells[1].mesh.ratio[0][0] = 0;
@@ -180,7 +180,7 @@ TEST_CASE("faults are all found, in order, up to the limit") {
   CHECK(validate(scene, 2).size() == 2);
 }
 
-TEST_CASE("scenes with next to nothing are valid") {
+TEST_CASE("empty scenes and cells without triangles are valid") {
   CHECK(validate(Scene{}).empty());
   Scene scene = goodScene();
   scene.cells[0].mesh.triangles.clear();
@@ -190,7 +190,7 @@ TEST_CASE("scenes with next to nothing are valid") {
   CHECK(validate(scene).empty());
 }
 
-TEST_CASE("a vertex lies where its rays meet, or nowhere") {
+TEST_CASE("a vertex lies where its rays meet, or has no position") {
   Scene scene = goodScene();
   Cell& cell = scene.cells[0];
   for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
@@ -220,7 +220,7 @@ TEST_CASE("a vertex lies where its rays meet, or nowhere") {
   }
 }
 
-TEST_CASE("tiers are counted") {
+TEST_CASE("triangles of tier 0 are counted") {
   Scene scene = goodScene();
   MorphMesh& mesh = scene.cells[0].mesh;
   CHECK(mesh.tier0Count() == mesh.triangles.size());

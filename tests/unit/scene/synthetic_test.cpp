@@ -102,7 +102,7 @@ TEST_CASE("every member shows the texture at every vertex") {
   CHECK(looked > 300);
 }
 
-TEST_CASE("truth at a member's pose is its photograph, and depth fits the mesh") {
+TEST_CASE("the truth at a member's pose is its photograph, and depth fits the mesh") {
   const SyntheticScene made = makeScene(twoPlanes());
   CHECK(renderTruth(made, made.scene.nodes[1].camera, 2) == made.photographs[1]);
   const ImageF depth = renderDepth(made, made.scene.nodes[0].camera);
@@ -132,7 +132,7 @@ TEST_CASE("at infinity all cameras see the same directions") {
   }
 }
 
-TEST_CASE("panoramas and several cells") {
+TEST_CASE("a synthetic scene may have panoramas and several cells") {
   SyntheticOptions options = twoPlanes();
   options.cameras[1].intrinsics = {CameraModel::equirectangular, 256, 128};
   options.cells = {{0, 1}, {2, 0}};
@@ -143,7 +143,7 @@ TEST_CASE("panoramas and several cells") {
   CHECK(made.scene.cells[1].mesh.triangles.size() > 40);
 }
 
-TEST_CASE("around panoramas in a room the mesh closes, over seams and poles") {
+TEST_CASE("the mesh around panoramas in a room is closed, also at seams and poles") {
   const glm::dvec3 offset = GENERATE(glm::dvec3(0.0), glm::dvec3(5e5, 6e6, 100));
   SyntheticOptions options;
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0.1, 0}, {0.3, -0.2, 0.8}})
@@ -187,7 +187,7 @@ TEST_CASE("around panoramas in a room the mesh closes, over seams and poles") {
   }
 }
 
-TEST_CASE("a board in the room leaves out what it hides from any member") {
+TEST_CASE("surfaces that a board hides from a member are not in the mesh") {
   SyntheticOptions options;
   for (const double x : {0.0, 1.0})
     options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
@@ -224,7 +224,7 @@ TEST_CASE("texture values stay within range and depend on the seed") {
   CHECK(textureColour(plane, {0.3, 0.4}) != textureColour(other, {0.3, 0.4}));
 }
 
-TEST_CASE("options that make no scene are refused") {
+TEST_CASE("invalid options of a synthetic scene are refused") {
   SyntheticOptions options = twoPlanes();
   options.gridStep = 0;
   CHECK_THROWS_AS(makeScene(options), Error);
@@ -240,7 +240,7 @@ TEST_CASE("options that make no scene are refused") {
   CHECK_THROWS_AS(makeScene(options), Error);
 }
 
-TEST_CASE("a generated scene of any number is refused, or its pictures and meshes are finite", "[N16]") {
+TEST_CASE("a synthetic scene with extreme options is refused, or is finite", "[N16]") {
   int refused = 0, made = 0;
   const auto attempt = [&](const SyntheticOptions& options) {
     try {

@@ -41,9 +41,9 @@ class Optimiser {
       : scene_(scene), options_(options), aligner_(aligner), progress_(progress), cells_(options.cells) {
     std::ranges::sort(cells_);
     for (std::size_t k = 0; k < cells_.size(); ++k) {
-      check(cells_[k] < scene.cells.size(), ErrorCode::invalidInput, "there is no cell {}: the scene has {}", cells_[k],
+      check(cells_[k] < scene.cells.size(), ErrorCode::invalidInput, "no cell {}: the scene has {} cells", cells_[k],
             scene.cells.size());
-      check(k == 0 || cells_[k] != cells_[k - 1], ErrorCode::invalidInput, "cell {} is named twice", cells_[k]);
+      check(k == 0 || cells_[k] != cells_[k - 1], ErrorCode::invalidInput, "cell {} is listed twice", cells_[k]);
     }
     if (cells_.empty()) {
       cells_.resize(scene.cells.size());
@@ -63,7 +63,7 @@ class Optimiser {
     std::vector<AlignedCell> done(cells_.size());
     const bool finished = runJobs(
         cells_.size(), together, [&](std::size_t k) { done[k] = aligned(k); }, [&](std::size_t) { return wanted(); });
-    check(finished, ErrorCode::cancelled, "stopped while {}; called again it goes on from there", kStage);
+    check(finished, ErrorCode::cancelled, "cancelled while {}; the next run continues from there", kStage);
     return done;
   }
 
@@ -85,8 +85,8 @@ class Optimiser {
       views.push_back({node.camera, readImage(pathInside(scene_.folder, node.imageFile))});
       const Intrinsics& camera = node.camera.intrinsics;
       check(views.back().picture.width == camera.width && views.back().picture.height == camera.height,
-            ErrorCode::invalidInput, "{}: is not {} × {} px, as its camera is", node.imageFile.string(), camera.width,
-            camera.height);
+            ErrorCode::invalidInput, "{}: the image is not {} × {} px, the size of its camera", node.imageFile.string(),
+            camera.width, camera.height);
       if (!node.maskFile.empty()) views.back().mask = readMask(pathInside(scene_.folder, node.maskFile), camera);
     }
     const CellToAlign input{views, cell};
@@ -172,7 +172,7 @@ std::string settingsWith(const std::string& settings, const OptimiseCellsOptions
 OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& options, const Aligner& aligner,
                                   const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
-  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.threads >= 0, ErrorCode::invalidInput, "threads is {}, must be 0 or more", options.threads);
   if (!options.finished.empty()) makeFolders(options.finished);
   std::vector<AlignedCell> done = Optimiser(scene, options, aligner, progress).run();
   OptimiseSceneReport report;
@@ -194,10 +194,10 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
   }
   scene.settings = settingsWith(scene.settings, options);
   if (log && judged > 0)
-    log(LogLevel::info, fmt::format("mean ECC of {} cells: {:.3f} before, {:.3f} after they were optimised", judged,
+    log(LogLevel::info, fmt::format("mean ECC of {} cells: {:.3f} before and {:.3f} after optimisation", judged,
                                     before / double(judged), after / double(judged)));
   if (log && takenBack > 0)
-    log(LogLevel::debug, fmt::format("{} points went back: triangles beside them would turn over", takenBack));
+    log(LogLevel::debug, fmt::format("{} points moved back, because their triangles would have flipped", takenBack));
   report.seconds = watch.seconds();
   return report;
 }
@@ -205,11 +205,11 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
 OptimiseSceneReport optimiseScene(const OptimiseSceneOptions& options, const Aligner& aligner,
                                   const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
-  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+  check(!options.output.empty(), ErrorCode::invalidInput, "the output folder of the scene is not set");
   Scene scene = loadScene(options.scene);
   std::error_code ignored;
   check(!fs::equivalent(scene.folder, options.output, ignored), ErrorCode::invalidInput,
-        "{}: the scene would overwrite itself; name another folder", options.output.string());
+        "{}: the output would overwrite the source scene; choose another folder", options.output.string());
   OptimiseCellsOptions cells = options.cells;
   if (cells.finished.empty()) cells.finished = options.output / ".optimise";
   OptimiseSceneReport report = optimiseCells(scene, cells, aligner, progress, log);

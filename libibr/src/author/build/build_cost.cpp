@@ -47,7 +47,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   add("matching features", kPair * double(work.pairs), threads.features, 0);
   const double judging =
       1e-9 * ((kSweep + kConfirm) * work.judgedSweptPixels + kJudged * work.judgedPixels + kJudge * work.judgePixels);
-  add("finding what moved", judging, threads.movers, judging / photographs);
+  add("finding moving objects", judging, threads.movers, judging / photographs);
   double cells = 0, longest = 0;
   for (const CellWork& cell : work.cells) {
     cells += cellSeconds(cell);

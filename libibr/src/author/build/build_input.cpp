@@ -63,7 +63,7 @@ std::string missingText(const std::vector<std::string>& missing, const fs::path&
   std::vector<std::string> named;
   for (std::size_t i = 0; i < std::min(missing.size(), kNamed); ++i) {
     const auto found = there.find(lowered(missing[i]));
-    named.push_back(missing[i] + (found == there.end() ? "" : " (there it is " + found->second + ")"));
+    named.push_back(missing[i] + (found == there.end() ? "" : " (the folder has " + found->second + ")"));
   }
   return fmt::format("{}{}", fmt::join(named, ", "),
                      missing.size() > kNamed ? fmt::format(" and {} more", missing.size() - kNamed) : "");
@@ -86,8 +86,8 @@ void findPhotographs(BuildInput& input, const BuildOptions& options) {
     }
   }
   check(missing.empty(), ErrorCode::io,
-        "{}: {} of the model's {} photographs are missing there: {}. Is it the folder that the model's names start "
-        "from? --exclude leaves photographs out",
+        "{}: {} of the model's {} photographs are missing: {}. The model's names must be relative to this folder; "
+        "--exclude leaves photographs out",
         options.photographs.string(), missing.size(), input.model.images.size(),
         missing.empty() ? "" : missingText(missing, options.photographs));
   checkReadable(std::move(faults));
@@ -110,10 +110,10 @@ void settleOrientations(const PosedModel& model, const BuildOptions& options, st
   if (log)
     log(LogLevel::warning,
         fmt::format(
-            "{} of {} photographs are turned by EXIF, and their cameras fit both ways ({}{}): they are taken {}. "
-            "If pictures come out turned: --orientation {}",
+            "{} of {} photographs have an EXIF rotation, and their cameras fit both orientations ({}{}): they are used "
+            "{}. If frames come out rotated, set --orientation {}",
             unsure.size(), photographs.size(), photographs[unsure[0]].name, unsure.size() > 1 ? ", …" : "",
-            turned ? "turned upright, as others of the set are" : "as they are stored, which is COLMAP's way",
+            turned ? "upright, like the other rotated photographs" : "as stored, like in COLMAP",
             turned ? "stored" : "exif"));
 }
 
@@ -122,8 +122,8 @@ void checkStoredNames(const std::vector<Photograph>& photographs) {
   std::map<fs::path, std::string> stored;
   for (const Photograph& photo : photographs) {
     const auto [other, fresh] = stored.emplace(photo.imageFile, photo.name);
-    check(fresh, ErrorCode::invalidInput, "{} and {}: a scene would store both as {}", other->second, photo.name,
-          photo.imageFile.string());
+    check(fresh, ErrorCode::invalidInput, "{} and {}: the scene would store both as {}; rename one", other->second,
+          photo.name, photo.imageFile.string());
   }
 }
 
@@ -147,10 +147,10 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
   for (const std::string& name : lookInto(options.masks).pictures)
     if (!expected.contains(fs::path(name).lexically_normal()))
       log(LogLevel::warning,
-          fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
+          fmt::format("{}: no photograph has the name of this mask", (options.masks / name).string()));
   const auto without = std::ranges::count_if(photographs, [](const Photograph& photo) { return photo.mask.empty(); });
   if (without > 0)
-    log(LogLevel::warning, fmt::format("{}: no masks of {} of the {} photographs, among them {}: they are used whole",
+    log(LogLevel::warning, fmt::format("{}: {} of the {} photographs have no mask, for example {}: they are used whole",
                                        options.masks.string(), without, photographs.size(),
                                        std::ranges::find_if(photographs, &fs::path::empty, &Photograph::mask)->name));
 }
@@ -168,14 +168,14 @@ std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions&
 }  // namespace
 
 void checkOptions(const BuildOptions& options) {
-  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.threads >= 0, ErrorCode::invalidInput, "threads is {}, must be 0 or more", options.threads);
   check(options.memory >= 0 && std::isfinite(options.memory), ErrorCode::invalidInput,
-        "memory of {} bytes is negative or not finite", options.memory);
-  check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
+        "memory is {} bytes, must be finite and 0 or more", options.memory);
+  check(options.maxSize >= 0, ErrorCode::invalidInput, "maxSize is {} px, must be 0 or more", options.maxSize);
   const int spacing = options.backdropSpacing;
   check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
-        "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
-  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+        "backdropSpacing is {} px, must be 2, 4, 8, 16 or 32", spacing);
+  check(!options.output.empty(), ErrorCode::invalidInput, "the output folder of the scene is not set");
   checkPlanOptions(options);
   check(options.masks.empty() || fs::is_directory(options.masks), ErrorCode::io, "{}: is not a folder of masks",
         options.masks.string());

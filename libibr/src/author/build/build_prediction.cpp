@@ -269,16 +269,16 @@ void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, c
     return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
   };
   check(prediction.diskFree <= 0 || prediction.disk <= 1.5 * prediction.diskFree, ErrorCode::io,
-        "{}: the scene takes about {} of the disk, which has {} for it. --texture bc7 takes a quarter for textures, "
-        "--max-size makes photographs smaller",
+        "{}: the scene needs about {} of disk space, but only {} are free. --texture bc7 stores textures in a quarter "
+        "of the space, --max-size makes photographs smaller",
         options.output.string(), text(prediction.disk), text(prediction.diskFree));
   if (!log) return;
   if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
-    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, there are {}", text(prediction.disk),
-                                       text(prediction.diskFree)));
+    log(LogLevel::warning, fmt::format("disk space may not suffice: about {} are needed, {} are free",
+                                       text(prediction.disk), text(prediction.diskFree)));
   if (prediction.memory > prediction.memoryAllowed)
     log(LogLevel::warning,
-        fmt::format("up to {} of memory are needed even one job at a time, more than the {} that are allowed: "
+        fmt::format("up to {} of memory are needed even with one job at a time, but only {} are allowed: "
                     "--max-size makes photographs smaller, --memory allows more",
                     text(prediction.memory), text(prediction.memoryAllowed)));
 }

@@ -151,10 +151,11 @@ class Builder {
       const double share = ignoredShare(mask);
       if (share > 0) report_.masks.push_back({input_.photographs[i].name, share, 0});
       if (share > kHardlyUsed && log_)
-        log_(LogLevel::warning,
-             fmt::format("{}: its mask leaves {:.0f} % of it. What is 0 is ignored, anything else is used: is it the "
-                         "other way round?",
-                         input_.photographs[i].name, 100 * (1 - share)));
+        log_(
+            LogLevel::warning,
+            fmt::format("{}: the mask leaves {:.0f} % of the photograph. Pixels of value 0 are ignored, all others are "
+                        "used; check that the mask is not inverted",
+                        input_.photographs[i].name, 100 * (1 - share)));
       dropIgnored(input_.model, i, input_.tracksOf[i], mask);
     }
     if (report_.masks.empty()) return;
@@ -192,7 +193,7 @@ class Builder {
     if (std::ranges::all_of(moved, &BitMask::empty)) return;
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
-    jobs_.runAll("masking what moved", moved.size(), bytes, [&](std::size_t i) {
+    jobs_.runAll("masking moving objects", moved.size(), bytes, [&](std::size_t i) {
       if (!moved[i].empty()) addMask(i, moved[i]);
     });
     std::map<std::string, double> given;
@@ -250,10 +251,10 @@ class Builder {
     if (!log_ || !plan_.cells.empty() || input_.photographs.size() < 2) return;
     const bool shared =
         std::ranges::any_of(input_.model.tracks, [](const Track& t) { return t.observations.size() > 1; });
-    const std::string text = fmt::format(
-        "none of the {} photographs can be joined: {}", input_.photographs.size(),
-        shared ? "the reasons stand at the end"
-               : "no point of the model is seen by two of them. Is it complete (points3D with its tracks)?");
+    const std::string text =
+        fmt::format("none of the {} photographs can be joined into a cell: {}", input_.photographs.size(),
+                    shared ? "the report lists the reasons"
+                           : "no point of the model is seen by two of them; check that points3D has its tracks");
     log_(LogLevel::warning, text);
   }
 
@@ -261,7 +262,7 @@ class Builder {
   void makeCells(std::span<const PhotographDepth> depths) {
     const CellMaker maker(input_, options_, depths);
     std::vector<CellMembers> wanted = plan_.cells, done;
-    for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
+    for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching replacement cells") {
       std::vector<MadeCell> made(wanted.size());
       double kept = 0, most = 0;
       for (const CellMembers& members : wanted) {
@@ -301,7 +302,7 @@ class Builder {
     }
     if (!(quality.coverage >= kLeastCoverage)) {
       const std::string names = fmt::format("{}", fmt::join(namesOf(members), ", "));
-      const std::string reason = fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
+      const std::string reason = fmt::format("its members agree on {:.1f} % of their pixels, less than {:.0f} %",
                                              100 * quality.coverage, 100 * kLeastCoverage);
       report_.dropped.push_back({names, reason});
       for (const std::uint32_t i : members) failure_[i] = fmt::format("{}: {}", names, reason);
@@ -462,7 +463,7 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
 
 // Options of a draft: skips what a preview does not need, and uses fast depth.
 BuildOptions draftOf(BuildOptions options) {
-  check(options.backdrops, ErrorCode::invalidInput, "a draft without photographs' depth would show nothing");
+  check(options.backdrops, ErrorCode::invalidInput, "a draft needs backdrops, because it has no cells");
   options.depth = DepthSearch::fast;
   options.refinePoses = options.removeMovers = options.fitVignetting = false;
   options.postProcess = nullptr;

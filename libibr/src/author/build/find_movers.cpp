@@ -66,7 +66,7 @@ std::vector<BitMask> findMovers(const BuildInput& input, std::span<const Photogr
   double bytes = 0;
   for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToJudge(photo));
   std::vector<JudgedView> views(judges.size());
-  jobs.runAll("finding what moved", judges.size(), bytes, [&](std::size_t i) {
+  jobs.runAll("finding moving objects", judges.size(), bytes, [&](std::size_t i) {
     if (!judges[i].empty()) views[i] = judged(input, depths[i], judges[i]);
   });
   return settleMovers(views);

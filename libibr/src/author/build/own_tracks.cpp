@@ -54,9 +54,10 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   const double error = reprojectionError(found);
   if (log)
     log(LogLevel::info,
-        fmt::format("{} pairs of photographs have few tracks or none: found {} of our own, {:.2f} px off "
-                    "their points (median)",
-                    pairs.size(), found.tracks.size(), error));
+        fmt::format(
+            "{} pairs of photographs have few tracks or none: found {} of our own with a median reprojection error of "
+            "{:.2f} px",
+            pairs.size(), found.tracks.size(), error));
   input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),
                             std::make_move_iterator(found.tracks.end()));
   input.tracksOf = tracksOfImages(input.model);

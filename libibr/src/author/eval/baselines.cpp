@@ -49,7 +49,8 @@ class PhotographCache {
     Image8 picture = readImage(file);
     const Intrinsics& k = scene_.nodes[node].camera.intrinsics;
     check(picture.width == k.width && picture.height == k.height, ErrorCode::invalidInput,
-          "{}: is {}×{} px, but its camera {}×{}", file.string(), picture.width, picture.height, k.width, k.height);
+          "{}: the image is {}×{} px, its camera {}×{} px", file.string(), picture.width, picture.height, k.width,
+          k.height);
     used_ += picture.values.size();
     while (!kept_.empty() && used_ > bytes_) {
       used_ -= kept_.back().second.values.size();
@@ -75,9 +76,10 @@ struct Baselines::State {
     check(!scene.nodes.empty(), ErrorCode::invalidInput, "a scene without photographs has no baselines");
     for (const Node& node : scene.nodes) {
       check(node.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
-            "{}: is a panorama; baselines are made of pinholes alone", node.name);
+            "{}: is a panorama; baselines support pinhole cameras only", node.name);
       check(node.maskFile.empty(), ErrorCode::unsupported,
-            "{}: has a mask, which baselines do not heed: without --baselines all others are scored", node.name);
+            "{}: has a mask, which baselines do not support; leave out --baselines to score the other methods",
+            node.name);
     }
     std::vector<double> inverse;
     for (const Cell& cell : scene.cells)

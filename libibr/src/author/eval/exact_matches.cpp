@@ -150,8 +150,8 @@ std::string settingsWith(const std::string& settings, const ExactMatchOptions& o
 
 std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
                             int threads, const ProgressCallback& progress) {
-  check(options.withinPx > 0, ErrorCode::invalidInput, "matches within {} px: above 0", options.withinPx);
-  check(options.noisePx >= 0 && options.noisePx <= 64, ErrorCode::invalidInput, "noise of {} px: 0 to 64",
+  check(options.withinPx > 0, ErrorCode::invalidInput, "withinPx is {} px, must be above 0", options.withinPx);
+  check(options.noisePx >= 0 && options.noisePx <= 64, ErrorCode::invalidInput, "noisePx is {} px, must be 0 to 64",
         options.noisePx);
   const auto surfaces = exactSurfaces(scene, truth, threads, progress);
   std::vector<MorphMesh> meshes(scene.cells.size());

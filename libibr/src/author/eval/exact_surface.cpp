@@ -133,7 +133,7 @@ std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::
     const Intrinsics& k = view.camera.intrinsics;
     check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "a view with exact depth is not a pinhole");
     check(view.depth.width == k.width && view.depth.height == k.height && view.depth.channels == 1,
-          ErrorCode::invalidInput, "a view of {}×{} px has exact depth of {}×{}", k.width, k.height, view.depth.width,
+          ErrorCode::invalidInput, "a view has {}×{} px, its exact depth {}×{} px", k.width, k.height, view.depth.width,
           view.depth.height);
   }
   std::set<std::uint32_t> needed;
@@ -141,7 +141,7 @@ std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::
     if (isOfPinholes(scene, cell)) needed.insert(cell.members.begin(), cell.members.end());
   const std::vector<std::uint32_t> nodes(needed.begin(), needed.end());
   std::vector<std::optional<ExactSurface>> surfaces(scene.nodes.size());
-  forEachOf("placing the exact surface", nodes.size(), threads, progress,
+  forEachOf("computing exact surfaces", nodes.size(), threads, progress,
             [&](std::size_t n) { surfaces[nodes[n]].emplace(scene.nodes[nodes[n]].camera, truth); });
   return surfaces;
 }

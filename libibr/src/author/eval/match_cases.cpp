@@ -60,21 +60,22 @@ class CaseReader {
         (key == "disparity" ? result.disparity
          : key == "depth"   ? result.depth
                             : result.homography) = path(value, pointer);
-        require(++truths == 1, pointer, "is a second truth");
+        require(++truths == 1, pointer, "is a second ground truth; a case has at most one");
       } else if (key == "depthUnit") {
         require(value.is_number() && value.get<double>() > 0, pointer, "is not a positive number");
         result.depthUnit = value.get<double>();
       } else if (key == "maxSize") {
-        require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 65536, pointer, "is not 0 to 65536");
+        require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 65536, pointer,
+                "is not an integer from 0 to 65536");
         result.maxSize = value.get<int>();
       } else {
-        require(false, pointer, "is not known");
+        require(false, pointer, "is an unknown key");
       }
     }
     require(!result.name.empty(), at + "/name", "is missing");
     require(!result.images.empty(), at + "/images", "is missing");
     require((result.disparity.empty() && result.homography.empty()) || result.images.size() == 2, at + "/images",
-            "are not the pair that a disparity or a homography needs");
+            "are not 2 files, which a disparity or a homography needs");
     require(result.depth.empty() || !result.model.empty(), at + "/model", "is missing, but exact depth needs poses");
     return result;
   }

@@ -153,7 +153,7 @@ void completeByExif(const std::vector<CaptureFacts>& exif, const std::vector<boo
 }  // namespace
 
 std::string describedExposures(const Exposures& exposures) {
-  if (exposures.measured == 0) return "exposures were not measured: no matches tell them";
+  if (exposures.measured == 0) return "exposures were not measured: no usable matches between photographs";
   double least = 1, most = 1, tint = 1;
   for (const glm::dvec3& g : exposures.gains) {
     least = std::min(least, g.g);
@@ -162,11 +162,11 @@ std::string describedExposures(const Exposures& exposures) {
   }
   std::string text =
       fmt::format("exposures of {} of {} photographs measured: ", exposures.measured, exposures.gains.size());
-  text += exposures.alike ? fmt::format("all are alike within {:.0f} %, so that none is kept", 100 * kAlike)
+  text += exposures.alike ? fmt::format("all are alike within {:.0f} %, so no gains are stored", 100 * kAlike)
                           : fmt::format("{:.2f} stops apart, white balance within {:.1f} %", std::log2(most / least),
                                         100 * (tint - 1));
   if (exposures.parts > 1)
-    text += fmt::format("; in {} parts that nothing joins, each as bright as it is in the mean", exposures.parts);
+    text += fmt::format("; {} parts without common matches, each keeps its mean brightness", exposures.parts);
   return text;
 }
 

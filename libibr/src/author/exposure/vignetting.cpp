@@ -84,9 +84,9 @@ std::string describedVignetting(const std::vector<glm::dvec2>& vignetting, const
   for (const auto& [lens, of] : found) {
     text += fmt::format("{} {} of {} photographs of one lens: ", lens == found.begin()->first ? "" : ";", of.first,
                         lenses.size());
-    text += isNegligible(of.second)
-                ? "none to be seen"
-                : fmt::format("corners had {:.0f} % of the light", 100 * std::exp(logVignetting(of.second, 1)));
+    text += isNegligible(of.second) ? "negligible"
+                                    : fmt::format("corners have {:.0f} % of the centre's brightness",
+                                                  100 * std::exp(logVignetting(of.second, 1)));
   }
   return text;
 }

@@ -265,7 +265,7 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
       return;
     }
     const auto left = fetchFeatures(featuresFile(a)), right = fetchFeatures(featuresFile(b));
-    check(left && right, ErrorCode::io, "{}: what was kept of the features is gone; build again", input.keep.string());
+    check(left && right, ErrorCode::io, "{}: cached features are missing; build again", input.keep.string());
     matches[p] = matchGuided(cameras[a], *left, cameras[b], *right);
     storeMatches(file, matches[p]);
   });
@@ -274,8 +274,7 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   std::vector<std::vector<glm::vec2>> places(model.images.size());
   for (const std::uint32_t i : images) {
     auto features = fetchFeatures(featuresFile(i));
-    check(features.has_value(), ErrorCode::io, "{}: what was kept of the features is gone; build again",
-          input.keep.string());
+    check(features.has_value(), ErrorCode::io, "{}: cached features are missing; build again", input.keep.string());
     places[i] = std::move(features->at);
   }
   std::vector<Track> all(sets.size());

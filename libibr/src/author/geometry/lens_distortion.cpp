@@ -183,7 +183,8 @@ Lens::Lens(LensModel model, int width, int height, std::span<const double> p)
         p.size(), parameterCount(model));
   check(std::ranges::all_of(p, [](double v) { return std::isfinite(v); }), ErrorCode::invalidInput,
         "a lens has a parameter that is not finite");
-  check(width >= 1 && height >= 1, ErrorCode::invalidInput, "no picture of a lens has {}x{} px", width, height);
+  check(width >= 1 && height >= 1, ErrorCode::invalidInput, "the image size of a lens is {}x{} px, less than 1x1 px",
+        width, height);
   const std::size_t c = isSimple(model) ? 1 : 2;
   focal_ = {p[0], p[c - 1]};
   centre_ = {p[c], p[c + 1]};

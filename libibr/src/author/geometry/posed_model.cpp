@@ -14,7 +14,7 @@ void removeImages(PosedModel& model, const std::vector<std::string>& list) {
   const std::set<std::string> names(list.begin(), list.end());
   for (const std::string& name : names)
     check(std::any_of(model.images.begin(), model.images.end(), [&](const auto& i) { return i.name == name; }),
-          ErrorCode::invalidInput, "\"{}\" is to be left out, but the model has no such image", name);
+          ErrorCode::invalidInput, "\"{}\" cannot be excluded: the model has no such image", name);
   constexpr std::uint32_t kGone = ~0u;
   std::vector<std::uint32_t> index;
   std::vector<PosedImage> kept;

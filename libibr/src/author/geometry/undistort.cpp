@@ -168,8 +168,8 @@ Intrinsics undistorted(const Lens& lens, Border border) {
   const glm::dvec2 middle =
       ray && ray->z < 0 ? glm::dvec2(ray->x / -ray->z, ray->y / ray->z) : glm::dvec2(2 * kWidestTangent);
   check(std::max(std::abs(middle.x), std::abs(middle.y)) < kWidestTangent, ErrorCode::invalidInput,
-        "the middle of a picture of {}x{} px is not seen within {}° of the axis of its lens", lens.width(),
-        lens.height(), kWidestHalfAngle);
+        "the centre of an image of {}x{} px is not within {}° of the axis of its lens", lens.width(), lens.height(),
+        kWidestHalfAngle);
   const Rectangle r = border == Border::crop ? cropped(lens, middle) : kept(lens, middle);
   // At its centre the lens magnifies by the derivative of its distortion.
   const double magnified =

@@ -111,13 +111,16 @@ std::string CellPlanner::whyUnused(std::uint32_t image) const {
     }
   }
   if (!(nearest < std::numeric_limits<double>::infinity()))
-    return "no photograph of its kind was taken from another place";
+    return "no photograph of the same camera type was taken at another capture site";
   if (angle > view.theta)
-    return fmt::format("its axis is {:.0f}° from that of any photograph from another place, more than {:.0f}°",
-                       glm::degrees(angle), glm::degrees(view.theta));
+    return fmt::format(
+        "its viewing direction differs by {:.0f}° or more from photographs at other capture sites; the limit is "
+        "{:.0f}°",
+        glm::degrees(angle), glm::degrees(view.theta));
   if (twin != i)
-    return fmt::format("it stands within {:.2g} of {}, which looks the same way (the next place is {:.2g} away)",
-                       twinDistance, views_[twin].name, nearest);
+    return fmt::format(
+        "it is within {:.2g} of {}, which looks in the same direction (the next capture site is {:.2g} away)",
+        twinDistance, views_[twin].name, nearest);
   // Among the refused pairs of this photograph, reports the one that shares the most tracks.
   const std::string* reason = nullptr;
   std::uint32_t most = 0;
@@ -127,7 +130,7 @@ std::string CellPlanner::whyUnused(std::uint32_t image) const {
         reason = &why;
         most = shared;
       }
-  return reason ? *reason : "it spans no cell of good shape with its neighbours";
+  return reason ? *reason : "it forms no well-shaped cell with its neighbours";
 }
 
 std::vector<Simplex> CellPlanner::simplices(const std::vector<CellMembers>& cells) const {

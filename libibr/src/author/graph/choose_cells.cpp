@@ -47,8 +47,8 @@ std::optional<std::string> CellJudge::sharesTooLittle(std::uint32_t a, std::uint
   if (!relations_.hasTracks()) return std::nullopt;
   const ViewRelation& relation = between(a, b);
   if (relation.shared >= kLeastShared && relation.covisible() >= kLeastCovisible) return std::nullopt;
-  return fmt::format("{} and {} share {} points of {}; {} and {:.0f} % are needed", views_[a].name, views_[b].name,
-                     relation.shared, relation.poorer, kLeastShared, 100 * kLeastCovisible);
+  return fmt::format("{} and {} share {} of {} points; at least {} and {:.0f} % are needed", views_[a].name,
+                     views_[b].name, relation.shared, relation.poorer, kLeastShared, 100 * kLeastCovisible);
 }
 
 std::optional<std::string> CellJudge::refusal(const Simplex& simplex) const {
@@ -58,8 +58,8 @@ std::optional<std::string> CellJudge::refusal(const Simplex& simplex) const {
       const std::uint32_t i = simplex[a], j = simplex[b];
       const double angle = axisAngle(views_, i, j), limit = std::min(views_[i].theta, views_[j].theta);
       if (angle > limit)
-        return fmt::format("{} and {} look {:.0f}° apart, more than {:.0f}°", views_[i].name, views_[j].name,
-                           glm::degrees(angle), glm::degrees(limit));
+        return fmt::format("the viewing directions of {} and {} differ by {:.0f}°, more than {:.0f}°", views_[i].name,
+                           views_[j].name, glm::degrees(angle), glm::degrees(limit));
       if (auto reason = sharesTooLittle(i, j)) return reason;
     }
   return std::nullopt;

@@ -182,7 +182,7 @@ class Harmoniser {
       members_ = vertexVisibility(mesh, now.faces);
       match(mesh, now);
       HtmReport::Adjustment& line = result_.report.adjustments.emplace_back();
-      timed("settling", [&] {
+      timed("adjustment", [&] {
         const std::size_t known = adjustCameras(mesh, line);
         near_ = known == views_.size();
         // Without adjusted cameras the shape would absorb the cameras' errors.

@@ -11,8 +11,8 @@ namespace ibr {
 
 void checkHtmOptions(const HtmOptions& o) {
   const auto inRange = [](const char* name, double value, double low, double high) {
-    check(value >= low && value <= high, ErrorCode::invalidInput, "harmonise: {} is {}, not within {} to {}", name,
-          value, low, high);
+    check(value >= low && value <= high, ErrorCode::invalidInput, "harmonise: {} is {}, must be {} to {}", name, value,
+          low, high);
   };
   inRange("inconsistentSize", o.inconsistentSize, 0, 1e6);
   inRange("inconsistentDifference", o.inconsistentDifference, 0, 255);
@@ -45,16 +45,17 @@ void checkHtmMesh(const TriangleMesh& mesh) {
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
     for (int k = 0; k < 3; ++k)
       check(mesh.triangles[f][k] < mesh.positions.size(), ErrorCode::invalidInput,
-            "harmonise: face {} of the mesh has vertex {} of {}", f, mesh.triangles[f][k], mesh.positions.size());
+            "harmonise: face {} of the mesh has vertex index {}, but there are {} vertices", f, mesh.triangles[f][k],
+            mesh.positions.size());
 }
 
 void checkHtmPhotographs(std::span<const HtmPhotograph> photographs) {
   check(!photographs.empty() && photographs.size() <= kMaxHtmCameraCount, ErrorCode::invalidInput,
-        "harmonise: {} cameras, not 1 to {}", photographs.size(), kMaxHtmCameraCount);
+        "harmonise: {} cameras, must be 1 to {}", photographs.size(), kMaxHtmCameraCount);
   HtmModel model;
   for (const HtmPhotograph& p : photographs) {
-    check(p.camera.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "{}: is no pinhole",
-          p.camera.name);
+    check(p.camera.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput,
+          "{}: is not a pinhole camera", p.camera.name);
     model.cameras.push_back(p.camera);
   }
   if (const std::vector<Fault> faults = validate(model, 1); !faults.empty())
@@ -62,12 +63,13 @@ void checkHtmPhotographs(std::span<const HtmPhotograph> photographs) {
   for (const HtmPhotograph& p : photographs) {
     const Intrinsics& k = p.camera.camera.intrinsics;
     check(std::max(k.width, k.height) <= std::numeric_limits<std::int16_t>::max(), ErrorCode::invalidInput,
-          "{}: {} × {} px, more than templates count", p.camera.name, k.width, k.height);  // TemplateSample
+          "{}: {} × {} px are too large for templates, whose coordinates have 16 bits", p.camera.name, k.width,
+          k.height);  // TemplateSample
     check(p.picture.channels == 3 && p.picture.width == k.width && p.picture.height == k.height,
-          ErrorCode::invalidInput, "{}: the picture is {} × {}, its camera {} × {}", p.camera.name, p.picture.width,
-          p.picture.height, k.width, k.height);
+          ErrorCode::invalidInput, "{}: the photograph is {} × {} px, its camera {} × {} px", p.camera.name,
+          p.picture.width, p.picture.height, k.width, k.height);
     check(p.mask.empty() || (p.mask.channels == 1 && p.mask.width == k.width && p.mask.height == k.height),
-          ErrorCode::invalidInput, "{}: the mask is {} × {}, its camera {} × {}", p.camera.name, p.mask.width,
+          ErrorCode::invalidInput, "{}: the mask is {} × {} px, its camera {} × {} px", p.camera.name, p.mask.width,
           p.mask.height, k.width, k.height);
   }
 }

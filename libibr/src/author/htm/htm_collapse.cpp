@@ -85,8 +85,8 @@ class Collapsing {
       if (!collapse(face)) continue;  // until a face beside this one changes
       ++done;
       ++report_.collapses;
-      if (options_.progress && !options_.progress({"collapsing faces that disagree", report_.collapses, 0}))
-        fail(ErrorCode::cancelled, "cancelled while faces that disagree were collapsed");
+      if (options_.progress && !options_.progress({"collapsing inconsistent faces", report_.collapses, 0}))
+        fail(ErrorCode::cancelled, "cancelled while collapsing inconsistent faces");
     }
     return done > 0;
   }
@@ -162,10 +162,10 @@ class Collapsing {
 
 CollapsedMesh collapseDifferences(const TriangleMesh& mesh, const FaceDifferences& differences,
                                   const HtmCollapseOptions& options) {
-  check(options.faceArea >= 0, ErrorCode::invalidInput, "collapseDifferences: faceArea {} is not a size",
+  check(options.faceArea >= 0, ErrorCode::invalidInput, "collapseDifferences: faceArea is {}, must be 0 or more",
         options.faceArea);
   check(!std::isnan(options.floor), ErrorCode::invalidInput, "collapseDifferences: floor is not a number");
-  check(options.batch >= 1, ErrorCode::invalidInput, "collapseDifferences: batch is 0");
+  check(options.batch >= 1, ErrorCode::invalidInput, "collapseDifferences: batch is 0, must be 1 or more");
   check(options.largestTurnDegrees > 0 && options.largestTurnDegrees < 90, ErrorCode::invalidInput,
         "collapseDifferences: largestTurnDegrees {} is not between 0 and 90", options.largestTurnDegrees);
   RepairedMesh repaired = repairMesh(mesh);

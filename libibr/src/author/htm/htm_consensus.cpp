@@ -104,8 +104,8 @@ class Consensus {
   std::vector<glm::vec2> solve(const ProgressCallback& progress) {
     const auto sweeps = std::size_t(std::max(0, options_.sweeps));
     for (std::size_t sweep = 0; sweep < sweeps; ++sweep) {
-      check(!progress || progress({"settling cameras", sweep, sweeps}), ErrorCode::cancelled,
-            "stopped while cameras settled");
+      check(!progress || progress({"adjusting cameras", sweep, sweeps}), ErrorCode::cancelled,
+            "cancelled while adjusting cameras");
       for (std::size_t k = 0; k < vertices_; ++k) {
         const std::size_t v = sweep % 2 == 0 ? k : vertices_ - 1 - k;
         for (std::size_t i = 0; i < cameras_; ++i)

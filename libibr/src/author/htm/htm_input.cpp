@@ -20,7 +20,7 @@ namespace {
 
 fs::path maskFile(const fs::path& folder, const std::string& name) {
   const std::optional<fs::path> file = maskFileOf(folder, name);
-  check(file.has_value(), ErrorCode::io, "{}: there is no mask for {} (nor {})",
+  check(file.has_value(), ErrorCode::io, "{}: not found; the mask of {} must be this file or {}",
         (folder / name).replace_extension(".png").string(), name, (folder / (name + ".png")).string());
   return *file;
 }
@@ -38,8 +38,8 @@ Size sizeOf(const fs::path& file, bool upright) {
 Image8 loadObjectMask(Photograph photograph, const fs::path& file) {
   const Size wanted = sizeOf(photograph.source, photograph.applyOrientation),
              size = sizeOf(file, photograph.applyOrientation);
-  check(size == wanted, ErrorCode::invalidInput, "{}: the mask is {} × {}, {} is {} × {}", file.string(), size.width,
-        size.height, photograph.source.string(), wanted.width, wanted.height);
+  check(size == wanted, ErrorCode::invalidInput, "{}: the mask is {} × {} px, {} is {} × {} px", file.string(),
+        size.width, size.height, photograph.source.string(), wanted.width, wanted.height);
   photograph.source = file;
   const Image8 colour = loadPhotograph(photograph);
   Image8 mask(colour.width, colour.height, 1);
@@ -54,10 +54,10 @@ PosedModel chosenModel(const HtmBuildOptions& options, const LogCallback& log) {
     unknown.erase(image.name);
     return std::ranges::find(options.exclude, image.name) != options.exclude.end();
   });
-  check(unknown.empty(), ErrorCode::invalidInput, "{}: there is no image {} to leave out", options.model.string(),
+  check(unknown.empty(), ErrorCode::invalidInput, "{}: no image {} to exclude", options.model.string(),
         unknown.empty() ? std::string() : *unknown.begin());
   check(!model.images.empty() && model.images.size() <= kMaxHtmCameraCount, ErrorCode::invalidInput,
-        "{}: {} images, not 1 to {}", options.model.string(), model.images.size(), kMaxHtmCameraCount);
+        "{}: {} images, must be 1 to {}", options.model.string(), model.images.size(), kMaxHtmCameraCount);
   return model;
 }
 
@@ -89,7 +89,7 @@ void checkInputStays(const Input& input, const HtmBuildOptions& options) {
   const auto demandOther = [&](const fs::path& from, const fs::path& to) {
     std::error_code ignored;
     check(!fs::equivalent(from, options.output / to, ignored), ErrorCode::invalidInput,
-          "{}: the output would overwrite it; name another folder for that", from.string());
+          "{}: the output would overwrite this file; choose another output folder", from.string());
   };
   demandOther(options.mesh, kHtmModelFileName);
   for (const Photograph& file : input.files) {

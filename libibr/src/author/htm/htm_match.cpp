@@ -146,7 +146,7 @@ std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const
       [&](std::size_t done) {
         return !progress || progress({"matching vertices", done, cameras});
       });
-  check(finished, ErrorCode::cancelled, "stopped while vertices were matched");
+  check(finished, ErrorCode::cancelled, "cancelled while matching vertices");
   return matches;
 }
 

@@ -104,7 +104,7 @@ class Reduction {
     const double byCount = options_.faceCount > 0 ? double(options_.faceCount) : double(firstCount_);
     const auto target = std::size_t(std::min({byArea, byCount, double(mesh_.faceCount())}));
     if (!options_.progress({"reducing the mesh", firstCount_ - mesh_.faceCount(), firstCount_ - target}))
-      fail(ErrorCode::cancelled, "cancelled while the mesh was reduced");
+      fail(ErrorCode::cancelled, "cancelled while reducing the mesh");
   }
 
   const HtmReduceOptions& options_;
@@ -121,7 +121,7 @@ class Reduction {
 
 ReducedMesh reduceMesh(const TriangleMesh& mesh, const HtmReduceOptions& options) {
   check(options.meanFaceArea >= 0 && std::isfinite(options.meanFaceArea), ErrorCode::invalidInput,
-        "reduceMesh: meanFaceArea {} is not a size", options.meanFaceArea);
+        "reduceMesh: meanFaceArea is {}, must be finite and 0 or more", options.meanFaceArea);
   check(options.largestTurnDegrees > 0 && options.largestTurnDegrees < 90, ErrorCode::invalidInput,
         "reduceMesh: largestTurnDegrees {} is not between 0 and 90", options.largestTurnDegrees);
   RepairedMesh repaired = repairMesh(mesh);

@@ -78,18 +78,19 @@ HtmOptions htmOptionsOf(const std::string& settings) {
   HtmOptions options;
   if (settings.empty()) return options;
   const Json json = Json::parse(settings, nullptr, false);
-  check(json.is_object(), ErrorCode::invalidInput, "the model's settings are no JSON object");
+  check(json.is_object(), ErrorCode::invalidInput, "the model's settings are not a JSON object");
   const auto take = [&](const char* name, auto& value) {
     const auto found = json.find(name);
     if (found == json.end()) return;
     using Value = std::remove_reference_t<decltype(value)>;
-    check(fits<Value>(*found), ErrorCode::invalidInput, "the model's settings: {} is {}", name, found->dump());
+    check(fits<Value>(*found), ErrorCode::invalidInput, "the model's settings: {} has the invalid value {}", name,
+          found->dump());
     value = found->get<Value>();
   };
   forSettings(options, take);
   if (const auto measure = json.find(kMeasure); measure != json.end()) {
     check(*measure == kCorrelation || *measure == kDifferences, ErrorCode::invalidInput,
-          "the model's settings: {} is {}", kMeasure, measure->dump());
+          "the model's settings: {} has the invalid value {}", kMeasure, measure->dump());
     if (*measure == kCorrelation) options.measure = TemplateMeasure::correlation;
   }
   return options;

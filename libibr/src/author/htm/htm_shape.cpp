@@ -156,9 +156,9 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
                                         const ShapeOptions& options, const ProgressCallback& progress) {
   constexpr std::size_t kSweeps = 100;
   const auto wanted = [&](std::size_t done) {
-    return !progress || progress({"settling the shape", done, views.size() + kSweeps});
+    return !progress || progress({"adjusting the shape", done, views.size() + kSweeps});
   };
-  constexpr const char* kStopped = "stopped while the shape settled";
+  constexpr const char* kStopped = "cancelled while adjusting the shape";
   const std::size_t n = mesh.positions.size();
   const Lists neighbours = neighboursOfVertices(mesh);
   const std::vector<CameraSet> outlines = outlinesOf(mesh, views);

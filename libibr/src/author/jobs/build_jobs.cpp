@@ -23,7 +23,7 @@ void BuildJobs::runAll(std::string_view stage, std::size_t count, double bytesEa
   const double left = memory_ - residentMemory() - bytesKept * double(count);
   const bool finished = runJobs(count, threadsFor(threads_, bytesEach, std::max(left, 1.0)), job,
                                 [&](std::size_t done) { return wanted(stage, done, count); });
-  check(finished, ErrorCode::cancelled, "the build was cancelled while {}; called again it goes on from there", stage);
+  check(finished, ErrorCode::cancelled, "the build was cancelled while {}; start again to resume", stage);
 }
 
 SingleThreadedOpenCv::SingleThreadedOpenCv() : before_(cv::getNumThreads()) {

@@ -52,7 +52,7 @@ class KeptReader {
   template <class T>
   std::vector<T> list() {
     const auto count = value<std::uint64_t>();
-    check(count <= (bytes_.size() - at_) / sizeof(T), ErrorCode::invalidInput, "a kept cell ends too early");
+    check(count <= (bytes_.size() - at_) / sizeof(T), ErrorCode::invalidInput, "a cached file is truncated");
     std::vector<T> values(count);
     take(values.data(), values.size() * sizeof(T));
     return values;
@@ -61,7 +61,7 @@ class KeptReader {
 
  private:
   void take(void* to, std::size_t size) {
-    check(size <= bytes_.size() - at_, ErrorCode::invalidInput, "a kept cell ends too early");
+    check(size <= bytes_.size() - at_, ErrorCode::invalidInput, "a cached file is truncated");
     if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
     at_ += size;
   }

@@ -102,8 +102,8 @@ void fillRows(ImageF& map) {
 }  // namespace
 
 FrameDepth depthOfFrame(const Camera& frame, std::span<const MemberDepth> members, double step) {
-  check(members.size() <= kMostMembers, ErrorCode::invalidInput, "{} members, more than {}", members.size(),
-        kMostMembers);
+  check(members.size() <= kMostMembers, ErrorCode::invalidInput, "{} members are more than the maximum of {}",
+        members.size(), kMostMembers);
   std::vector<ImageF> layers;
   for (const MemberDepth& member : members) layers.push_back(layerOf(frame, member));
   const int width = frame.intrinsics.width, height = frame.intrinsics.height;

@@ -35,7 +35,7 @@ std::vector<PanoramaFace> cubeFaces() {
 }
 
 std::vector<PanoramaFace> horizonFaces(int count) {
-  check(count >= 1 && count <= 360, ErrorCode::invalidInput, "{} views round the horizon are not 1 to 360", count);
+  check(count >= 1 && count <= 360, ErrorCode::invalidInput, "{} views around the horizon, must be 1 to 360", count);
   std::vector<PanoramaFace> faces;
   for (int i = 0; i < count; ++i)
     faces.push_back(

@@ -237,7 +237,7 @@ PanoramaSampler::PanoramaSampler(const Image8& panorama)
 Image8 PanoramaSampler::view(const Intrinsics& pinhole, glm::dquat rotation) const {
   check(pinhole.model == CameraModel::pinhole && pinhole.width >= 1 && pinhole.height >= 1 && pinhole.fx > 0 &&
             pinhole.fy > 0 && std::isfinite(pinhole.fx + pinhole.fy + pinhole.cx + pinhole.cy),
-        ErrorCode::invalidInput, "a panorama is split into pinholes with focal lengths above 0 only");
+        ErrorCode::invalidInput, "a panorama can only be split into pinhole images with positive focal lengths");
   const Source from{bordered_.data(), stride_, float(width_), float(height_)};
   switch (channels_) {
     case 1:

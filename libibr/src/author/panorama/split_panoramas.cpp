@@ -56,7 +56,7 @@ class Splitter {
     std::map<fs::path, std::string> stems;  // of the images to be written, with their panorama's name
     for (const PosedImage& image : input_.images) {
       const auto [other, fresh] = stems.emplace(fs::path(image.name).replace_extension(), image.name);
-      check(fresh, ErrorCode::invalidInput, "{} and {}: their pictures would have the same names", other->second,
+      check(fresh, ErrorCode::invalidInput, "{} and {}: their images would have the same names", other->second,
             image.name);
     }
     for (std::size_t i = 0; i < input_.images.size(); ++i) splitOne(i);
@@ -71,12 +71,12 @@ class Splitter {
  private:
   void checkOptions() {
     const double fov = options_.fovDegrees;
-    check(fov > 0 && fov < 180, ErrorCode::invalidInput,
-          "a field of view of {} degrees is not between 0 and 180: no pinhole has it", fov);
-    check(options_.views >= 0, ErrorCode::invalidInput, "{} views are not 0 or more", options_.views);
-    check(options_.size >= 0, ErrorCode::invalidInput, "a size of {} px is not 0 or more", options_.size);
-    check(options_.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options_.threads);
-    check(!options_.output.empty(), ErrorCode::invalidInput, "no folder is named for the pictures");
+    check(fov > 0 && fov < 180, ErrorCode::invalidInput, "the field of view is {} degrees, must be between 0 and 180",
+          fov);
+    check(options_.views >= 0, ErrorCode::invalidInput, "views is {}, must be 0 or more", options_.views);
+    check(options_.size >= 0, ErrorCode::invalidInput, "size is {} px, must be 0 or more", options_.size);
+    check(options_.threads >= 0, ErrorCode::invalidInput, "threads is {}, must be 0 or more", options_.threads);
+    check(!options_.output.empty(), ErrorCode::invalidInput, "the output folder of the images is not set");
     faces_ = options_.views == 0 ? cubeFaces() : horizonFaces(options_.views);
     if (options_.views > 0 && options_.poles)
       for (const PanoramaFace& face : cubeFaces())
@@ -86,7 +86,7 @@ class Splitter {
   void readInput() {
     if (options_.model.empty() && options_.panoramas.empty()) {
       check(!fs::is_directory(options_.input), ErrorCode::invalidInput,
-            "{}: is a folder; to split all panoramas of it, give their poses: a COLMAP model or a file of panoramas",
+            "{}: is a folder; to split all panoramas in it, give their poses as a COLMAP model or a file of panoramas",
             options_.input.string());
       const ImageFileInfo info = probeImage(options_.input);
       Camera camera;
@@ -127,7 +127,7 @@ class Splitter {
 
     const int width = photo.camera.intrinsics.width;
     if (width != 2 * photo.camera.intrinsics.height && log_)
-      log_(LogLevel::warning, fmt::format("{}: {}x{} px; a whole panorama is twice as wide as high",
+      log_(LogLevel::warning, fmt::format("{}: {}x{} px; a full panorama is twice as wide as high",
                                           photo.source.string(), width, photo.camera.intrinsics.height));
     const double fov = options_.fovDegrees * std::numbers::pi / 180;
     const int size = options_.size > 0 ? options_.size : faceSize(width, fov);

@@ -97,7 +97,7 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
                                : orientation == Orientation::exif && info.orientation != 1;
   if (photo.applyOrientation && swaps) std::swap(width, height);
   check(sameShape(width, height, camera), ErrorCode::invalidInput,
-        "{}: {}x{} px, but the model's camera has {}x{}, of other proportions", photo.source.string(), width, height,
+        "{}: {}x{} px, but the model's camera has {}x{} px, another aspect ratio", photo.source.string(), width, height,
         camera.width, camera.height);
   photo.lens = image.lens;
   photo.whole = image.lens ? scaled(k, double(width) / camera.width) : resized(k, width, height);
@@ -121,8 +121,8 @@ void checkReadable(std::vector<std::string> faults) {
 }
 
 void checkEnoughForPoses(const fs::path& folder, std::size_t photographs) {
-  check(photographs >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
-        folder.string(), photographs);
+  check(photographs >= 2, ErrorCode::invalidInput,
+        "{}: estimating poses needs at least 2 photographs, but there are {}", folder.string(), photographs);
 }
 
 bool isOfFile(const Error& error) {
@@ -152,7 +152,7 @@ double bytesToStore(const Photograph& photo) {
 void checkNotOverwritten(const Photograph& photo, const fs::path& folder) {
   std::error_code ignored;
   check(photo.copied || !fs::equivalent(photo.source, folder / photo.imageFile, ignored), ErrorCode::invalidInput,
-        "{}: the output would overwrite this photograph; name another folder for it", photo.source.string());
+        "{}: the output would overwrite this photograph; choose another output folder", photo.source.string());
 }
 
 Image8 storePicture(const Photograph& photo, const fs::path& folder) {

@@ -75,10 +75,10 @@ std::string faultOf(const fs::path& file, const std::string& extension) {
   }
   if (foreign.ends_with(" raw")) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
   if (foreign == "HEIC") return "HEIC files are not read: convert them, for example with heif-convert -q 95";
-  if (foreign == "video") return "is a video: cut photographs from it, for example with ffmpeg";
+  if (foreign == "video") return "is a video: extract photographs from it, for example with ffmpeg";
   if (!foreign.empty()) return foreign + " files are not read: convert them to JPEG";
   if (isForeign(extension)) return lowered(extension).substr(1) + " files are not read: convert them to JPEG";
-  return isImageFile(file) ? "" : "is no JPEG, PNG or TIFF file, though it is called one";
+  return isImageFile(file) ? "" : "is not a JPEG, PNG or TIFF file, despite its extension";
 }
 
 }  // namespace

@@ -12,7 +12,8 @@
 namespace ibr::colmap {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "COLMAP's binary files are read as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "COLMAP's binary files are little-endian: bytes are not swapped");
 
 class Bytes {
  public:
@@ -47,7 +48,7 @@ class Bytes {
     const RecordLocation here = place();
     const auto* const first = reinterpret_cast<const char*>(bytes_.data() + at_);
     const auto* const end = static_cast<const char*>(left() > 0 ? std::memchr(first, 0, left()) : nullptr);
-    check(end != nullptr, ErrorCode::invalidInput, "{}: {} has no end", here.describe(), field);
+    check(end != nullptr, ErrorCode::invalidInput, "{}: {} has no terminating zero byte", here.describe(), field);
     at_ += std::uint64_t(end - first) + 1;
     return {first, end};
   }
@@ -56,7 +57,8 @@ class Bytes {
     at_ += size;
   }
   void finish() const {
-    check(left() == 0, ErrorCode::invalidInput, "{}: {} bytes too many", place().describe(), left());
+    check(left() == 0, ErrorCode::invalidInput, "{}: {} unexpected bytes after the last record", place().describe(),
+          left());
   }
 
  private:

@@ -30,7 +30,7 @@ void readRecords(const fs::path& folder, const LogCallback& log, Records& record
   if (log)
     for (const char* name : {"rigs.bin", "frames.bin", "rigs.txt", "frames.txt"})
       if (fs::exists(folder / name))
-        log(LogLevel::info, fmt::format("{}: not read; images carry their own pose", (folder / name).string()));
+        log(LogLevel::info, fmt::format("{}: ignored; poses are read from the images file", (folder / name).string()));
   for (const bool binary : {true, false}) {
     const std::string extension = binary ? ".bin" : ".txt";
     records.camerasFile = folder / ("cameras" + extension);
@@ -60,8 +60,8 @@ ModelCamera toCamera(const CameraRecord& camera, Border border) {
   const int width = int(camera.width), height = int(camera.height);
   if (camera.kind == colmap::kEquirectangular) {
     check(p.empty() || (p[0] == double(camera.width) && p[1] == double(camera.height)), ErrorCode::unsupported,
-          "{}: camera {} is a panorama of {}x{} px in a picture of {}x{}; only whole ones are read", at, camera.id,
-          p.empty() ? 0 : p[0], p.empty() ? 0 : p[1], camera.width, camera.height);
+          "{}: camera {} is a panorama of {}x{} px in an image of {}x{} px; partial panoramas are not supported", at,
+          camera.id, p.empty() ? 0 : p[0], p.empty() ? 0 : p[1], camera.width, camera.height);
     return {{CameraModel::equirectangular, width, height, 0, 0, 0, 0}, std::nullopt};
   }
   try {
@@ -93,11 +93,11 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
   std::map<std::uint64_t, ModelCamera> cameras;
   for (const CameraRecord& camera : records.cameras)
     check(cameras.emplace(camera.id, toCamera(camera, border)).second, ErrorCode::invalidInput,
-          "{}: CAMERA_ID {} stands twice", camera.place.describe(), camera.id);
+          "{}: CAMERA_ID {} appears twice", camera.place.describe(), camera.id);
 
   std::set<std::uint64_t> imageIds;
   for (const ImageRecord& image : records.images)
-    check(imageIds.insert(image.id).second, ErrorCode::invalidInput, "{}: IMAGE_ID {} stands twice",
+    check(imageIds.insert(image.id).second, ErrorCode::invalidInput, "{}: IMAGE_ID {} appears twice",
           image.place.describe(), image.id);
   std::erase_if(records.images, [&](const ImageRecord& image) {
     if (image.camera != colmap::kNoCamera) return false;
@@ -112,7 +112,7 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
     const std::string at = image.place.describe();
     check(!image.name.empty(), ErrorCode::invalidInput, "{}: image {} has no NAME", at, image.id);
     check(model.images.empty() || model.images.back().name != image.name, ErrorCode::invalidInput,
-          "{}: NAME \"{}\" stands twice", at, image.name);
+          "{}: NAME \"{}\" appears twice", at, image.name);
     const auto camera = cameras.find(image.camera);
     check(camera != cameras.end(), ErrorCode::invalidInput, "{}: CAMERA_ID {} of image {} is not in {}", at,
           image.camera, image.id, records.camerasFile.filename().string());
@@ -124,7 +124,7 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
   trackOf.reserve(records.points.size());
   for (const colmap::PointRecord& point : records.points) {
     check(trackOf.emplace(point.id, model.tracks.size()).second, ErrorCode::invalidInput,
-          "{}: POINT3D_ID {} stands twice", point.place.describe(), point.id);
+          "{}: POINT3D_ID {} appears twice", point.place.describe(), point.id);
     model.tracks.push_back({{point.position[0], point.position[1], point.position[2]}, {}});
   }
   std::size_t lost = 0;
@@ -144,8 +144,8 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
       if (pixel) track.push_back({std::uint32_t(i), *pixel});
     }
   if (lost > 0 && log)
-    log(LogLevel::warning, fmt::format("{}: {} observations of points that are not there are left out",
-                                       records.imagesFile.string(), lost));
+    log(LogLevel::warning,
+        fmt::format("{}: {} observations of missing points are ignored", records.imagesFile.string(), lost));
   std::erase_if(model.tracks, [](const Track& track) { return track.observations.empty(); });
   return model;
 }

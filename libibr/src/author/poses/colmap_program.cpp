@@ -92,10 +92,11 @@ void ColmapProgram::run(const std::string& mark, const std::string& command, con
         if (const auto now = progressIn(text, photographs)) count = *now;
       },
       [&] { return wanted(stage, std::min(count.done, count.total), count.total); });
-  check(!result.stopped, ErrorCode::cancelled, "{} was cancelled; called again it goes on from there", stage);
+  check(!result.stopped, ErrorCode::cancelled, "cancelled while {}; start again to resume", stage);
   if (nothing) return;
-  check(result.status == 0, ErrorCode::io, "{} {} failed with exit status {}. Its last lines (all are in {}):\n{}",
-        program_, command, result.status, logFile.string(), fmt::join(last, "\n"));
+  check(result.status == 0, ErrorCode::io,
+        "{} {} failed with exit status {}; its last lines of output (full log: {}):\n{}", program_, command,
+        result.status, logFile.string(), fmt::join(last, "\n"));
   writeFile(doneFile(mark, command), std::string_view("done\n"));
 }
 
@@ -111,8 +112,8 @@ ChildResult ColmapProgram::runLine(const std::vector<std::string>& line,
   } catch (const Error& e) {
     if (e.code() != ErrorCode::io) throw;
     fail(ErrorCode::io,
-         "{}. Photographs without poses need the program COLMAP: install it (Debian: apt-get install colmap) or name "
-         "it (--colmap), or give poses (--model, --transforms, --panoramas)",
+         "{}; photographs without poses need the program COLMAP: install it (Debian: apt-get install colmap), set its "
+         "path (--colmap) or provide poses (--model, --transforms, --panoramas)",
          e.what());
   }
 }

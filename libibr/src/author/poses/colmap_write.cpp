@@ -23,7 +23,7 @@ void checkName(const std::string& name) {
   const bool ends =
       !name.empty() && name.front() != ' ' && name.back() != ' ' && name.front() != '\t' && name.back() != '\t';
   check(ends && name.find_first_of("\r\n") == name.npos, ErrorCode::invalidInput,
-        "\"{}\" cannot be the name of an image in a COLMAP text model", name);
+        "\"{}\" is not a valid image name in a COLMAP text model: no blanks at either end, no line breaks", name);
 }
 
 // Formats a camera for cameras.txt, without the camera's number.
@@ -43,8 +43,9 @@ std::string cameraText(const PosedImage& image) {
 // Maps an undistorted pixel to the source photograph, distortion included.
 glm::dvec2 taken(const PosedImage& image, glm::dvec2 pixel) {
   const auto seen = image.lens ? image.lens->project(unproject(image.camera.intrinsics, pixel)) : std::optional(pixel);
-  check(seen.has_value(), ErrorCode::invalidInput, "{}: its lens does not see what is observed at {}, {}", image.name,
-        pixel.x, pixel.y);
+  check(seen.has_value(), ErrorCode::invalidInput,
+        "{}: the observation at pixel {}, {} is outside the field of view of the image's lens", image.name, pixel.x,
+        pixel.y);
   return *seen;
 }
 
@@ -60,8 +61,8 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
     const glm::dvec3 p = model.tracks[t].position;
     append(points, "{} {} {} {} 128 128 128 -1", t + 1, p.x, p.y, p.z);  // −1: COLMAP's value for an unknown error
     for (const TrackObservation& o : model.tracks[t].observations) {
-      check(o.image < model.images.size(), ErrorCode::invalidInput, "track {} is seen by image {} of {}", t, o.image,
-            model.images.size());
+      check(o.image < model.images.size(), ErrorCode::invalidInput,
+            "track {} refers to image {}, but there are only {} images", t, o.image, model.images.size());
       append(points, " {} {}", o.image + 1, count[o.image]++);
       const glm::dvec2 pixel = taken(model.images[o.image], o.pixel);
       append(seen[o.image], "{}{} {} {}", seen[o.image].empty() ? "" : " ", pixel.x, pixel.y, t + 1);

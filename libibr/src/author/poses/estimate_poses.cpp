@@ -29,7 +29,7 @@ constexpr double kMostAdded = 0.5;              // maximum share of added photog
 constexpr double kMostLeft = 0.2;               // maximum share of the previous ones that the model may lack
 constexpr std::size_t kBlocks = 8;              // of photographs, matched pair by pair
 constexpr double kBytesPerPixel = 14;           // memory for reading and rotating a photograph
-constexpr const char* kLooking = "looking at photographs";
+constexpr const char* kLooking = "checking photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
 constexpr const char* kMapping = "estimating poses with COLMAP";
@@ -50,7 +50,7 @@ class Estimator {
 
   PoseReport run() {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
-    check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
+    check(!options_.folder.empty(), ErrorCode::invalidInput, "the folder for COLMAP's files is not set");
     names_ = lookInto(options_.photographs).pictures;
     std::erase_if(names_, [&](const std::string& name) {
       return isWithin(options_.photographs / name, options_.without) ||
@@ -79,7 +79,7 @@ class Estimator {
     const std::vector<std::string> key = keyLines();
     const bool ours = fs::exists(file("key"));
     check(ours || !fs::exists(options_.folder) || fs::is_empty(options_.folder), ErrorCode::invalidInput,
-          "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
+          "{}: is not empty and has no poses of an earlier run; choose another folder", options_.folder.string());
     const std::string text = fmt::format("{}\n", fmt::join(key, "\n"));
     if (ours && readTextFile(file("key")) != text) {
       added_ = addedTo(readTextFile(file("key")), key);
@@ -183,7 +183,7 @@ class Estimator {
           });
         },
         [&](std::size_t done) { return wanted(kLooking, done, looked_.size()); });
-    check(finished, ErrorCode::cancelled, "{} was cancelled", kLooking);
+    check(finished, ErrorCode::cancelled, "cancelled while {}", kLooking);
     checkReadable(std::move(faults));
   }
 
@@ -315,8 +315,7 @@ class Estimator {
     if (!fs::is_empty(file("sparse"))) return;
     // COLMAP starts from two photographs side by side; a walk straight ahead has none.
     if (log_)
-      log_(LogLevel::info,
-           "COLMAP found no two photographs to begin with: once more, with such as lie one behind the other");
+      log_(LogLevel::info, "COLMAP found no initial pair of photographs; retrying with pairs in forward motion");
     fs::remove(file("mapper.done"));
     estimateOnce({"--Mapper.init_max_forward_motion", "1", "--Mapper.init_min_tri_angle", "4"});
   }
@@ -362,8 +361,8 @@ class Estimator {
       if (!posed.contains(names_[i])) left.push_back(names_[i]);
     if (log_ && !left.empty())
       log_(LogLevel::warning,
-           fmt::format("{} of {} added photographs show too little of what has a pose, {} for one: delete {} to have "
-                       "all poses estimated anew",
+           fmt::format("{} of {} added photographs overlap too little with photographs that have poses, for example "
+                       "{}: delete {} to estimate all poses again",
                        left.size(), added_.size(), left[0], options_.folder.string()));
   }
 
@@ -392,17 +391,16 @@ class Estimator {
   PoseReport report() const {
     const PoseReport report = largestModel();
     check(report.registered > 0, ErrorCode::invalidInput,
-          "{}: COLMAP found no poses: these photographs share too little of what they show, or were taken too near one "
-          "another. Its words are in {}",
+          "{}: COLMAP found no poses: the photographs overlap too little or were taken too close together; its log is "
+          "{}",
           options_.photographs.string(), file("mapper.log").string());
     if (log_) {
       log_(LogLevel::info, fmt::format("COLMAP registered {} of {} photographs, with {} points: {}", report.registered,
                                        report.photographs, report.points, report.model.string()));
       if (const std::size_t groups = models().size(); groups > 1)
-        log_(LogLevel::warning,
-             fmt::format("the photographs fall into {} groups that share nothing: only the largest is "
-                         "used",
-                         groups));
+        log_(LogLevel::warning, fmt::format("the photographs form {} groups without common points: only the largest is "
+                                            "used",
+                                            groups));
     }
     return report;
   }

@@ -33,8 +33,9 @@ glm::dquat rotationFromMatrix(const JsonValue& json) {
   const glm::dmat3 product = glm::transpose(transposed) * transposed;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (!(std::abs(product[i][j] - (i == j)) <= kRounding)) json.fault("is no rotation: rows are not orthonormal");
-  if (!(glm::determinant(transposed) > 0)) json.fault("is a mirror image, no rotation: its determinant is -1");
+      if (!(std::abs(product[i][j] - (i == j)) <= kRounding))
+        json.fault("is not a rotation: its rows are not orthonormal");
+  if (!(glm::determinant(transposed) > 0)) json.fault("is a reflection, not a rotation: its determinant is -1");
   return glm::normalize(glm::quat_cast(glm::transpose(transposed)));
 }
 
@@ -57,12 +58,12 @@ Pose poseOf(const JsonValue& entry) {
       entry.has(kMatrix) ? rotationFromMatrix(entry[kMatrix]) : rotationFromQuaternion(entry[kQuaternion]);
   if (entry.has(kMatrix) && entry.has(kQuaternion) &&
       !(std::abs(glm::dot(toCamera, rotationFromQuaternion(entry[kQuaternion]))) >= 1.0 - kRounding * kRounding))
-    entry[kQuaternion].fault(fmt::format("is another rotation than \"{}\"", kMatrix));
+    entry[kQuaternion].fault(fmt::format("does not match \"{}\"", kMatrix));
   if (!entry.has(kPosition)) return poseFromWorldToCamera(toCamera, vector(entry[kTranslation]));
   const glm::dvec3 position = vector(entry[kPosition]), translation = -(toCamera * position);
   if (entry.has(kTranslation) &&
       !(glm::distance(translation, vector(entry[kTranslation])) <= kRounding * std::max(1.0, glm::length(position))))
-    entry[kTranslation].fault(fmt::format("is another place than \"{}\"", kPosition));
+    entry[kTranslation].fault(fmt::format("does not match \"{}\"", kPosition));
   Pose pose = poseFromWorldToCamera(toCamera, translation);
   pose.position = position;  // exactly the file's value
   return pose;
@@ -82,7 +83,7 @@ PosedModel modelOf(const JsonValue& json) {
     const JsonValue entry = list.at(i);
     const std::string name = entry["name"].string();
     if (name.empty()) entry["name"].fault("is empty");
-    if (!names.insert(name).second) entry["name"].fault(fmt::format("\"{}\" stands twice", name));
+    if (!names.insert(name).second) entry["name"].fault(fmt::format("\"{}\" appears twice", name));
     model.images.push_back({name, {intrinsics, poseOf(entry)}});
   }
   if (json.has("triangles")) {

@@ -8,7 +8,8 @@ namespace ibr {
 std::filesystem::path posesFile(const BuildOptions& options) {
   std::filesystem::path found;
   for (const std::filesystem::path& file : {options.model, options.transforms, options.panoramas}) {
-    check(found.empty() || file.empty(), ErrorCode::invalidInput, "poses are named twice: {} and {}", found.string(),
+    check(found.empty() || file.empty(), ErrorCode::invalidInput,
+          "poses are given twice, {} and {}: set only one of model, transforms and panoramas", found.string(),
           file.string());
     if (!file.empty()) found = file;
   }

@@ -32,19 +32,19 @@ Pose poseOf(const JsonValue& matrix) {
     for (std::size_t j = 0; j < 4; ++j) rows[i][j] = row.at(j).number();
   }
   for (int j = 0; j < 4; ++j)
-    if (!(std::abs(rows[3][j] - (j == 3)) <= kRounding)) matrix.at(3).fault("is not 0 0 0 1: no rigid motion");
+    if (!(std::abs(rows[3][j] - (j == 3)) <= kRounding)) matrix.at(3).fault("is not 0 0 0 1: not a rigid transform");
   glm::dmat3 turn;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) turn[j][i] = rows[i][j];
   for (int j = 0; j < 3; ++j)
     if (!(std::abs(glm::length(turn[j]) - 1.0) <= kRounding))
-      matrix.fault(fmt::format("is no rigid motion: its column {} has length {}, not 1: the camera's axes are scaled",
-                               j, glm::length(turn[j])));
+      matrix.fault(fmt::format("is not a rigid transform: column {} has length {}, not 1 (scaled axes)", j,
+                               glm::length(turn[j])));
   for (int j = 0; j < 3; ++j)
     if (!(std::abs(glm::dot(turn[j], turn[(j + 1) % 3])) <= kRounding))
-      matrix.fault(
-          fmt::format("is no rigid motion: its columns {} and {} are not at right angles: sheared", j, (j + 1) % 3));
-  if (!(glm::determinant(turn) > 0)) matrix.fault("is no rigid motion, but a mirror image: its determinant is -1");
+      matrix.fault(fmt::format("is not a rigid transform: columns {} and {} are not perpendicular (sheared axes)", j,
+                               (j + 1) % 3));
+  if (!(glm::determinant(turn) > 0)) matrix.fault("is a reflection, not a rigid transform: its determinant is -1");
   return {{rows[0][3], rows[1][3], rows[2][3]}, glm::normalize(glm::quat_cast(turn))};
 }
 
@@ -74,7 +74,7 @@ std::optional<int> sizeOf(const Fields& fields, const char* key) {
   if (!value) return std::nullopt;
   const double size = value->number();
   if (!(size >= 1 && size <= kLargest && size == std::floor(size)))
-    value->fault(fmt::format("{} is no whole number from 1 to {}", size, kLargest));
+    value->fault(fmt::format("{} is not a whole number from 1 to {}", size, kLargest));
   return int(size);
 }
 
@@ -87,14 +87,14 @@ double focalOf(const Fields& fields, const char* focal, const char* angle, int s
   if (!value) return otherwise;
   const double radians = value->number();
   if (!(radians > 0 && radians < 3.14))
-    value->fault(fmt::format("{} is no angle between 0 and π, in radians", radians));
+    value->fault(fmt::format("{} is not an angle between 0 and π radians", radians));
   return 0.5 * size / std::tan(0.5 * radians);
 }
 
 void demandZero(const Fields& fields, std::initializer_list<const char*> keys, const std::string& model) {
   for (const char* key : keys)
     if (const auto value = fields.find(key); value && value->number() != 0)
-      value->fault(fmt::format("is not 0, but {} has no such term that is read", model));
+      value->fault(fmt::format("is not 0, but this term is not supported for camera model {}", model));
 }
 
 void setCamera(PosedImage& image, const Fields& fields, int width, int height, Border border) {
@@ -110,7 +110,8 @@ void setCamera(PosedImage& image, const Fields& fields, int width, int height, B
   }
   const double fx = focalOf(fields, "fl_x", "camera_angle_x", width, 0);
   const double fy = focalOf(fields, "fl_y", "camera_angle_y", height, fx);
-  if (fx == 0 && fy == 0) fields.frame().fault("has no focal length: neither fl_x nor camera_angle_x is here or above");
+  if (fx == 0 && fy == 0)
+    fields.frame().fault("has no focal length: set fl_x or camera_angle_x in the frame or in the file");
   const std::array c{fields.number("cx", 0.5 * width), fields.number("cy", 0.5 * height)};
   k = {CameraModel::pinhole, width, height, fx > 0 ? fx : fy, fy, c[0], c[1]};
   const auto n = [&](const char* key) { return fields.number(key, 0); };
@@ -174,17 +175,17 @@ PosedModel modelOf(const JsonValue& json, const fs::path& file, const fs::path& 
       image.name = plainName(path.string());
     } else {
       const auto name = nameBelow(photographs, file.parent_path(), path.string());
-      if (!name) path.fault(fmt::format("\"{}\": no such picture in {}", path.string(), photographs.string()));
+      if (!name) path.fault(fmt::format("\"{}\": no such photograph in {}", path.string(), photographs.string()));
       image.name = *name;
     }
-    if (!names.insert(image.name).second) path.fault(fmt::format("\"{}\" stands twice", image.name));
+    if (!names.insert(image.name).second) path.fault(fmt::format("\"{}\" appears twice", image.name));
     auto width = sizeOf(fields, "w"), height = sizeOf(fields, "h");
     if ((!width || !height) && !photographs.empty()) {
       const ImageFileInfo info = probeImage(photographs / image.name);
       width = width.value_or(info.width);
       height = height.value_or(info.height);
     }
-    if (!width || !height) frame.fault("has no size: w and h are neither here nor above");
+    if (!width || !height) frame.fault("has no size: set w and h in the frame or in the file");
     image.camera.pose = poseOf(frame["transform_matrix"]);
     setCamera(image, fields, *width, *height, border);
     model.images.push_back(std::move(image));

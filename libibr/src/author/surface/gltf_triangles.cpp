@@ -51,7 +51,7 @@ class Collector {
 
  private:
   void add(const JsonValue& node, const glm::dmat4& parent) {
-    if (!visited_.insert(&node.raw()).second) node.fault("stands in the tree of nodes twice");
+    if (!visited_.insert(&node.raw()).second) node.fault("is in the node tree twice");
     const glm::dmat4 toWorld = parent * placement(node);
     if (node.has("mesh")) {
       const JsonValue primitives = document_.element("meshes", node["mesh"])["primitives"];
@@ -79,13 +79,14 @@ class Collector {
       for (std::size_t k = 0; k < indices.count; ++k) {
         corners.push_back(indices.index(k));
         if (corners.back() >= positions.count)
-          primitive["indices"].fault(fmt::format("{} has no vertex, there are {}", corners.back(), positions.count));
+          primitive["indices"].fault(
+              fmt::format("has vertex index {}, but there are {} vertices", corners.back(), positions.count));
       }
     } else {
       for (std::uint32_t v = 0; v < positions.count; ++v) corners.push_back(v);
     }
     if (mode == kTriangles && corners.size() % 3 != 0)
-      primitive.fault(fmt::format("has {} corners, not three a triangle", corners.size()));
+      primitive.fault(fmt::format("has {} corners, which is not a multiple of 3", corners.size()));
     const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0;
     const std::size_t step = mode == kTriangles ? 3 : 1;
     for (std::size_t k = 0; k + 2 < corners.size(); k += step) {

@@ -48,9 +48,9 @@ TriangleMesh readObj(const fs::path& path) {
       std::size_t corners = 0;
       for (std::string_view word = nextWord(line); !word.empty(); word = nextWord(line), ++corners) {
         const auto value = parseInt(word.substr(0, word.find('/')));
-        demand(value && *value != 0, word, "is not a corner of a face");
+        demand(value && *value != 0, word, "is not a vertex index");
         const std::int64_t index = *value > 0 ? *value - 1 : std::int64_t(mesh.positions.size()) + *value;
-        demand(index >= 0 && index <= std::int64_t(0xffffffff), word, "is not a vertex");
+        demand(index >= 0 && index <= std::int64_t(0xffffffff), word, "is out of the range of vertices");
         const auto corner = std::uint32_t(index);
         if (corners == 0) first = corner;
         if (corners >= 2) mesh.triangles.emplace_back(first, last, corner);

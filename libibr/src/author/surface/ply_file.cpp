@@ -64,7 +64,7 @@ class PlyReader {
 
   std::string_view line() {
     const std::size_t end = text().find('\n', at_);
-    demand(end != std::string_view::npos, "the header has no end");
+    demand(end != std::string_view::npos, "the header has no end_header");
     std::string_view line = text().substr(at_, end - at_);
     at_ = end + 1;
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -83,7 +83,7 @@ class PlyReader {
 
   Type type(std::string_view name) const {
     const auto found = std::find(kNames.begin(), kNames.end(), name);
-    demand(found != kNames.end(), "\"{}\" is not a type of a property", name);
+    demand(found != kNames.end(), "\"{}\" is not a property type", name);
     return Type((found - kNames.begin()) % 8);
   }
 
@@ -101,14 +101,14 @@ class PlyReader {
         demand(ascii_ || swapped_ || word[1] == "binary_little_endian", "\"{}\" is not a format", word[1]);
       } else if (word[0] == "element" && word.size() == 3) {
         const auto count = parseInt(word[2]);
-        demand(count && *count >= 0, "\"{}\" is not a number of elements", word[2]);
+        demand(count && *count >= 0, "\"{}\" is not an element count", word[2]);
         elements_.push_back({std::string(word[1]), std::size_t(*count), {}});
       } else if (word[0] == "property" && !elements_.empty() && word.size() == 5 && word[1] == "list") {
         elements_.back().properties.push_back({std::string(word[4]), type(word[3]), type(word[2])});
       } else if (word[0] == "property" && !elements_.empty() && word.size() == 3) {
         elements_.back().properties.push_back({std::string(word[2]), type(word[1]), std::nullopt});
       } else {
-        demand(false, "\"{}\" has no place in a header", word[0]);
+        demand(false, "\"{}\" is not a valid header line", word[0]);
       }
     }
     demand(hasFormat, "the header has no format");
@@ -119,7 +119,7 @@ class PlyReader {
     std::size_t least = 0;
     for (const Property& property : element.properties)
       least += ascii_ ? 1 : kBytes[std::size_t(property.count.value_or(property.type))];
-    demand(element.count <= (bytes_.size() - at_ + 1) / least, "is cut short: {} of \"{}\" do not fit into it",
+    demand(element.count <= (bytes_.size() - at_ + 1) / least, "is cut short: {} elements of \"{}\" do not fit into it",
            element.count, element.name);
   }
 
@@ -175,7 +175,7 @@ class PlyReader {
     for (const Property& property : element.properties)
       if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z' && !property.count)
         has[std::size_t(property.name[0] - 'x')] = true;
-    demand(has[0] && has[1] && has[2], "its vertices do not have x, y and z");
+    demand(has[0] && has[1] && has[2], "its vertices lack x, y or z");
     mesh.positions.resize(element.count);
     for (glm::dvec3& position : mesh.positions)
       for (const Property& property : element.properties) {
@@ -191,7 +191,7 @@ class PlyReader {
       return p.count && (p.name == "vertex_indices" || p.name == "vertex_index");
     };
     demand(std::any_of(element.properties.begin(), element.properties.end(), isCorners),
-           "its faces do not have a list vertex_indices");
+           "its faces have no list vertex_indices");
     mesh.triangles.reserve(element.count);
     for (std::size_t f = 0; f < element.count; ++f)
       for (const Property& property : element.properties) {
@@ -200,11 +200,12 @@ class PlyReader {
           continue;
         }
         const double count = number(*property.count);
-        demand(count >= 3, "face {} has {} corners", f, count);
+        demand(count >= 3, "face {} has {} corners, must be 3 or more", f, count);
         std::uint32_t first = 0, last = 0;
         for (double k = 0; k < count; ++k) {
           const double index = number(property.type);
-          demand(index >= 0 && index <= 4294967295.0 && index == std::floor(index), "face {} has corner {}", f, index);
+          demand(index >= 0 && index <= 4294967295.0 && index == std::floor(index),
+                 "face {} has the invalid vertex index {}", f, index);
           const auto corner = std::uint32_t(index);
           if (k == 0) first = corner;
           if (k >= 2) mesh.triangles.emplace_back(first, last, corner);

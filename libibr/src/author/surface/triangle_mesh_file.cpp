@@ -13,7 +13,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "files are written as values lie in memory");
+static_assert(std::endian::native == std::endian::little, "files are written in native byte order");
 
 void checkMesh(const TriangleMesh& mesh, const fs::path& path) {
   check(!mesh.triangles.empty(), ErrorCode::invalidInput, "{}: has no face", path.string());
@@ -22,7 +22,7 @@ void checkMesh(const TriangleMesh& mesh, const fs::path& path) {
   for (const glm::uvec3& t : mesh.triangles) {
     const std::uint32_t largest = std::max({t.x, t.y, t.z});
     check(largest < mesh.positions.size(), ErrorCode::invalidInput,
-          "{}: a face has corner {}, but there are {} vertices", path.string(), largest, mesh.positions.size());
+          "{}: a face has vertex index {}, but there are {} vertices", path.string(), largest, mesh.positions.size());
   }
 }
 
@@ -47,7 +47,7 @@ TriangleMesh readTriangleMesh(const fs::path& path) {
   else if (extension == ".gltf" || extension == ".glb")
     mesh = readGltfTriangles(path);
   else
-    fail(ErrorCode::unsupported, "{}: meshes are read from .ply, .obj, .gltf and .glb", path.string());
+    fail(ErrorCode::unsupported, "{}: not a supported mesh file; use .ply, .obj, .gltf or .glb", path.string());
   checkMesh(mesh, path);
   return mesh;
 }

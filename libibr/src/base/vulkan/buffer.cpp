@@ -24,7 +24,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
     : size_(size) {
   assert(size > 0);
   const VkDeviceSize largest = largestBuffer(device);
-  check(size <= largest, ErrorCode::outOfMemory, "{}: {} bytes, more than the {} that a buffer of {} can have", name,
+  check(size <= largest, ErrorCode::outOfMemory, "{}: {} bytes exceed the maximum buffer size of {} bytes on {}", name,
         size, largest, device.name());
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
   buffer_ = make<BufferHandle>(device, vkCreateBuffer, info, "vkCreateBuffer");

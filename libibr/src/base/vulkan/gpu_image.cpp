@@ -25,11 +25,11 @@ void checkSupport(const Device& device, const GpuImageInfo& info, std::string_vi
   const VkResult result = vkGetPhysicalDeviceImageFormatProperties(
       device.physicalDevice(), info.format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, info.usage, 0, &can);
   check(result != VK_ERROR_FORMAT_NOT_SUPPORTED, ErrorCode::unsupported,
-        "{}: {} has no images of VkFormat {} with VkImageUsageFlags {:#x}", name, device.name(), int(info.format),
-        info.usage);
+        "{}: {} does not support images of VkFormat {} with VkImageUsageFlags {:#x}", name, device.name(),
+        int(info.format), info.usage);
   vk(result, "vkGetPhysicalDeviceImageFormatProperties");
   const auto checkLimit = [&](const char* what, std::uint32_t value, std::uint32_t limit) {
-    check(value <= limit, ErrorCode::unsupported, "{}: {} {}, more than the {} of {}", name, what, value, limit,
+    check(value <= limit, ErrorCode::unsupported, "{}: {} {}, but the maximum is {} on {}", name, what, value, limit,
           device.name());
   };
   checkLimit("width", info.extent.width, can.maxExtent.width);
@@ -38,7 +38,8 @@ void checkSupport(const Device& device, const GpuImageInfo& info, std::string_vi
   checkLimit("mip levels", info.mipLevels, can.maxMipLevels);
   const std::uint64_t bytes = leastBytes(info);
   check(bytes <= can.maxResourceSize, ErrorCode::outOfMemory,
-        "{}: {} bytes, more than the {} that an image of {} can have", name, bytes, can.maxResourceSize, device.name());
+        "{}: {} bytes exceed the maximum image size of {} bytes on {}", name, bytes, can.maxResourceSize,
+        device.name());
 }
 
 ImageHandle makeImage(const Device& device, const GpuImageInfo& info, std::string_view name) {

@@ -54,10 +54,10 @@ MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirem
   checkAlive(device, "vkAllocateMemory");
   const VkPhysicalDeviceMemoryProperties& memory = device.memoryProperties();
   const int type = memoryType(memory, requirements.memoryTypeBits, wish(kind));
-  check(type >= 0, ErrorCode::unsupported, "{}: {} has no suitable type of memory", name, device.name());
+  check(type >= 0, ErrorCode::unsupported, "{}: {} has no suitable memory type", name, device.name());
   const VkDeviceSize heap = memory.memoryHeaps[memory.memoryTypes[type].heapIndex].size;
-  check(requirements.size <= heap, ErrorCode::outOfMemory, "{}: {} bytes, more than the {} of the memory of {}", name,
-        requirements.size, heap, device.name());
+  check(requirements.size <= heap, ErrorCode::outOfMemory, "{}: {} bytes exceed the {} bytes of the memory heap on {}",
+        name, requirements.size, heap, device.name());
 
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                   .allocationSize = requirements.size,
@@ -65,7 +65,7 @@ MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirem
   VkDeviceMemory handle = VK_NULL_HANDLE;
   const VkResult result = vkAllocateMemory(device.handle(), &info, nullptr, &handle);
   check(result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,
-        "{}: no {} bytes of memory are left on {} (vkAllocateMemory: {})", name, requirements.size, device.name(),
+        "{}: cannot allocate {} bytes on {} (vkAllocateMemory: {})", name, requirements.size, device.name(),
         resultName(result));
   vk(device, result, "vkAllocateMemory");
   MemoryHandle owner(device.handle(), handle);

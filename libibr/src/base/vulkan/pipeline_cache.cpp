@@ -27,7 +27,7 @@ std::vector<std::byte> unpacked(const fs::path& file) {
   std::vector<std::byte> bytes = readFile(file, kLargestFile);
   const std::vector<std::byte> data(bytes.begin() + std::ptrdiff_t(std::min(kHeadBytes, bytes.size())), bytes.end());
   check(data.size() >= sizeof(VkPipelineCacheHeaderVersionOne) && bytes == packedPipelineCache(data),
-        ErrorCode::invalidInput, "{}: is no whole pipeline cache", file.string());
+        ErrorCode::invalidInput, "{}: not a valid pipeline cache", file.string());
   return data;
 }
 
@@ -49,7 +49,8 @@ std::vector<std::byte> dataFor(const VkPhysicalDeviceProperties& properties, con
       messages.send(LogLevel::debug, fmt::format("{}: {} bytes of compiled pipelines", file.string(), data.size()));
       return data;
     }
-    messages.send(LogLevel::info, fmt::format("{}: is of another device or driver, ignored", file.string()));
+    messages.send(LogLevel::info,
+                  fmt::format("{}: pipeline cache of another device or driver, ignored", file.string()));
   } catch (const Error& error) {
     messages.send(LogLevel::warning, fmt::format("{}; ignored", error.what()));
   }

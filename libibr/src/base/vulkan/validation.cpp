@@ -68,9 +68,9 @@ Validation::Validation(Messages& messages)
                 .enabledValidationFeatureCount = 1,
                 .pEnabledValidationFeatures = &kSynchronisation} {
   check(hasInstanceExtension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME) && hasValidationLayer(), ErrorCode::unsupported,
-        "validation is asked for, but {} is not installed (Debian: vulkan-validationlayers)", kLayer);
+        "validation is requested, but {} is not installed (Debian: install vulkan-validationlayers)", kLayer);
   check(hasInstanceExtension(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME, kLayer), ErrorCode::unsupported,
-        "{} is too old: it has no {}", kLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+        "{} is too old: extension {} is missing", kLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
 }
 
 Messenger::Messenger(VkInstance instance, Messages& messages) : instance_(instance) {

@@ -39,7 +39,7 @@ const char* resultName(VkResult result) noexcept {
     IBR_RESULT(VK_ERROR_OUT_OF_DATE_KHR);
     IBR_RESULT(VK_ERROR_UNKNOWN);
     default:
-      return "an unknown VkResult";
+      return "unknown VkResult";
   }
 #undef IBR_RESULT
 }

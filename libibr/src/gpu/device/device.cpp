@@ -94,7 +94,7 @@ Device Device::create(const DeviceOptions& options) {
 
 Device Device::adopt(const DeviceHandles& handles) {
   check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
-        "a device cannot be adopted: {} is null",
+        "the device cannot be adopted: handle '{}' is null",
         !handles.instance         ? "instance"
         : !handles.physicalDevice ? "physicalDevice"
         : !handles.device         ? "device"
@@ -104,7 +104,7 @@ Device Device::adopt(const DeviceHandles& handles) {
     description.lacking.push_back(std::move(lack));
   // Vulkan cannot report enabled features, but a device created for an older version lacks this function.
   if (description.lacking.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
-    description.lacking.push_back("Vulkan 1.3, as it was created");
+    description.lacking.push_back("Vulkan 1.3 (created for an older version)");
   check(description.lacking.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
         description.name, fmt::join(description.lacking, ", "));
 

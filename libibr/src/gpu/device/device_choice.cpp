@@ -154,7 +154,7 @@ std::vector<std::string> Device::disabledFeatures(const std::string& list) {
   std::istringstream words(fromEnvironment ? environment : list);
   for (std::string name; std::getline(words, name, ',');) {
     check(std::find(known.begin(), known.end(), name) != known.end(), ErrorCode::invalidInput,
-          "{}'{}' is no optional feature to disable; there are {}", fromEnvironment ? "IBR_DISABLE_FEATURES: " : "",
+          "{}'{}' is not an optional feature; known features: {}", fromEnvironment ? "IBR_DISABLE_FEATURES: " : "",
           name, fmt::join(known, ", "));
     names.push_back(name);
   }
@@ -210,8 +210,8 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
   const DeviceRequirements requirements = Device::requirements();
   std::vector<std::string>& lacking = description.lacking;
   if (properties.apiVersion < requirements.apiVersion) {
-    lacking.push_back(
-        fmt::format("Vulkan {} (it has {})", versionText(requirements.apiVersion), versionText(properties.apiVersion)));
+    lacking.push_back(fmt::format("Vulkan {} (device has {})", versionText(requirements.apiVersion),
+                                  versionText(properties.apiVersion)));
     return description;  // an older device does not report these features
   }
   DeviceFeatures has = featuresOf(device);
@@ -226,7 +226,8 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
 
 std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family) {
   const auto families = queueFamilies(device);
-  if (family >= families.size()) return {fmt::format("queue family {} (it has {})", family, families.size())};
+  if (family >= families.size())
+    return {fmt::format("queue family {} (device has {} families)", family, families.size())};
   const VkQueueFlags required = Device::requirements().queueFlags;
   if ((families[family].queueFlags & required) == required) return {};
   return {fmt::format("graphics and compute in queue family {}", family)};
@@ -258,8 +259,9 @@ std::size_t choose(std::span<const DeviceDescription> devices, const std::string
   if (best) return *best;
   fail(ErrorCode::unsupported, "no usable Vulkan device{}: {}",
        wish.empty() ? std::string() : fmt::format(" '{}'{}", wish, fromEnvironment ? " (IBR_DEVICE)" : ""),
-       rejected.empty() ? "the drivers installed find none (Debian: mesa-vulkan-drivers has one that needs no GPU)"
-                        : fmt::format("{}", fmt::join(rejected, "; ")));
+       rejected.empty()
+           ? "the installed drivers find no device (Debian: install mesa-vulkan-drivers, which needs no GPU)"
+           : fmt::format("{}", fmt::join(rejected, "; ")));
 }
 
 }  // namespace ibr

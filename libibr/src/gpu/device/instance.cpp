@@ -11,7 +11,7 @@ namespace ibr {
 Instance::Instance(std::span<const std::string> extensions, bool validation, Messages& messages) {
   std::vector<const char*> enabled;
   for (const std::string& name : extensions) {
-    check(hasInstanceExtension(name), ErrorCode::unsupported, "Vulkan has no instance extension {} here", name);
+    check(hasInstanceExtension(name), ErrorCode::unsupported, "the Vulkan loader has no instance extension {}", name);
     enabled.push_back(name.c_str());
   }
   std::optional<Validation> validated;
@@ -34,7 +34,7 @@ Instance::Instance(std::span<const std::string> extensions, bool validation, Mes
   VkInstance instance = VK_NULL_HANDLE;
   const VkResult result = vkCreateInstance(&info, nullptr, &instance);
   check(result != VK_ERROR_INCOMPATIBLE_DRIVER, ErrorCode::unsupported,
-        "no Vulkan driver is installed (Debian: mesa-vulkan-drivers has one that needs no GPU)");
+        "no Vulkan driver is installed (Debian: install mesa-vulkan-drivers, which needs no GPU)");
   vk(result, "vkCreateInstance");
   instance_.reset(instance);
   if (validation) messenger_.emplace(instance, messages);

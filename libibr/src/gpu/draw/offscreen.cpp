@@ -18,7 +18,7 @@ bool blueFirst(VkFormat format) {
 }
 
 GpuImageInfo imageInfo(VkExtent2D extent, VkFormat format) {
-  check(extent.width > 0 && extent.height > 0, ErrorCode::invalidInput, "offscreen image: its extent is {}×{}",
+  check(extent.width > 0 && extent.height > 0, ErrorCode::invalidInput, "offscreen image: extent {}×{} is empty",
         extent.width, extent.height);
   check(blueFirst(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_R8G8B8A8_SRGB,
         ErrorCode::unsupported, "offscreen image: VkFormat {} is not 8-bit RGBA or BGRA", int(format));

@@ -54,7 +54,7 @@ struct OffscreenBuffers::State {
 };
 
 OffscreenBuffers::OffscreenBuffers(const Device& device, VkExtent2D extent) {
-  check(extent.width > 0 && extent.height > 0, ErrorCode::invalidInput, "offscreen buffers: their extent is {}×{}",
+  check(extent.width > 0 && extent.height > 0, ErrorCode::invalidInput, "offscreen buffers: extent {}×{} is empty",
         extent.width, extent.height);
   state_ = std::make_unique<State>(device, extent);
 }

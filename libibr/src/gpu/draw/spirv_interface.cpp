@@ -33,10 +33,10 @@ class SpirvReader {
     for (at_ = kHeader; at_ < words.size(); at_ += count_) {
       count_ = words[at_] >> 16;
       check(count_ > 0 && count_ <= words.size() - at_, ErrorCode::invalidInput,
-            "SPIR-V, word {}: an instruction of {} words, where {} are left", at_, count_, words.size() - at_);
+            "SPIR-V, word {}: instruction of {} words, but only {} are left", at_, count_, words.size() - at_);
       instruction(words[at_] & 0xffff);
     }
-    check(entryPoints_ == 1, ErrorCode::invalidInput, "SPIR-V: {} entry points instead of one", entryPoints_);
+    check(entryPoints_ == 1, ErrorCode::invalidInput, "SPIR-V: {} entry points instead of 1", entryPoints_);
   }
 
   SpirvInterface result;
@@ -52,7 +52,8 @@ class SpirvReader {
   };
 
   std::uint32_t word(std::uint32_t i) const {
-    check(i < count_, ErrorCode::invalidInput, "SPIR-V, word {}: instruction {} is cut off", at_, words_[at_] & 0xffff);
+    check(i < count_, ErrorCode::invalidInput, "SPIR-V, word {}: instruction {} is truncated", at_,
+          words_[at_] & 0xffff);
     return words_[at_ + i];
   }
   std::string text(std::uint32_t i) const {
@@ -63,7 +64,7 @@ class SpirvReader {
         if (c == 0) return text;
         text += c;
       }
-    fail(ErrorCode::invalidInput, "SPIR-V, word {}: a text without end", at_);
+    fail(ErrorCode::invalidInput, "SPIR-V, word {}: unterminated string", at_);
   }
   const Type& type(std::uint32_t id) const {
     const auto found = types_.find(id);
@@ -139,7 +140,7 @@ class SpirvReader {
       define({.text = fmt::format("{} columns of {}", word(3), element.text), .count = word(3), .rows = element.count});
     const std::uint32_t stride = value(word(1), kArrayStride);
     if (operation == kRuntimeArray)
-      define({.text = "any number of " + element.text, .stride = stride, .structure = element.structure});
+      define({.text = "runtime array of " + element.text, .stride = stride, .structure = element.structure});
     if (operation == kArray) {
       const auto length = numbers_.find(word(3));
       const std::uint64_t elements = length == numbers_.end() ? 0 : length->second;
@@ -158,13 +159,14 @@ class SpirvReader {
       all.stride = std::max(all.stride, member.stride);
       all.text = shortened(all.text + (m > 0 ? ", " : "") + member.text);
     }
-    if (has(id, kOffset, 0)) all.text = fmt::format("block of {} bytes and elements of {}", all.bytes, all.stride);
+    if (has(id, kOffset, 0)) all.text = fmt::format("block of {} bytes, array stride {}", all.bytes, all.stride);
     define(std::move(all));
   }
 
   void variable(std::uint32_t pointer, std::uint32_t id, std::uint32_t storage) {
     const auto pointee = pointees_.find(pointer);
-    check(pointee != pointees_.end(), ErrorCode::invalidInput, "SPIR-V, word {}: no pointer {}", at_, pointer);
+    check(pointee != pointees_.end(), ErrorCode::invalidInput, "SPIR-V, word {}: pointer {} is not defined", at_,
+          pointer);
     if (storage == kPushConstant) {
       result.pushConstantBytes = std::max(result.pushConstantBytes, type(pointee->second).bytes);
     } else if (storage == kUniformConstant || storage == kUniform || storage == kBuffer) {

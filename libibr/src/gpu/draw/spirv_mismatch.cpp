@@ -24,7 +24,7 @@ std::string mismatch(const char* what, const Variables& own, const Variables& ot
       line(variable, fmt::format("is {}, was {}", variable.second.type, found->second.type));
   }
   for (const auto& variable : own)
-    if (all && !other.contains(variable.first)) line(variable, "is gone: " + variable.second.type);
+    if (all && !other.contains(variable.first)) line(variable, "is missing: " + variable.second.type);
   return text;
 }
 
@@ -52,7 +52,7 @@ std::string interfaceMismatch(const SpirvInterface& own, const SpirvInterface& o
   text += mismatch("specialisation constant {}:", own.constants, other.constants, true);
   for (const std::uint32_t capability : other.capabilities)
     if (!own.capabilities.contains(capability) && !always(capability))
-      text += fmt::format("SPIR-V's capability {} is new\n", capability);
+      text += fmt::format("SPIR-V capability {} is new\n", capability);
   if (!text.empty()) text.pop_back();
   return text;
 }

@@ -128,7 +128,7 @@ struct GraphOverlay::State {
 GraphOverlay::State::State(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options)
     : origin(middleOf(graph.photographs)), frustumDepth(options.frustumDepth), members(graph.cells) {
   check(std::isfinite(frustumDepth) && frustumDepth > 0, ErrorCode::invalidInput,
-        "graph overlay: frustumDepth is {}, wanted a positive number", frustumDepth);
+        "graph overlay: frustumDepth {} must be positive and finite", frustumDepth);
   Lines all(origin);
   const auto rangeSince = [&](std::uint32_t first) { return LineRange{first, all.count() - first}; };
   for (std::size_t i = 0; i < graph.photographs.size(); ++i) {
@@ -147,7 +147,7 @@ GraphOverlay::State::State(Device& device, const ImageGraph& graph, const GraphO
     const std::uint32_t first = all.count();
     for (const std::uint32_t member : members[c])
       check(member < graph.photographs.size(), ErrorCode::invalidInput,
-            "graph overlay: cells[{}] names photograph {} of {}", c, member, graph.photographs.size());
+            "graph overlay: cells[{}] refers to photograph {}, but there are {}", c, member, graph.photographs.size());
     for (std::size_t a = 0; a < members[c].size(); ++a)
       for (std::size_t b = a + 1; b < members[c].size(); ++b)
         all.add(graph.photographs[members[c][a]].pose.position, graph.photographs[members[c][b]].pose.position);

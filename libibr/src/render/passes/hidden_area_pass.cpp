@@ -28,11 +28,12 @@ glm::vec4 toClip(const Intrinsics& k) {
 void checkHiddenArea(const std::array<std::vector<glm::vec2>, 2>& triangles) {
   for (std::size_t view = 0; view < triangles.size(); ++view) {
     check(triangles[view].size() % 3 == 0, ErrorCode::invalidInput,
-          "renderer: hiddenArea[{}] has {} corners, which makes no whole triangles", view, triangles[view].size());
+          "renderer: hiddenArea[{}] has {} corners, not a multiple of three", view, triangles[view].size());
     for (std::size_t i = 0; i < triangles[view].size(); ++i) {
       const glm::vec2 corner = triangles[view][i];
       check(std::abs(corner.x) <= kFurthest && std::abs(corner.y) <= kFurthest, ErrorCode::invalidInput,
-            "renderer: hiddenArea[{}][{}] is ({}, {}), further out than {}", view, i, corner.x, corner.y, kFurthest);
+            "renderer: hiddenArea[{}][{}] is ({}, {}), coordinates are limited to ±{}", view, i, corner.x, corner.y,
+            kFurthest);
     }
   }
 }

@@ -65,8 +65,8 @@ void OverlayPass::makeSet(const Device& device) {
   const GpuScene::State& scene = cells_->scene();
   const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
   check(scene.vertices.size() <= most && scene.indices.size() <= most, ErrorCode::unsupported,
-        "overlay: the meshes take {} and {} bytes; {} can read {} in a shader", scene.vertices.size(),
-        scene.indices.size(), device.name(), most);
+        "overlay: vertices of {} bytes or indices of {} bytes exceed the storage buffer limit of {} ({} bytes)",
+        scene.vertices.size(), scene.indices.size(), device.name(), most);
   // Bindings that no pipeline reads get an arbitrary buffer.
   const std::array<VkBuffer, 3> buffers{scene.vertices.get(), scene.indices.get(),
                                         uncertainties_ ? uncertainties_->get() : scene.vertices.get()};

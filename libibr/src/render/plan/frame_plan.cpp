@@ -36,7 +36,7 @@ constexpr std::uint32_t kHybridCells = 2;
 
 void checkView(const Camera& view) {
   const Intrinsics& k = view.intrinsics;
-  check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "view: only a pinhole can be rendered");
+  check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "view: the camera model must be pinhole");
   check(k.width > 0 && k.height > 0, ErrorCode::invalidInput, "view: size {}x{} is empty", k.width, k.height);
   check(k.fx > 0 && k.fy > 0 && std::isfinite(k.fx) && std::isfinite(k.fy), ErrorCode::invalidInput,
         "view: focal lengths {} and {} are not positive", k.fx, k.fy);
@@ -63,11 +63,10 @@ void checkGather(const RenderSettings& settings) {
   inRange("gatherColours", settings.gatherColours, kMaxGatherColours);
   inRange("gatherLayers", settings.gatherLayers, kMaxGatherLayers);
   check(settings.voteScale > 0 && settings.voteScale <= 1, ErrorCode::invalidInput,
-        "settings: voteScale {} is not above 0 and at most 1", settings.voteScale);
-  check(settings.order == DrawOrder::ours, ErrorCode::invalidInput,
-        "settings: order paper is for composition cells only");
+        "settings: voteScale {} must be above 0 and at most 1", settings.voteScale);
+  check(settings.order == DrawOrder::ours, ErrorCode::invalidInput, "settings: order paper requires composition cells");
   check(settings.colourMapping <= ColourMapping::ours, ErrorCode::invalidInput,
-        "settings: the paper's colourMapping is for composition cells only");
+        "settings: the paper's colourMapping requires composition cells");
 }
 
 bool hasMask(const Scene& scene) {
@@ -86,7 +85,7 @@ class Planner {
  public:
   Planner(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state)
       : scene_(scene), bounds_(bounds), settings_(input.settings), state_(state) {
-    check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput, "{} views, not one or two",
+    check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput, "{} views, must be 1 or 2",
           input.views.size());
     for (const Camera& view : input.views) checkView(view);
     checkScale("textureScale", settings_.textureScale);

@@ -82,39 +82,36 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("pinhole coordinates", r.pinholes > 0, fmt::format("{} photographs are pinholes", r.pinholes));
   add("panorama coordinates", r.panoramas > 0,
       fmt::format("{} photographs are panoramas, {} cells are mixed", r.panoramas, r.mixedCells));
-  add("masks", r.masked > 0, fmt::format("{} photographs have one", r.masked));
-  add("order by depth", r.depthOrder, r.depthOrder ? "cells and their folds hide one another" : "not asked for");
-  add("painter's order", r.painters,
-      r.painters ? (r.colourSequence ? "the paper's colour mapping draws so" : "the paper's order was asked for")
-                 : "not asked for");
-  add("dissolving", r.dissolve,
-      r.dissolve ? "what changes its place, or is far, fades" : "not asked for, or nothing to draw");
-  add("blue noise", r.noise, r.noise ? "something dithers or dissolves" : "nothing dithers or dissolves");
-  const char* const alone = "one cell or none: nothing to switch to or to adapt to";
+  add("masks", r.masked > 0, fmt::format("{} photographs have a mask", r.masked));
+  add("depth test", r.depthOrder, r.depthOrder ? "cells and folds within a cell occlude one another" : "not requested");
+  add("painter's algorithm", r.painters,
+      r.painters ? (r.colourSequence ? "required by the paper's colour mapping" : "the paper's draw order is requested")
+                 : "not requested");
+  add("dissolve", r.dissolve, r.dissolve ? "reordered and distant cells fade" : "not requested, or no cells");
+  add("blue noise", r.noise, r.noise ? "used by dithering or dissolve" : "no dithering or dissolve");
+  const char* const alone = "at most one cell: no switches and no colours to match";
   add("vote and gather", r.gather,
-      r.gather           ? fmt::format("{} photographs have a depth that others were asked about", r.gatherable)
-      : r.gatherable > 0 ? "not asked for"
-                         : "no photograph has a depth texture and evidence in its mesh");
-  add("mixing of switches", r.switchMixing,
-      r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not asked for" : alone));
-  add("gains of photographs", r.gains,
-      r.gains ? "photographs were exposed differently" : "one exposure, or none was measured");
+      r.gather ? fmt::format("{} photographs have a depth texture and evidence in the backdrop mesh", r.gatherable)
+      : r.gatherable > 0 ? "not requested"
+                         : "no photograph has a depth texture and evidence in the backdrop mesh");
+  add("cross-fade of main cell switches", r.switchMixing,
+      r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not requested" : alone));
+  add("exposure gains", r.gains, r.gains ? "exposures of photographs differ" : "one exposure, or none measured");
   add("colour tables", r.colourTables,
-      r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not asked for" : alone));
-  add("the paper's colour sequence", r.colourSequence, r.colourSequence ? "asked for" : "not asked for");
-  add("filling", r.fill,
-      r.fill                         ? "holes are filled"
-      : options.fill && r.masked > 0 ? "photographs have masks, and what they leave out is not filled"
-                                     : "not asked for");
-  add("depth for polygons", r.depth, r.depth ? "asked for" : "not asked for");
-  add("both eyes at once", r.multiview, r.multiview ? "there are two views" : "one view, or not asked for");
-  add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not asked for" : "asked for");
-  add("buffers of depth, tier and weights", r.buffers, r.buffers ? "asked for" : "not asked for");
-  add("guiding floor", r.floor, r.floor ? "asked for" : "not asked for");
-  add("hidden area", r.hiddenArea,
-      r.hiddenArea ? "there are pixels that nobody sees" : "not given, or nothing is ordered by depth");
-  add("scaling", options.maxRenderScale > 0,
-      options.maxRenderScale > 0 ? "pictures may be drawn at another size" : "not asked for");
+      r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not requested" : alone));
+  add("the paper's colour sequence", r.colourSequence, r.colourSequence ? "requested" : "not requested");
+  add("hole filling", r.fill,
+      r.fill                         ? "requested"
+      : options.fill && r.masked > 0 ? "masked regions of photographs are not filled"
+                                     : "not requested");
+  add("depth target", r.depth, r.depth ? "requested" : "not requested");
+  add("multiview", r.multiview, r.multiview ? "two views" : "one view, or not requested");
+  add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not requested" : "requested");
+  add("buffers of depth, tier and weights", r.buffers, r.buffers ? "requested" : "not requested");
+  add("guiding floor", r.floor, r.floor ? "requested" : "not requested");
+  add("hidden area", r.hiddenArea, r.hiddenArea ? "the lenses hide some pixels" : "not given, or no depth test");
+  add("render scale", options.maxRenderScale > 0,
+      options.maxRenderScale > 0 ? "cells may be drawn at another resolution" : "not requested");
   return stages;
 }
 

@@ -47,7 +47,7 @@ std::vector<PageClass> classify(const Device& device, const Scene& scene, const 
     const Intrinsics& k = scene.nodes[node].camera.intrinsics;
     const std::uint32_t largest = device.properties().limits.maxImageDimension2D;
     check(std::uint32_t(std::max(k.width, k.height)) <= largest, ErrorCode::unsupported,
-          "{}: {}x{} is more than the device's largest image of {}; build with a smaller --max-size",
+          "{}: {}x{} exceeds the device's maximum image size of {}; build with a smaller --max-size",
           scene.nodes[node].name, k.width, k.height, largest);
     PageClass single{.extent = {std::uint32_t(k.width), std::uint32_t(k.height)}};
     single.format = source(scene, node, int(single.levels()) - 1).format;
@@ -86,9 +86,9 @@ void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uin
   say(options.log, device.supportsBlockCompression() ? LogLevel::info : LogLevel::warning,
       "textures are decoded to RGBA8, {:.1f} MB instead of {:.1f} MB: {} {}", megabytes(totalBytes(classes)),
       megabytes(before), device.name(),
-      !device.supportsBlockCompression()        ? "cannot sample blocks"
-      : options.blocks == BlockTextures::decode ? "is asked to"
-                                                : "samples it faster");
+      !device.supportsBlockCompression()        ? "does not support block compression"
+      : options.blocks == BlockTextures::decode ? "decodes textures as requested"
+                                                : "samples RGBA8 faster");
 }
 
 // Returns the classes with photographs of at most `side` px.
@@ -124,7 +124,8 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
 void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
   const std::uint64_t smallest = meshBytes_ + FixedPages::bytes(*device_, reduced(classes_, 1));
   check(budget_ >= smallest, ErrorCode::outOfMemory,
-        "a budget of {} bytes is too small: with all photographs at one pixel this scene takes {}, {} of them meshes",
+        "a budget of {} bytes is too small: this scene needs {} bytes even at one pixel per photograph, {} bytes of "
+        "them for meshes",
         budget_, smallest, meshBytes_);
   const std::uint64_t forTextures = budget_ - meshBytes_;
   std::uint32_t side = kStandInSide;
@@ -139,8 +140,9 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
       "photographs are streamed: {:.1f} MB of textures, a budget of {:.1f} MB, {:.1f} MB of it for stand-ins of {} px",
       megabytes(totalBytes(classes_)), megabytes(budget_), megabytes(fixed_.allocatedBytes()), side);
   if (side < kStandInSide)
-    say(log_, LogLevel::warning, "stand-ins of photographs have {} px instead of {}: a budget of {:.1f} MB is small",
-        side, kStandInSide, megabytes(budget_));
+    say(log_, LogLevel::warning,
+        "stand-ins of photographs have {} px instead of {}: the budget of {:.1f} MB is too small", side, kStandInSide,
+        megabytes(budget_));
 
   std::vector<Residency::Class> residencyClasses;
   classOf_.assign(scene_->nodes.size(), Residency::kNone);
@@ -152,9 +154,9 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
       ++pageClass.firstLevel;
     if (pageClass.firstLevel > 0)
       say(log_, LogLevel::warning,
-          "{} are shown at no more than 1/{} of their size: a budget of {:.1f} MB does not hold {} of them{}",
+          "{} are shown at 1/{} of their size or less: a budget of {:.1f} MB does not hold {} of them{}",
           pageClass.text(), 1u << pageClass.firstLevel, megabytes(budget_), least,
-          pageClass.format == TextureFormat::bc1 ? "" : "; it would hold more of them as bc1");
+          pageClass.format == TextureFormat::bc1 ? "" : "; bc1 textures take less memory");
     const std::uint32_t layers =
         layersWithin(*device_, pageClass, std::min<std::uint64_t>(kLargestPageBytes, rest / kPagesInBudget));
     const std::uint64_t pageBytes = allocationBytes(*device_, pageInfo(pageClass, layers), pageClass.text());
@@ -186,8 +188,9 @@ Texture Photographs::load(std::uint32_t node, const PageClass& pageClass) const 
           pageClass.firstLevel + l, texture.levels[l].size(), bytes);
   }
   if (texture.format != pageClass.format && pageClass.format == TextureFormat::rgba8) texture = decodeTexture(texture);
-  check(texture.format == pageClass.format, ErrorCode::invalidInput, "{}: texture has come as {} and as {}", name,
-        textureFormatName(pageClass.format), textureFormatName(texture.format));
+  check(texture.format == pageClass.format, ErrorCode::invalidInput,
+        "{}: texture has format {} in one level, {} in another", name, textureFormatName(pageClass.format),
+        textureFormatName(texture.format));
   return texture;
 }
 
@@ -290,14 +293,14 @@ void Photographs::beginLoad(const Residency::Step& step) {
     loading_ = step.photograph;
   } catch (const Error& e) {
     residency_.failed(step.photograph);
-    say(log_, LogLevel::error, "a photograph stays at the size of its stand-in: {}", e.what());
+    say(log_, LogLevel::error, "a photograph cannot be loaded and keeps its stand-in: {}", e.what());
   }
 }
 
 void Photographs::report(const GpuScene::Streamed& streamed) {
   if (streamed.withoutRoom > reportedWithoutRoom_)
     say(log_, LogLevel::warning,
-        "{} of the {} photographs of this view are shown by their stand-ins: a budget of {:.1f} MB holds no more",
+        "{} of the {} photographs of this view are shown as stand-ins: the budget of {:.1f} MB is full",
         streamed.withoutRoom, streamed.needed, megabytes(budget_));
   reportedWithoutRoom_ = streamed.withoutRoom;
 }

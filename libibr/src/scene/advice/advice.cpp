@@ -117,24 +117,24 @@ class Adviser {
     const std::size_t count = scene_.nodes.size();
     if (count < 2) {
       put(AdviceKind::tooFew, Severity::serious, {}, double(count),
-          count == 0 ? "There is no photograph in this scene." : fmt::format("{} is the only photograph.", name(0)),
-          "Take at least three: step to the side by a tenth of the distance to what you photograph, and take the same "
-          "again.");
+          count == 0 ? "The scene has no photographs." : fmt::format("{} is the only photograph.", name(0)),
+          "Take at least three: step sideways by a tenth of the distance to the subject, and photograph it again.");
       unused();
       return true;
     }
     if (places_.places.size() == 1) {
       put(AdviceKind::turned, Severity::serious, {}, kNoFigure,
-          fmt::format("All {} photographs were taken from one place, by turning the camera.", count),
-          "Nothing can be shown from anywhere else. Step aside by a tenth of the distance to what is near, and take "
-          "them again from there.");
+          fmt::format("All {} photographs were taken from one position, by turning the camera.", count),
+          "No other viewpoint can be shown. Step sideways by a tenth of the distance to near objects, and take the "
+          "photographs again from there.");
       unused();
       return true;
     }
     if (!scene_.cells.empty()) return false;
-    put(AdviceKind::tooFew, Severity::serious, {}, 0, fmt::format("None of the {} photographs could be joined.", count),
-        "Neighbouring photographs must show the same things: take more of them, each with two thirds of its picture in "
-        "the next.");
+    put(AdviceKind::tooFew, Severity::serious, {}, 0,
+        fmt::format("None of the {} photographs could be connected to another.", count),
+        "Neighbouring photographs must show the same objects: take more of them, each overlapping the next by two "
+        "thirds.");
     unused();
     return true;
   }
@@ -166,10 +166,10 @@ class Adviser {
     for (std::size_t i = 1; i < lists.size(); ++i) {
       const auto [from, to] = nearest(lists[i], lists);
       put(AdviceKind::apart, Severity::serious, lists[i], double(lists[i].size()),
-          fmt::format("Nothing leads from {} (a group of {} photographs) to the others; {} is the nearest of them.",
-                      name(from), lists[i].size(), name(to)),
-          fmt::format("Walk from {} to {} and take photographs on the way, each with two thirds of its picture in the "
-                      "next.",
+          fmt::format(
+              "{} (a group of {} photographs) is not connected to the other photographs; {} is the nearest of them.",
+              name(from), lists[i].size(), name(to)),
+          fmt::format("Walk from {} to {} and take photographs on the way, each overlapping the next by two thirds.",
                       name(from), name(to)));
     }
   }
@@ -219,17 +219,18 @@ class Adviser {
       const std::string between = fmt::format("{} and {}", name(i), name(j));
       if (!way.joined && angle > kTurnLess)
         put(AdviceKind::hole, Severity::warning, {i, j}, shown,
-            fmt::format("Nothing joins {}: they stand side by side and look {:.0f}° apart.", between, angle),
-            fmt::format("Take more in between, turning by less than {:.0f}° from one to the next.", kTurnLess));
+            fmt::format("{} are neighbours but not connected: their viewing directions differ by {:.0f}°.", between,
+                        angle),
+            fmt::format("Take more photographs in between, turning by less than {:.0f}° from one to the next.",
+                        kTurnLess));
       else
         put(way.joined ? AdviceKind::wide : AdviceKind::hole, Severity::warning, {i, j}, shown,
             way.joined
-                ? fmt::format("{} are too far apart for what is near: about {} % of the picture can be shown halfway.",
+                ? fmt::format("{} are too far apart for near objects: about {} % of the image can be shown halfway.",
                               between, percent(shown))
-                : fmt::format("Nothing joins {}, which are neighbours: they are too far apart for what is near.",
-                              between),
-            more == 1 ? std::string("Take one more halfway between them.")
-                      : fmt::format("Take {} more between them, evenly spaced.", more));
+                : fmt::format("{} are neighbours but not connected: they are too far apart for near objects.", between),
+            more == 1 ? std::string("Take one more photograph halfway between them.")
+                      : fmt::format("Take {} more photographs between them, evenly spaced.", more));
       if (way.joined || angle <= kTurnLess) remedies_.push_back({result_.advice.size() - 1, &way, i, j, more});
     }
   }
@@ -248,12 +249,13 @@ class Adviser {
     if (sixths.empty() || remedy.more > 2) return;
     std::string& text = result_.advice[remedy.advice].remedy;
     if (sixths.size() > 1)
-      text = sixths == std::set{2, 4} ? "Take two more between them, a third of the way from either."
-                                      : fmt::format("Take {} more between them, evenly spaced.", sixths.size());
+      text = sixths == std::set{2, 4}
+                 ? "Take two more photographs between them, a third of the way from either."
+                 : fmt::format("Take {} more photographs between them, evenly spaced.", sixths.size());
     else if (*sixths.begin() == 3)
-      text = "Take one more halfway between them.";
+      text = "Take one more photograph halfway between them.";
     else
-      text = fmt::format("Take one more between them, a third of the way from {}.",
+      text = fmt::format("Take one more photograph between them, a third of the way from {}.",
                          name(*sixths.begin() < 3 ? remedy.i : remedy.j));
   }
 
@@ -273,9 +275,9 @@ class Adviser {
       };
       if (looksSo(*here) || std::ranges::count_if(at.beside, looksSo) < 2) continue;
       put(AdviceKind::direction, Severity::warning, {at.nodes[0], worst->node}, worst->shown,
-          fmt::format("From where {} was taken nothing looks as {} does, beside it.", name(at.nodes[0]),
-                      name(worst->node)),
-          "Go there again, turn that way and take one more.");
+          fmt::format("No photograph at the position of {} has the viewing direction of its neighbour {}.",
+                      name(at.nodes[0]), name(worst->node)),
+          "Return to this position and take one more photograph in that direction.");
     }
   }
 
@@ -288,8 +290,8 @@ class Adviser {
           const double same = std::abs(glm::dot(first.pose.rotation, second.pose.rotation));
           if (2 * std::acos(std::min(1.0, same)) > kTwice) continue;
           put(AdviceKind::twice, Severity::hint, {i, j}, kNoFigure,
-              fmt::format("{} repeats {}: taken from the same place, the same way.", name(j), name(i)),
-              "One of them will do; a step aside would show more.");
+              fmt::format("{} repeats {}: both have the same position and viewing direction.", name(j), name(i)),
+              "One of them is enough; a photograph from one step aside would add more.");
           break;
         }
   }
@@ -304,10 +306,10 @@ class Adviser {
       const double jump = stops(n) - median(std::move(theirs));
       if (!(std::abs(jump) > kStops)) continue;
       put(AdviceKind::exposure, Severity::warning, {n}, jump,
-          fmt::format("{} is {:.1f} stops {} than the photographs beside it, {} for one.", name(n), std::abs(jump),
+          fmt::format("{} is {:.1f} stops {} than its neighbours, for example {}.", name(n), std::abs(jump),
                       jump > 0 ? "brighter" : "darker",
                       name(*std::ranges::min_element(mates_[n], {}, [&](std::uint32_t m) { return name(m); }))),
-          "Lock the exposure before the first photograph, or set it by hand.");
+          "Lock the exposure before the first photograph, or set it manually.");
     }
   }
 
@@ -319,10 +321,9 @@ class Adviser {
       const double own = depths_[n].agreedShare();
       if (!(own < kFewMatched) || !(own < kFewerThan * median(theirs))) continue;
       put(AdviceKind::unmatched, Severity::warning, {n}, own,
-          fmt::format("Only {} % of {} agrees with the photographs beside it.", percent(own), name(n)),
-          "Is it blurred, or is much of it moving, shiny, plain, or hidden from its neighbours? Take it again, nearer "
-          "to "
-          "them.");
+          fmt::format("Only {} % of {} matches its neighbours.", percent(own), name(n)),
+          "Is the photograph blurred, or are most objects in it moving, shiny, textureless or hidden from its "
+          "neighbours? Take it again, nearer to them.");
     }
   }
 
@@ -347,8 +348,7 @@ class Adviser {
     const auto px = [&](double share, const Intrinsics& k) { return share * std::max(k.width, k.height); };
     if (typical > kResidual) {
       put(AdviceKind::pose, Severity::serious, {}, typical,
-          fmt::format("Where the photographs were taken from is not well known: what they show is off by {:.1f} % of "
-                      "the picture's width.",
+          fmt::format("The camera poses are inaccurate: matches are off by {:.1f} % of the longer image side.",
                       100 * typical),
           "Estimate the poses again from sharper photographs that overlap more, with one lens and without zooming.");
       return;
@@ -358,17 +358,17 @@ class Adviser {
       const double least = *std::ranges::min_element(ofNode[n]);
       if (!(least > kResidual) || !(least > kWorseThan * typical)) continue;
       put(AdviceKind::pose, Severity::warning, {n}, least,
-          fmt::format("Where {} was taken from is doubtful: what it shows is off by {:.1f} px.", name(n),
+          fmt::format("The pose of {} is inaccurate: its matches are off by {:.1f} px.", name(n),
                       px(least, scene_.nodes[n].camera.intrinsics)),
-          "Leave it out (--exclude), or take it again with more overlap.");
+          "Exclude the photograph (--exclude), or take it again with more overlap.");
     }
   }
 
   void row() {
     if (!places_.row || places_.places.size() < 3) return;
     put(AdviceKind::row, Severity::hint, {}, kNoFigure,
-        "The photographs are joined in one row: one can walk along it, but not step aside, stoop or rise.",
-        "A second row beside it, or above, as far away as photographs are apart along it, adds that.");
+        "The photographs form one row: the viewpoint can move along the row, but not away from it, up or down.",
+        "Take a second row beside or above the first, at the spacing of the photographs in the first.");
   }
 
   void unused() {
@@ -381,7 +381,7 @@ class Adviser {
           // Reasons of unreadable files include the remedy.
           nodes.empty() && photo.reason != kNotRegistered
               ? ""
-              : "Take it again nearer to the others, with two thirds of its picture in the next.");
+              : "Take it again nearer to the others, overlapping its neighbours by two thirds.");
     }
   }
 

@@ -84,7 +84,7 @@ class Candidates {
     for (const std::uint32_t q : place.beside)
       for (const std::uint32_t j : places_.places[q].nodes)
         put(place.position, pose(j).rotation, j, {p}, {place.nodes[0], j},
-            fmt::format("from where {} was taken, looking as {} does", name(place.nodes[0]), name(j)));
+            fmt::format("from the position of {}, looking as {} does", name(place.nodes[0]), name(j)));
   }
 
   void corners(std::uint32_t c) {
@@ -102,7 +102,7 @@ class Candidates {
           continue;
         for (const std::uint32_t n : at.nodes)
           put(corner, pose(n).rotation, n, {a, b, c}, {n, all[a].nodes[0], all[b].nodes[0]},
-              fmt::format("at the open corner of the square of {}, {} and {}, looking as the first does", name(n),
+              fmt::format("at the fourth corner of the square of {}, {} and {}, looking as the first does", name(n),
                           name(all[a].nodes[0]), name(all[b].nodes[0])));
       }
   }
@@ -113,7 +113,7 @@ class Candidates {
     for (const glm::dvec3& step : besideRow(scene_, places_, p)) {
       for (const std::uint32_t n : place.nodes)
         put(place.position + step, pose(n).rotation, n, {p}, {n},
-            fmt::format("off the row at {}, {}, as far as photographs are apart along it, looking as {} does", name(n),
+            fmt::format("off the row at {}, {}, by the spacing of the row's photographs, looking as {} does", name(n),
                         sideOf(step, n, first), name(n)));
       first = false;
     }

@@ -48,7 +48,7 @@ std::vector<Advice> sharpnessAdvice(const Scene& scene, const std::vector<std::v
     const auto named = [&](std::uint32_t m) -> const std::string& { return scene.nodes[m].name; };
     advice.push_back({AdviceKind::blurred,
                       Severity::warning,
-                      fmt::format("{} is much less sharp than the photographs beside it, {} for one.", named(n),
+                      fmt::format("{} is much less sharp than its neighbours, for example {}.", named(n),
                                   named(*std::ranges::min_element(mates[n], {}, named))),
                       "Hold the camera still, or use a shorter exposure, and take it again.",
                       {n},

@@ -71,7 +71,7 @@ void checkClosed(const Camera& camera, const CellMesh& backdrop) {
 
 }  // namespace
 
-TEST_CASE("completed depth keeps what is known and stays between the nearest and the farthest of it") {
+TEST_CASE("completed depth keeps known depth, and stays within the range of known depth") {
   for (const double share : {0.002, 0.05, 0.5, 0.95}) {
     const ImageF depth = patchy(90, 70, share);
     const Image8 colours = speckled(90, 70);
@@ -89,7 +89,7 @@ TEST_CASE("completed depth keeps what is known and stays between the nearest and
   }
 }
 
-TEST_CASE("a hole stays within its rim, whatever is known elsewhere") {
+TEST_CASE("a completed hole stays within the depth range of its rim") {
   ImageF depth(60, 60, 1, 5.0f);
   for (int y = 20; y < 40; ++y)
     for (int x = 20; x < 40; ++x) {
@@ -104,7 +104,7 @@ TEST_CASE("a hole stays within its rim, whatever is known elsewhere") {
     }
 }
 
-TEST_CASE("completed depth follows the photograph's edges, and is linear in inverse depth where there is none") {
+TEST_CASE("completed depth follows the photograph's edges, and is linear in inverse depth elsewhere") {
   ImageF depth(80, 40, 1, kUnknownDepth);
   Image8 edge(80, 40, 3, 60), flat(80, 40, 3, 60);
   for (int y = 0; y < 40; ++y)
@@ -119,7 +119,7 @@ TEST_CASE("completed depth follows the photograph's edges, and is linear in inve
   for (int x = 5; x < 75; ++x) CHECK(smooth.pixel(x, 20)[0] == Approx(0.5 - 0.4 * (x - 4) / 71.0).margin(0.01));
 }
 
-TEST_CASE("completed depth leans neither to the near nor to the far rim of a hole") {
+TEST_CASE("completed depth is biased neither to the near nor to the far rim of a hole") {
   const Image8 flat(64, 48, 3, 90);
   std::mt19937 random(9);
   std::uniform_real_distribution<float> uniform(0.05f, 0.95f);
@@ -135,7 +135,7 @@ TEST_CASE("completed depth leans neither to the near nor to the far rim of a hol
     REQUIRE(completedSwapped.values[at] == Approx(1.0 - double(completed.values[at])).margin(1e-4));
 }
 
-TEST_CASE("nothing known, one pixel known, all known") {
+TEST_CASE("depth is completed from no, one or all pixels") {
   const Image8 colours = speckled(40, 30);
   ImageF depth(40, 30, 1, kUnknownDepth);
   for (const float w : completeDepth(depth, colours).values) CHECK(w == 0);
@@ -148,7 +148,7 @@ TEST_CASE("nothing known, one pixel known, all known") {
   CHECK(completeDepth(ImageF(1, 1, 1, kUnknownDepth), Image8(1, 1, 3)).values == std::vector<float>{0});
 }
 
-TEST_CASE("a backdrop fills the picture exactly, but where it is stretched over completed depth") {
+TEST_CASE("a backdrop covers the image exactly, except where it is stretched over completed depth") {
   const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 301, 203);
   const glm::ivec2 size = backdropSize(camera.intrinsics);
   CHECK(size == glm::ivec2(301, 203));
@@ -180,7 +180,7 @@ TEST_CASE("a backdrop fills the picture exactly, but where it is stretched over 
   }
 }
 
-TEST_CASE("a backdrop's vertices stand where the depth says, and its coverage counts what was known") {
+TEST_CASE("a backdrop's vertices are at the given depth, and its coverage counts known depth") {
   const Camera camera = lookingAlong({1, 2, 3}, {0.2, 1, 0.1}, 1024, 768);
   const glm::ivec2 size = backdropSize(camera.intrinsics);
   ImageF depth(size.x, size.y, 1, 0.25f);
@@ -197,7 +197,7 @@ TEST_CASE("a backdrop's vertices stand where the depth says, and its coverage co
   }
 }
 
-TEST_CASE("a panorama's backdrop closes over its seam and at its poles") {
+TEST_CASE("a panorama's backdrop is closed across its seam and at its poles") {
   const Camera camera{{CameraModel::equirectangular, 256, 128}, {{1, 2, 3}, {1, 0, 0, 0}}};
   CHECK(backdropSize(camera.intrinsics) == glm::ivec2(256, 128));
   CHECK(backdropSize({CameraModel::equirectangular, 8192, 4096}) == glm::ivec2(kPanoramaSide, kPanoramaSide / 2));
@@ -222,7 +222,7 @@ TEST_CASE("a panorama's backdrop closes over its seam and at its poles") {
     CHECK(std::ranges::all_of(distances, [&](float w) { return w == distances.front(); }));
 }
 
-TEST_CASE("a panorama's vertices stand at the distance along their rays") {
+TEST_CASE("a panorama's vertices are at the given distance along their rays") {
   const Camera camera{{CameraModel::equirectangular, 256, 128}, {{1, 2, 3}, {0.6, 0, 0.8, 0}}};
   const CellMesh backdrop =
       buildBackdrop(camera, ImageF(256, 128, 1, 0.25f), speckled(256, 128), {.step = 1.0, .spacing = 8});
@@ -245,7 +245,7 @@ ImageF depthEdge() {
   return depth;
 }
 
-TEST_CASE("both surfaces at a known edge of depth go on to where the depth jumps") {
+TEST_CASE("both surfaces at a known depth edge extend to the edge") {
   const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 256, 192);
   const CellMesh backdrop = buildBackdrop(camera, depthEdge(), speckled(256, 192), {.step = 1.0, .spacing = 8});
   checkClosed(camera, backdrop);
@@ -295,7 +295,7 @@ TEST_CASE("triangles that are stretched over completed depth are left out") {
   }
 }
 
-TEST_CASE("points give a depth where they are seen, and none behind the camera") {
+TEST_CASE("points give depth where they are seen, and none behind the camera") {
   const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 40, 30);
   const std::vector<glm::dvec3> points{{0.01, 4, 0.01}, {0.02, 8, 0.02}, {0, -3, 0}, {100, 1, 0}, {0, 0, 0}};
   const ImageF depth = depthOfPoints(camera, points);

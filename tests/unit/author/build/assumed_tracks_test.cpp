@@ -17,7 +17,7 @@ const std::vector<Camera> kCameras{{pinholeFromFov(96, 72, 0.9), {{0, 0, 0}, {1,
 
 }  // namespace
 
-TEST_CASE("points are assumed where a photograph has none, at distances of the capture's spacing") {
+TEST_CASE("photographs without points get assumed points, at distances of the capture's spacing") {
   const std::vector<Track> tracks = assumedTracks(kCameras, {true, true, false});
   REQUIRE(!tracks.empty());
   double nearest = 1e9, farthest = 0;
@@ -39,7 +39,7 @@ TEST_CASE("points are assumed where a photograph has none, at distances of the c
   CHECK(farthest == Approx(40));
 }
 
-TEST_CASE("photographs that have points are assumed none") {
+TEST_CASE("photographs with points get no assumed points") {
   CHECK(assumedTracks(kCameras, {false, false, false}).empty());
   CHECK(assumedTracks({}, {}).empty());
 }

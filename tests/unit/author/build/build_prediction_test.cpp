@@ -38,7 +38,7 @@ test::CourtPhotographs court(int count) {
 
 }  // namespace
 
-TEST_CASE("costs grow with the work, and shrink with threads down to the longest job") {
+TEST_CASE("predicted time grows with the work, and shrinks with threads down to the longest job") {
   const StageThreads one, four{4, 4, 4, 4};
   const double once = secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {}));
   CHECK(secondsOf(costOf(someWork(16), one, TextureFormat::rgba8, {})) == Approx(2 * once));
@@ -56,7 +56,7 @@ TEST_CASE("costs grow with the work, and shrink with threads down to the longest
   CHECK(costOf({}, four, TextureFormat::rgba8, {}).empty());
 }
 
-TEST_CASE("refining poses is part of what a build takes where it is asked for, on one thread") {
+TEST_CASE("pose refinement is predicted on one thread, and not for exact poses") {
   const BuildWork work = someWork(8);
   BuildWork refined = work;
   refined.refinedBy = 10000;
@@ -85,7 +85,7 @@ TEST_CASE("refining poses is part of what a build takes where it is asked for, o
   }
 }
 
-TEST_CASE("comparing exposures is part of what a build takes, unless it is not asked for") {
+TEST_CASE("comparing exposures is predicted, unless it is disabled") {
   BuildWork work = someWork(8);
   const auto compared = [](const std::vector<StageCost>& stages) {
     return std::ranges::find_if(stages,
@@ -125,7 +125,7 @@ TEST_CASE("comparing exposures is part of what a build takes, unless it is not a
   }
 }
 
-TEST_CASE("what a build will take is told before it begins, and a dry run makes nothing") {
+TEST_CASE("the prediction is reported before the build begins, and a dry run writes nothing") {
   const test::CourtPhotographs set = court(8);
   BuildOptions options = set.options;
   int told = 0;
@@ -162,7 +162,7 @@ TEST_CASE("what a build will take is told before it begins, and a dry run makes 
   CHECK(report.memory > 1e6);
 }
 
-TEST_CASE("to look for what moved costs more the more photographs judge, and is not counted where nobody looks") {
+TEST_CASE("finding moving objects takes longer with more judging photographs, and is predicted only if it is enabled") {
   BuildWork work = someWork(8);
   const StageThreads one;
   const double without = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
@@ -187,11 +187,11 @@ TEST_CASE("to look for what moved costs more the more photographs judge, and is 
     return names;
   };
   const std::vector<std::string> kept = stages(false), removed = stages(true);
-  CHECK(std::ranges::find(kept, "finding what moved") == kept.end());
-  CHECK(std::ranges::find(removed, "finding what moved") != removed.end());
+  CHECK(std::ranges::find(kept, "finding moving objects") == kept.end());
+  CHECK(std::ranges::find(removed, "finding moving objects") != removed.end());
 }
 
-TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
+TEST_CASE("a cell needs more memory for more pixels, levels and members") {
   const CellWork cell{1e6, 100, 2, 2e6, 3e6, 0};
   const double bytes = bytesToMake(cell);
   const auto with = [&](auto change) {
@@ -233,7 +233,7 @@ TEST_CASE("less memory means fewer threads, never more memory") {
   CHECK(least.memory > least.memoryAllowed);
 }
 
-TEST_CASE("without poses the files alone say what is known") {
+TEST_CASE("without poses, the prediction uses the files alone") {
   const test::CourtPhotographs set = court(5);
   BuildOptions options = set.options;
   options.model.clear();
@@ -251,7 +251,7 @@ TEST_CASE("without poses the files alone say what is known") {
   CHECK(!fs::exists(options.output));
 }
 
-TEST_CASE("a disk that is too full is told before anything is written") {
+TEST_CASE("insufficient disk space and memory are reported before anything is written") {
   BuildPrediction prediction;
   BuildOptions options;
   options.output = "scene";
@@ -264,7 +264,7 @@ TEST_CASE("a disk that is too full is told before anything is written") {
   const LogCallback log = [&](LogLevel, std::string_view text) { said += text; };
   prediction.disk = 1.1e9;
   checkRoom(prediction, options, log);
-  CHECK_THAT(said, Contains("disk"));
+  CHECK_THAT(said, Contains("1.1 GB"));
   said.clear();
   prediction.disk = 0.5e9;
   checkRoom(prediction, options, log);

@@ -124,7 +124,7 @@ Lens throughLens(Set& set) {
 
 }  // namespace
 
-TEST_CASE("a photograph alone, with tracks of our own, is a scene of one backdrop") {
+TEST_CASE("a single photograph with own tracks gives a scene of one backdrop") {
   const Set set;
   BuildOptions options = set.options();
   options.tracks = TrackSource::own;
@@ -134,7 +134,7 @@ TEST_CASE("a photograph alone, with tracks of our own, is a scene of one backdro
   CHECK(report.backdrops.size() == 1);
 }
 
-TEST_CASE("a scene does not overwrite the photographs it is made from") {
+TEST_CASE("a build does not overwrite its source photographs") {
   const Set set;
   BuildOptions options = set.options();
   options.output = set.folder / "workspace";
@@ -145,11 +145,11 @@ TEST_CASE("a scene does not overwrite the photographs it is made from") {
   const auto before = readFile(options.photographs / set.model.images[0].name);
   const Error error = test::errorOf([&] { build(options); });
   CHECK(error.code() == ErrorCode::invalidInput);
-  CHECK_THAT(error.what(), Contains("overwrite"));
+  CHECK_THAT(error.what(), Contains("workspace/images"));
   CHECK(readFile(options.photographs / set.model.images[0].name) == before);
 }
 
-TEST_CASE("of a folder .build only what builds keep, and the last one did not use, is removed") {
+TEST_CASE("only unused cache files are removed from the folder .build") {
   const Set set;
   const fs::path folder = set.options().output / ".build", notes = folder / "notes.txt";
   fs::create_directories(folder);
@@ -176,7 +176,7 @@ TEST_CASE("of a folder .build only what builds keep, and the last one did not us
   CHECK(kept(".cell") == cells);
 }
 
-TEST_CASE("photographs and a model become a valid scene whose matches are right") {
+TEST_CASE("photographs and a model give a valid scene with accurate matches") {
   const Set set;
   std::vector<std::string> stages;
   const BuildReport report = build(set.options(), [&](const Progress& p) {
@@ -189,7 +189,7 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
   CHECK(report.dropped.empty());
   REQUIRE(report.unused.size() == 1);
   CHECK(report.unused[0].name == "stranger.png");
-  CHECK_THAT(report.unused[0].reason, Contains("not registered"));
+  CHECK(report.unused[0].reason == kNotRegistered);
 
   CHECK(validateSceneFiles(set.options().output).empty());
   const Scene scene = loadScene(set.options().output);
@@ -232,7 +232,7 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
   }
 }
 
-TEST_CASE("the same bytes from one thread and from two, and after a cancelled build", "[P3]") {
+TEST_CASE("the output does not depend on the thread count or on an earlier cancelled build", "[P3]") {
   const Set set;
   BuildOptions one = set.options("one"), two = set.options("two"), stopped = set.options("stopped");
   one.threads = stopped.threads = 1;
@@ -257,7 +257,7 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   CHECK_FALSE(fs::exists(early.output));
 }
 
-TEST_CASE("photographs of a lens that distorts are undistorted, others are stored byte for byte") {
+TEST_CASE("photographs of a distorting lens are undistorted, others are stored byte for byte") {
   Set set(3);
   const Lens lens = throughLens(set);
   const BuildReport report = build(set.options());
@@ -280,7 +280,7 @@ TEST_CASE("photographs of a lens that distorts are undistorted, others are store
   CHECK(small.fx / small.width == Approx(undistorted(lens).fx / undistorted(lens).width));
 }
 
-TEST_CASE("with the border kept all that was photographed is stored, and no mesh shows the border") {
+TEST_CASE("if the border is kept, the whole photograph is stored, and no mesh covers the border") {
   Set set(3);
   const Lens lens = throughLens(set);
   BuildOptions options = set.options();
@@ -314,7 +314,7 @@ TEST_CASE("with the border kept all that was photographed is stored, and no mesh
   }
 }
 
-TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out") {
+TEST_CASE("every photograph has a backdrop, built or cached, unless backdrops are disabled") {
   const Set set;
   BuildOptions whole = set.options("whole"), stopped = set.options("stopped"), none = set.options("none");
   stopped.threads = 1;
@@ -349,7 +349,7 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
   CHECK(filesBelow(none.output) == filesBelow(whole.output));
 }
 
-TEST_CASE("a built scene has depth and evidence of every pinhole, the same on any number of threads") {
+TEST_CASE("a built scene has depth and evidence of every pinhole, independent of the thread count") {
   const Set set;
   BuildOptions options = set.options("one"), threads = set.options("three");
   options.threads = 1;
@@ -383,7 +383,7 @@ TEST_CASE("a built scene has depth and evidence of every pinhole, the same on an
   for (const Cell& cell : scene.cells) CHECK(cell.mesh.confirmations.empty());
 }
 
-TEST_CASE("panoramas have depth and a backdrop all around, which others confirm") {
+TEST_CASE("panoramas have depth and a backdrop in all directions, confirmed by the others") {
   const TemporaryFolder folder;
   SyntheticOptions rendered;
   for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0.6, 0, 0}, {0.3, 0.05, -0.5}})
@@ -429,7 +429,7 @@ TEST_CASE("panoramas have depth and a backdrop all around, which others confirm"
   }
 }
 
-TEST_CASE("a build is cancelled while depth is found, and goes on") {
+TEST_CASE("a build that is cancelled while finding depth continues to the same result") {
   const Set set;
   const BuildOptions whole = set.options("whole"), stopped = set.options("stopped");
   build(whole);
@@ -455,7 +455,7 @@ TEST_CASE("a photograph that is in no cell has a backdrop from its tracks") {
   }
 }
 
-TEST_CASE("pictures of a scene below its photographs are not called unused") {
+TEST_CASE("images of a scene inside the photographs' folder are not reported as unused") {
   const Set set;
   BuildOptions options = set.options();
   options.output = set.folder / "photos/scene";
@@ -465,7 +465,7 @@ TEST_CASE("pictures of a scene below its photographs are not called unused") {
   CHECK(again.unused[0].name == "stranger.png");
 }
 
-TEST_CASE("where a cell fails, its faces and then its edges stand in") {
+TEST_CASE("a failed cell is replaced by its faces and then by its edges") {
   // The last photograph does not show the content that its pose predicts.
   Set set;
   writeImage(set.folder / "photos/sub/003.png", Image8(128, 96, 3, 90));
@@ -475,7 +475,7 @@ TEST_CASE("where a cell fails, its faces and then its edges stand in") {
   REQUIRE_FALSE(report.dropped.empty());
   for (const auto& dropped : report.dropped) {
     CHECK_THAT(dropped.what, Contains("003.png"));
-    CHECK_THAT(dropped.reason, Contains("agree on"));
+    CHECK_THAT(dropped.reason, Contains(" %"));
   }
   for (const Cell& cell : scene.cells) CHECK(std::ranges::count(cell.members, 3u) == 0);
   CHECK(std::ranges::any_of(scene.unused, [](const auto& u) { return u.name == "sub/003.png"; }));
@@ -484,7 +484,7 @@ TEST_CASE("where a cell fails, its faces and then its edges stand in") {
   CHECK(used == std::set<std::uint32_t>{0, 1, 2});
 }
 
-TEST_CASE("a model whose photographs share no point is called so") {
+TEST_CASE("a model whose photographs share no point is reported") {
   const Set set;
   PosedModel model = set.model;
   for (Track& track : model.tracks) track.observations.resize(1);
@@ -495,12 +495,12 @@ TEST_CASE("a model whose photographs share no point is called so") {
   const BuildReport report =
       build(options, {}, [&](LogLevel, std::string_view message) { said += std::string(message) + "\n"; });
   CHECK(report.cells.empty());
-  CHECK_THAT(said, Contains("no point of the model is seen by two"));
+  CHECK_THAT(said, Contains("points3D"));
   REQUIRE(report.unused.size() == 5);
-  CHECK_THAT(report.unused[1].reason, Contains("shares points with no other"));
+  CHECK_THAT(report.unused[1].reason, Contains("points"));
 }
 
-TEST_CASE("photographs may be held out, made smaller, or larger than the model's camera") {
+TEST_CASE("photographs may be excluded, downsampled, or larger than the model's camera") {
   const Set set(2);  // twice the size of the model's cameras
   BuildOptions options = set.options();
   options.exclude = {"sub/003.png"};
@@ -518,7 +518,7 @@ TEST_CASE("photographs may be held out, made smaller, or larger than the model's
       std::none_of(report.unused.begin(), report.unused.end(), [](const auto& u) { return u.name == "sub/003.png"; }));
 }
 
-TEST_CASE("masks go into the scene and into the textures' alpha, in every format") {
+TEST_CASE("masks are stored in the scene and in the textures' alpha, in every format") {
   const Set set;
   Image8 mask(128, 96, 1, 255);
   for (int y = 32; y < 64; ++y)
@@ -537,7 +537,7 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
       if (level == LogLevel::warning) said += text;
     });
     CHECK_THAT(said, Contains("nobody.png") && !Contains("001.png") && !Contains("003.png"));
-    CHECK_THAT(said, Contains("no masks of") && Contains("among them 000.png") && !Contains("other way round"));
+    CHECK_THAT(said, Contains("000.png") && Contains("2 of the 4"));
     REQUIRE(report.masks.size() == 1);
     CHECK(report.masks[0].photograph == "001.png");
     CHECK(report.masks[0].given == Approx(1.0 / 12));
@@ -576,7 +576,7 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
   build(options, {}, [&](LogLevel level, std::string_view text) {
     if (level == LogLevel::warning) said += text;
   });
-  CHECK_THAT(said, Contains("001.png: its mask leaves 8 %") && Contains("other way round"));
+  CHECK_THAT(said, Contains("001.png") && Contains("8 %"));
   options.masks = set.folder / "photos/nowhere";
   CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere") && Contains("masks"));
   options.masks = set.folder / "masks";
@@ -584,14 +584,14 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
   CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("masks/001.png") && Contains("64 × 48"));
 }
 
-TEST_CASE("wrong input is refused by name, before anything is made") {
+TEST_CASE("invalid input is reported by name, before anything is written") {
   const Set set;
   BuildOptions options = set.options();
   SECTION("a photograph is missing") {
     fs::remove(set.folder / "photos/001.png");
     const Error error = test::errorOf([&] { build(options); });
     CHECK(error.code() == ErrorCode::io);
-    CHECK_THAT(error.what(), Contains("001.png") && Contains("missing"));
+    CHECK_THAT(error.what(), Contains("001.png") && Contains("--exclude"));
   }
   SECTION("two photographs would be stored under one name") {
     PosedModel model = set.model;
@@ -603,15 +603,15 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
     writeColmapModel(model, set.folder / "model");
     const Error error = test::errorOf([&] { build(options); });
     CHECK(error.code() == ErrorCode::invalidInput);
-    CHECK_THAT(error.what(), Contains("000.tif and 000.tif.png") || Contains("000.tif.png and 000.tif"));
+    CHECK_THAT(error.what(), Contains("000.tif") && Contains("images/000.tif.png"));
   }
-  SECTION("a missing photograph that is held out is not missed") {
+  SECTION("a missing photograph is excluded") {
     fs::remove(set.folder / "photos/001.png");
     options.exclude = {"001.png"};
     CHECK_NOTHROW(build(options));
     return;
   }
-  SECTION("a photograph has other proportions") {
+  SECTION("a photograph has another aspect ratio") {
     writeImage(set.folder / "photos/001.png", Image8(96, 96, 3, 9));
     const Error error = test::errorOf([&] { build(options); });
     CHECK(error.code() == ErrorCode::invalidInput);
@@ -621,13 +621,13 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
     writeFile(set.folder / "photos/001.png", "no picture");
     CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("001.png"));
   }
-  SECTION("an image of the model leads out of the folder") {
+  SECTION("an image of the model is outside of the folder") {
     PosedModel model = set.model;
     model.images[0].name = "../model/cameras.txt";
     writeColmapModel(model, set.folder / "model");
-    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("outside"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("../model/cameras.txt"));
   }
-  SECTION("an unknown photograph is to be left out") {
+  SECTION("an unknown photograph is excluded") {
     options.exclude = {"nobody.png"};
     CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nobody.png"));
   }
@@ -635,14 +635,14 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
     options.exclude = {"000.png", "001.png", "002.png", "sub/003.png"};
     CHECK(test::errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
   }
-  SECTION("folders") {
+  SECTION("a folder is missing") {
     options.photographs = set.folder / "nowhere";
     CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nowhere"));
     options = set.options();
     options.model = set.folder / "nowhere";
     CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nowhere"));
   }
-  SECTION("options") {
+  SECTION("an option is invalid") {
     options.dimension = 5;
     CHECK(test::errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
     options = set.options();
@@ -659,7 +659,7 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
   CHECK_FALSE(fs::exists(set.folder / "scene/scene.gltf"));
 }
 
-TEST_CASE("a kept cell comes back whole or not at all") {
+TEST_CASE("a cached cell is read back whole or not at all") {
   TemporaryFolder folder;
   CellMesh cell;
   cell.mesh.match = {{{1, 2}, {3, 4}, {5, 6}}, {{7, 8}, {9, 10}, {11, 12}}};
@@ -691,7 +691,7 @@ TEST_CASE("a kept cell comes back whole or not at all") {
   CHECK_FALSE(fetchCell(folder.path(), 77));
 }
 
-TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
+TEST_CASE("jobs run once each, can be cancelled, and pass on the first error") {
   for (const int threads : {1, 3}) {
     std::vector<std::atomic<int>> ran(50);
     CHECK(runJobs(
@@ -713,7 +713,7 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
 }
 
-TEST_CASE("jobs run on no more threads than half of the memory holds, or that which is given, and on one") {
+TEST_CASE("the thread count is limited by the memory budget, and is at least one") {
   const double memory = memoryLimit();
   CHECK(memoryBudget(0) == memory / 2);
   CHECK(memoryBudget(7e9) == 7e9);
@@ -728,7 +728,7 @@ TEST_CASE("jobs run on no more threads than half of the memory holds, or that wh
   CHECK(threadsFor(0, 1) >= 1);
 }
 
-TEST_CASE("cells that are kept for further builds change none of them") {
+TEST_CASE("cached cells do not change later builds") {
   const Set set;
   BuildOptions whole = set.options("whole"), part = set.options("part"), alone = set.options("alone");
   part.exclude = alone.exclude = {"001.png"};  // one of the square's two triangles remains
@@ -746,7 +746,7 @@ TEST_CASE("cells that are kept for further builds change none of them") {
   CHECK_FALSE(filesBelow(set.folder / "cells").empty());
 }
 
-TEST_CASE("photographs that are added to a build with kept work are matched with their neighbours only") {
+TEST_CASE("photographs that are added to a cached build are matched with their neighbours only") {
   const Set set;
   BuildOptions part = set.options("part"), whole = set.options("whole"), alone = set.options("alone");
   part.exclude = {"001.png"};
@@ -773,7 +773,7 @@ TEST_CASE("photographs that are added to a build with kept work are matched with
   CHECK(depths() == before + 4);
 }
 
-TEST_CASE("photographs are added to a scene by building it again, where it is") {
+TEST_CASE("photographs are added to a scene by building it again in place") {
   const Set set;
   BuildOptions part = set.options("scene"), whole = part, alone = set.options("alone");
   part.exclude = {"001.png"};
@@ -806,12 +806,14 @@ TEST_CASE("photographs are added to a scene by building it again, where it is") 
   CHECK(depths() == before);
 }
 
-TEST_CASE("a draft has photographs' depth and no cells, and the build after it is as without") {
+TEST_CASE("a draft has depth and no cells, and does not change the next build") {
   const Set set;
   BuildOptions draft = set.options("scene"), whole = draft, alone = set.options("alone");
   draft.draft = true;
   draft.removeMovers = draft.refinePoses = true;  // a draft skips both
-  draft.postProcess = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) { FAIL("of a draft"); };
+  draft.postProcess = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) {
+    FAIL("post-processed a draft");
+  };
   std::set<std::string> stages;
   std::vector<std::string> warnings;
   const BuildReport report = build(
@@ -854,7 +856,7 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
   CHECK(test::errorOf([&] { build(nothing); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
+TEST_CASE("each depth search gives correct depth, with separate cache files") {
   const Set set;
   std::size_t kept = 0;
   std::map<DepthSearch, std::uintmax_t> bytes;  // size of cached depth
@@ -888,7 +890,7 @@ TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
         Approx(4.0 * double(bytes[DepthSearch::fast])).epsilon(0.01));
 }
 
-TEST_CASE("posed photographs are those that a build stores") {
+TEST_CASE("posed photographs equal those that a build stores") {
   const Set set(2);
   BuildOptions options = set.options();
   options.maxSize = 100;
@@ -927,7 +929,7 @@ std::size_t develop(const Set& set, std::span<const glm::dvec3> factors, glm::dv
   return clipped;
 }
 
-TEST_CASE("a build finds how its photographs were exposed, though some of their pixels are clipped") {
+TEST_CASE("a build measures the exposures of its photographs, also with clipped pixels") {
   const Set set(2);
   const glm::dvec3 factors[]{{1.5, 1.3, 1.4}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {2.2, 2, 2.4}};
   CHECK(develop(set, factors) > 1000);
@@ -946,7 +948,7 @@ TEST_CASE("a build finds how its photographs were exposed, though some of their 
   }
 }
 
-TEST_CASE("exposures are not measured where nobody wants to know them") {
+TEST_CASE("exposures are not measured if disabled") {
   const Set set;
   const glm::dvec3 factors[]{{1, 1, 1}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {0.8, 0.9, 0.9}};
   develop(set, factors);
@@ -961,7 +963,7 @@ TEST_CASE("exposures are not measured where nobody wants to know them") {
   CHECK(!stages.contains("comparing exposures"));
 }
 
-TEST_CASE("photographs of one exposure have no gains") {
+TEST_CASE("photographs of equal exposure have no gains") {
   const Set set(2);
   const BuildReport::ExposureSummary exposures = build(set.options()).exposures;
   CHECK((exposures.alike && exposures.measured == 4 && exposures.parts == 1));
@@ -969,7 +971,7 @@ TEST_CASE("photographs of one exposure have no gains") {
   for (const Node& node : loadScene(set.folder / "scene").nodes) CHECK(node.gain == glm::dvec3(1.0));
 }
 
-TEST_CASE("a build stores photographs without what their lens took from the corners, where it is asked to") {
+TEST_CASE("a build removes vignetting from stored photographs if enabled") {
   const Set set(2);
   const glm::dvec3 factors[]{{1, 1, 1}, {0.6, 0.7, 0.5}, {0.9, 1, 0.9}, {0.8, 0.9, 0.9}};
   develop(set, factors, {-0.5, -0.3});  // corners receive 45 % of the light
@@ -991,12 +993,12 @@ TEST_CASE("a build stores photographs without what their lens took from the corn
   options.fitVignetting = true;
   const BuildReport::ExposureSummary exposures = build(options).exposures;
   for (std::size_t n = 0; n < 4; ++n) CHECK(meanError(n) < 2);
-  CHECK_THAT(exposures.vignetting, Contains("vignetting: 4 of 4 photographs of one lens: corners had 4"));
+  CHECK_THAT(exposures.vignetting, Catch::Matchers::Matches(".*4 of 4.* 4[0-9] %.*"));
   const Scene scene = loadScene(options.output);
   CHECK(scene.nodes[0].gain.g / scene.nodes[1].gain.g == Approx(0.7).epsilon(0.01));
 }
 
-TEST_CASE("numbers of a build are refused by name, or make a finite scene", "[N16]") {
+TEST_CASE("extreme numbers of a build are rejected by name, or give a finite scene", "[N16]") {
   const Set set;
   const auto attempt = [&](double BuildOptions::*field, const char* name) {
     int refused = 0, made = 0;

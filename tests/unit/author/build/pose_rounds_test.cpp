@@ -107,7 +107,7 @@ double furthest(const std::vector<Camera>& a, const BuildInput& b) {
 
 }  // namespace
 
-TEST_CASE("a dense track is where all photographs of its cells see the same point") {
+TEST_CASE("a dense track joins all photographs of its cells that see the same point") {
   const SyntheticScene made = exactScene({});
   const std::vector<BundlePoint> tracks = denseTracks(made.scene.nodes, made.scene.cells);
   CHECK(tracks.size() > 1000);
@@ -125,7 +125,7 @@ TEST_CASE("a dense track is where all photographs of its cells see the same poin
   CHECK(worst < 1e-3);  // matches are floats, px
 }
 
-TEST_CASE("where cells contradict one another about a photograph, nothing is said of it") {
+TEST_CASE("cells that contradict each other give no observations of a photograph") {
   SyntheticScene made = exactScene({});
   const auto seenBy = [&](std::uint32_t seed, std::uint32_t other) {
     std::size_t count = 0;
@@ -142,7 +142,7 @@ TEST_CASE("where cells contradict one another about a photograph, nothing is sai
   CHECK(denseTracks(made.scene.nodes, {}).empty());
 }
 
-TEST_CASE("poses that are exact stay exact") {
+TEST_CASE("exact poses stay exact") {
   const SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
   BuildInput input = inputOf(exact);
@@ -154,7 +154,7 @@ TEST_CASE("poses that are exact stay exact") {
   CHECK(furthest(exact, input) == 0);
 }
 
-TEST_CASE("what dense matches alone say does not move poses that the model's points confirm") {
+TEST_CASE("dense matches alone do not move poses that the model's points confirm") {
   SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
   // All matches are biased alike, as if photographs 2 and 3 were turned by a fifth of a pixel.
@@ -177,7 +177,7 @@ TEST_CASE("what dense matches alone say does not move poses that the model's poi
   }
 }
 
-TEST_CASE("what fits noise alone is not taken, though it suits the points that it was made with") {
+TEST_CASE("a fit to noise is rejected, although its own points improve") {
   const SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
   std::vector<Cell> cells = made.scene.cells;
@@ -197,7 +197,7 @@ TEST_CASE("what fits noise alone is not taken, though it suits the points that i
   }
 }
 
-TEST_CASE("points of the model that tell the poses well are enough, whatever dense matches say") {
+TEST_CASE("accurate points of the model suffice, also with wrong dense matches") {
   SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene), wrong = PoseNoise(3).on(exact, 0.008, 0.01);
   for (Cell& cell : made.scene.cells)
@@ -213,7 +213,7 @@ TEST_CASE("points of the model that tell the poses well are enough, whatever den
   CHECK(off(input, exact).turnPx < before / 4);
 }
 
-TEST_CASE("planted noise is recovered, with outliers too, and told how large it was") {
+TEST_CASE("planted pose noise is recovered, also with outliers, and its size is reported") {
   SyntheticScene made = exactScene({});
   const std::vector<Camera> exact = camerasOf(made.scene);
   const double focal = exact[0].intrinsics.fx;
@@ -244,7 +244,7 @@ TEST_CASE("planted noise is recovered, with outliers too, and told how large it 
   }
 }
 
-TEST_CASE("wrong focal lengths are recovered where poses tell them, and shared as before") {
+TEST_CASE("wrong focal lengths are recovered if the poses determine them, and stay shared") {
   Rig rig;
   rig.places = {{0, 0, 0}, {1, 0, 0}, {0.4, 0.8, -1.5}, {1.4, 0.8, 0.8}, {2, 0.1, -1}, {2.4, 0.9, 0.6}};
   const SyntheticScene made = exactScene(rig);
@@ -265,7 +265,7 @@ TEST_CASE("wrong focal lengths are recovered where poses tell them, and shared a
   CHECK(distorted.photographs[3].camera.intrinsics == wrong[3].intrinsics);
 }
 
-TEST_CASE("the world may lie elsewhere, be turned, and be of another scale") {
+TEST_CASE("refinement does not depend on the world's position, rotation and scale") {
   const SyntheticScene made = exactScene({});
   const std::vector<Camera> wrong = PoseNoise(3).on(camerasOf(made.scene), 0.008, 0.01);
   BuildInput here = inputOf(wrong);
@@ -289,7 +289,7 @@ TEST_CASE("the world may lie elsewhere, be turned, and be of another scale") {
   }
 }
 
-TEST_CASE("the order of photographs and cells changes nothing") {
+TEST_CASE("refinement does not depend on the order of photographs and cells") {
   const SyntheticScene made = exactScene({});
   const std::vector<Camera> wrong = PoseNoise(3).on(camerasOf(made.scene), 0.008, 0.01);
   BuildInput there = inputOf(wrong);
@@ -307,7 +307,7 @@ TEST_CASE("the order of photographs and cells changes nothing") {
   }
 }
 
-TEST_CASE("cameras on a line, two of them, a sky, and a photograph that nothing is known of break nothing") {
+TEST_CASE("degenerate rigs are refined, and an unconnected photograph is unchanged") {
   Rig line;
   line.places = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   line.cells = {{0, 1}, {1, 2}, {2, 3}};
@@ -337,7 +337,7 @@ TEST_CASE("cameras on a line, two of them, a sky, and a photograph that nothing 
   CHECK(refinePoses(alone, {}).moved.empty());
 }
 
-TEST_CASE("the model's tracks come along, and tie what no cell joins") {
+TEST_CASE("the model's tracks are updated, and connect photographs that no cell joins") {
   Rig rig;
   rig.cells = {{0, 1, 2}, {3, 4, 5}};
   const SyntheticScene made = exactScene(rig);
@@ -353,7 +353,7 @@ TEST_CASE("the model's tracks come along, and tie what no cell joins") {
   CHECK(reprojectionError(with.model) < 0.03);
 }
 
-TEST_CASE("a similarity is found from positions and rotations, whichever are there") {
+TEST_CASE("a similarity is found from positions and rotations, also for degenerate positions") {
   PoseNoise random(8);
   const Similarity move{3, glm::angleAxis(2.5, glm::normalize(glm::dvec3(1, -2, 0.5))), {7, -2, 100}};
   const auto check = [&](std::vector<Pose> from) {

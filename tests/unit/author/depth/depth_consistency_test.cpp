@@ -37,7 +37,7 @@ int count(const Image8& counts, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("exact depth is confirmed by all that see it, and contradicted by none") {
+TEST_CASE("exact depth is confirmed by all photographs that see it, and contradicted by none") {
   const auto depths = wall();
   const auto evidence = depthEvidence(depths);
   CHECK(count(evidence[1].confirmations, 40, 30) == 3);
@@ -45,7 +45,7 @@ TEST_CASE("exact depth is confirmed by all that see it, and contradicted by none
   CHECK(std::ranges::all_of(evidence[1].contradictions.values, [](int v) { return v == 0; }));
 }
 
-TEST_CASE("a false surface in front is contradicted, one behind is merely not confirmed") {
+TEST_CASE("a false surface in front is contradicted, a false surface behind is only unconfirmed") {
   auto depths = wall();
   const auto planted = [&](float inverseDepth) {
     for (int y = 25; y < 35; ++y)
@@ -69,7 +69,7 @@ TEST_CASE("a false surface in front is contradicted, one behind is merely not co
     CHECK(std::ranges::all_of(distant.witnesses.values, [](int w) { return w == 0; }));
 }
 
-TEST_CASE("unknown depth neither asks nor answers, and photographs of one place do not confirm each other") {
+TEST_CASE("unknown depth gives no evidence, and photographs of one position do not confirm each other") {
   auto depths = wall();
   std::ranges::fill(depths[0].map.inverseDepth.values, kUnknownDepth);
   const auto evidence = depthEvidence(depths);
@@ -83,7 +83,7 @@ TEST_CASE("unknown depth neither asks nor answers, and photographs of one place 
     CHECK(std::ranges::all_of(one.witnesses.values, [](int w) { return w == 0; }));
 }
 
-TEST_CASE("evidence does not depend on threads, and grows with the number of sources that are asked") {
+TEST_CASE("evidence does not depend on the thread count, and grows with the number of sources") {
   const auto depths = wall();
   const auto one = depthEvidence(depths, 10, 1), three = depthEvidence(depths, 10, 3),
              few = depthEvidence(depths, 1, 1);

@@ -49,7 +49,7 @@ bool holds(const std::vector<std::uint32_t>& list, std::uint32_t one) {
 
 }  // namespace
 
-TEST_CASE("the first source stands about six degrees away; those at the same place are none") {
+TEST_CASE("the first source is about six degrees away, and photographs of the same position are no sources") {
   Capture capture;
   for (const double x : {0.0, 0.0, 0.05, 1.05, 6.0}) capture.photograph(x);  // 1.05: 6° at kDistance
   const auto sources = capture.sourcesOf(0);
@@ -59,7 +59,7 @@ TEST_CASE("the first source stands about six degrees away; those at the same pla
   CHECK((sources.size() < 2 || sources.back() != 3));
 }
 
-TEST_CASE("a photograph that looks another way is a source where it sees the same places, and only there") {
+TEST_CASE("a photograph that looks in another direction is a source only if it sees the same points") {
   Capture capture;
   capture.photograph(0);
   capture.photograph(1, {0.3, 1, 0});
@@ -68,7 +68,7 @@ TEST_CASE("a photograph that looks another way is a source where it sees the sam
   CHECK(sources == std::vector<std::uint32_t>{1});
 }
 
-TEST_CASE("both sides of a picture have sources, and there are no more than asked for") {
+TEST_CASE("both sides of an image have sources, up to the maximum number") {
   Capture capture;
   capture.photograph(0);
   for (int i = 0; i < 8; ++i) capture.photograph(0.9 + 0.01 * i, {0.9, 1, 0});  // all see the right side
@@ -78,7 +78,7 @@ TEST_CASE("both sides of a picture have sources, and there are no more than aske
   CHECK(std::ranges::find(sources.begin(), sources.begin() + 2, 9u) != sources.begin() + 2);
 }
 
-TEST_CASE("places count by their share of the picture, however many tracks they have") {
+TEST_CASE("regions count by their share of the image, however many tracks they have") {
   Capture capture;
   capture.photograph(0);
   capture.photograph(-1.05, {-0.35, 1, 0});  // sees most of the wall that photograph 0 sees
@@ -87,7 +87,7 @@ TEST_CASE("places count by their share of the picture, however many tracks they 
   for (const int crowd : {1, 50}) CHECK(capture.sourcesOf(0, crowd)[0] == 1);
 }
 
-TEST_CASE("a photograph alone, and one without tracks, has no sources") {
+TEST_CASE("a single photograph, and one without tracks, has no sources") {
   Capture capture;
   capture.photograph(0);
   CHECK(capture.sourcesOf(0).empty());
@@ -96,7 +96,7 @@ TEST_CASE("a photograph alone, and one without tracks, has no sources") {
   CHECK(depthSources(capture.model, depthViews(capture.cameras), tracksOfImages(capture.model), 0).empty());
 }
 
-TEST_CASE("moving and turning the world changes no source") {
+TEST_CASE("moving and rotating the world does not change the sources") {
   Capture capture;
   for (const double x : {0.0, 0.4, 1.1, 1.9, 3.0, -0.8}) capture.photograph(x);
   const auto before = capture.sourcesOf(0);
@@ -108,7 +108,7 @@ TEST_CASE("moving and turning the world changes no source") {
   CHECK(depthSources(capture.model, depthViews(capture.cameras), tracksOfImages(capture.model), 0) == before);
 }
 
-TEST_CASE("a panorama's faces are views with its tracks, and none is a source of another") {
+TEST_CASE("a panorama's faces are views with its tracks, and no face is a source of another") {
   Capture capture;
   for (const double x : {0.0, 1.05}) capture.photograph(x);
   std::vector<Camera> cameras = capture.cameras;

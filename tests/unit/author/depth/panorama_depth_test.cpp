@@ -43,7 +43,7 @@ std::vector<MatchedDepth> facesOf(const Camera& camera, const Distance& distance
 
 }  // namespace
 
-TEST_CASE("the faces of a panorama stand at its place and are as fine as it is") {
+TEST_CASE("the faces of a panorama have its position and resolution") {
   const Camera camera = panorama(360);
   const std::vector<Camera> faces = depthFaces(camera);
   REQUIRE(faces.size() == 6);
@@ -58,7 +58,7 @@ TEST_CASE("the faces of a panorama stand at its place and are as fine as it is")
   CHECK(depthFaces(panorama(2)).front().intrinsics.width >= 1);
 }
 
-TEST_CASE("a sphere about the panorama is equally far in all of its pixels") {
+TEST_CASE("a sphere around the panorama has equal depth in all pixels") {
   for (const int width : {8, 64, 360}) {
     CAPTURE(width);
     const Camera camera = panorama(width);
@@ -90,7 +90,7 @@ TEST_CASE("a panorama's pixel has the inverse distance along its ray") {
     }
 }
 
-TEST_CASE("evidence and what is unknown come from the face that looks a pixel's way") {
+TEST_CASE("evidence and unknown depth come from the face in a pixel's direction") {
   const Camera camera = panorama(128);
   std::vector<MatchedDepth> faces = facesOf(camera, [](glm::dvec3) { return 5.0; });
   for (std::size_t f = 0; f < 6; ++f) {
@@ -121,7 +121,7 @@ TEST_CASE("evidence and what is unknown come from the face that looks a pixel's 
   CHECK(test::errorOf([&] { onSphere(camera, faces); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("faces may have sizes of their own, and a sky or none") {
+TEST_CASE("faces may have different sizes, with or without sky") {
   const Camera camera = panorama(128);
   std::vector<MatchedDepth> faces = facesOf(camera, [](glm::dvec3) { return 5.0; });
   const std::vector<MatchedDepth> finer = facesOf(panorama(256), [](glm::dvec3) { return 5.0; });

@@ -60,7 +60,7 @@ CompletedDepth uniform(int width, int height) {
 
 }  // namespace
 
-TEST_CASE("each photograph has the depth that was matched, and is confirmed by the others") {
+TEST_CASE("each photograph has its matched depth, and is confirmed by the others") {
   const SyntheticScene made = wall();
   const std::vector<PhotographDepth> depths =
       depthsOf(made, {.matches = test::exactMatches(made, kMatched), .residualPx = 1});
@@ -79,7 +79,7 @@ TEST_CASE("each photograph has the depth that was matched, and is confirmed by t
   for (const std::uint32_t n : {kPanorama, 5u}) CHECK(isUnknown(depths[n].matched.map.inverseDepth));
 }
 
-TEST_CASE("a panorama has the distance along each ray that its faces have, and confirms and is confirmed") {
+TEST_CASE("a panorama has the distances of its faces, and panoramas confirm each other") {
   SyntheticOptions options;
   for (const double x : {0.0, 0.5, 1.0})
     options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
@@ -104,7 +104,7 @@ TEST_CASE("a panorama has the distance along each ray that its faces have, and c
   }
 }
 
-TEST_CASE("a photograph that was not matched takes the depth of its points") {
+TEST_CASE("an unmatched photograph takes the depth of its points") {
   const SyntheticScene made = wall();
   std::vector<std::uint32_t> asked;
   const PhotographPoints points = [&](std::uint32_t node) {
@@ -123,7 +123,7 @@ TEST_CASE("a photograph that was not matched takes the depth of its points") {
   for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.2));
 }
 
-TEST_CASE("a panorama that was not matched takes the depth of its points") {
+TEST_CASE("an unmatched panorama takes the depth of its points") {
   const SyntheticScene made = wall();
   std::vector<glm::dvec3> points;
   for (int y = -10; y <= 10; ++y)
@@ -142,7 +142,7 @@ TEST_CASE("a panorama that was not matched takes the depth of its points") {
   CHECK(known > 20);
 }
 
-TEST_CASE("a panorama is completed over its seam") {
+TEST_CASE("a panorama is completed across its seam") {
   // Two columns at the left end and two at the right are unknown. They are completed across the seam.
   constexpr int kSide = 64;
   PhotographDepth depth;
@@ -163,7 +163,7 @@ TEST_CASE("a panorama is completed over its seam") {
   CHECK(at(kSide - 2) == Approx(0.9).margin(0.02));
 }
 
-TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop it") {
+TEST_CASE("depth does not depend on the order of its jobs, and a job runner can cancel it") {
   const SyntheticScene made = wall();
   const JobRunner backwards = [](std::size_t count, const std::function<void(std::size_t)>& job) {
     for (std::size_t i = count; i-- > 0;) job(i);
@@ -183,11 +183,11 @@ TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop
     CHECK(test::errorOf([&] { depthsOf(made, options); }).code() == ErrorCode::cancelled);
 }
 
-TEST_CASE("no photographs have no depth") {
+TEST_CASE("without photographs there is no depth") {
   CHECK(depthOfPhotographs({}, {}).empty());
 }
 
-TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm, and has no confirmations elsewhere") {
+TEST_CASE("completed depth keeps confirmed and unverifiable depth, and has no confirmations elsewhere") {
   struct Case {
     int confirmations, contradictions, witnesses;
     bool sky, kept;
@@ -225,7 +225,7 @@ TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm
   }
 }
 
-TEST_CASE("confirmed surfaces that are too small are completed from around") {
+TEST_CASE("confirmed surfaces that are too small are completed from their surroundings") {
   for (const auto& [side, finer] : {std::pair(5, 1), std::pair(6, 1), std::pair(10, 2), std::pair(11, 2)}) {
     CAPTURE(side, finer);
     PhotographDepth depth;
@@ -241,7 +241,7 @@ TEST_CASE("confirmed surfaces that are too small are completed from around") {
   }
 }
 
-TEST_CASE("what was matched for a photograph comes before its points, and brings its size and its sky") {
+TEST_CASE("matched depth takes precedence over points, and brings its size and sky") {
   const SyntheticScene made = wall();
   SweptDepth matched{ImageF(48, 36, 1, 0.125f), Image8(48, 36, 1, 0)};
   matched.sky.values[7] = 255;
@@ -265,7 +265,7 @@ TEST_CASE("what was matched for a photograph comes before its points, and brings
   CHECK(valueAt(depths[0].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
 }
 
-TEST_CASE("a vertex whose depth is that of a surface beside it has the evidence of that surface") {
+TEST_CASE("a vertex has the evidence of the neighbouring surface whose depth it has") {
   CompletedDepth depth = uniform(8, 1);
   for (int x = 0; x < 8; ++x) {
     depth.maps.inverseDepth.pixel(x, 0)[0] = x < 4 ? 0.25f : 1.0f;

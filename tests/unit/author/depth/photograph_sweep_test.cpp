@@ -58,13 +58,13 @@ struct Place {
 
 }  // namespace
 
-TEST_CASE("a photograph is swept to the depth of what it shows, also beside what hides it in half of the sources") {
+TEST_CASE("swept depth is correct, also where a surface is hidden in half of the sources") {
   const Place place;
   CHECK(place.shareRight(place.swept()) > 0.97);
   CHECK(place.shareRight(place.swept(1)) < place.shareRight(place.swept()));
 }
 
-TEST_CASE("the order of sources, and the place of the world, change nothing that can be seen") {
+TEST_CASE("the order of sources and the world's pose do not change swept depth") {
   Place place(false);
   const SweptDepth before = place.swept();
   std::swap(place.views[1], place.views[4]);
@@ -80,7 +80,7 @@ TEST_CASE("the order of sources, and the place of the world, change nothing that
   CHECK(off < before.inverseDepth.values.size() / 500);
 }
 
-TEST_CASE("what is masked in the photograph has no depth, and what is masked in a source says nothing") {
+TEST_CASE("masked pixels of the photograph have no depth, and masked pixels of a source do not count") {
   Place place(false);
   place.views[0].mask = Image8(kWidth, kHeight, 1, 255);
   for (int x = 0; x < kWidth; ++x) place.views[0].mask.pixel(x, 60)[0] = 0;
@@ -97,7 +97,7 @@ TEST_CASE("what is masked in the photograph has no depth, and what is masked in 
   CHECK(place.shareRight(depth) > 0.8 * place.shareRight(Place(false).swept(1)));
 }
 
-TEST_CASE("sources that show something else do not count where the better half agrees") {
+TEST_CASE("unrelated sources do not count where the better half agrees") {
   Place place(false);
   for (const std::size_t i : {2, 4})
     for (float& value : place.views[i].grey.values) value = 255 - value;
@@ -133,7 +133,7 @@ TEST_CASE("sky above a wall is found at infinity") {
   CHECK(std::ranges::count(told.sky.values, 255) > 40 * kWidth * 9 / 10);
 }
 
-TEST_CASE("the range of a sweep holds all but outliers of the tracks, and a few more change nothing") {
+TEST_CASE("the sweep range covers all tracks but outliers, and a few more tracks do not change it") {
   std::vector<double> tracks;
   for (int i = 0; i < 1000; ++i) tracks.push_back(0.05 + 0.00025 * i);
   const SweepRange range = sweepRange(tracks);
@@ -149,7 +149,7 @@ TEST_CASE("the range of a sweep holds all but outliers of the tracks, and a few 
   CHECK(sweepRange(wall, true).near == sweepRange(wall).near);
 }
 
-TEST_CASE("extremes: photographs of one place, one pixel, far away and of one grey have finite depth or none") {
+TEST_CASE("degenerate photographs have finite depth or none") {
   const auto check = [](const SweptDepth& depth) {
     for (const float rho : depth.inverseDepth.values) CHECK((rho == kUnknownDepth || (std::isfinite(rho) && rho >= 0)));
   };
@@ -168,7 +168,7 @@ TEST_CASE("extremes: photographs of one place, one pixel, far away and of one gr
   check(place.swept());
 }
 
-TEST_CASE("swept depth is the same bits by both versions of the inner loops, with masks too") {
+TEST_CASE("swept depth is bit-identical in both versions of the inner loops, also with masks") {
   Place place;
   place.views[2].mask = Image8(kWidth, kHeight, 1, 255);
   for (int x = 0; x < kWidth / 2; ++x) place.views[2].mask.pixel(x, kHeight / 2)[0] = 0;

@@ -64,7 +64,7 @@ struct Wall {
 
 }  // namespace
 
-TEST_CASE("depth that was swept in levels is refined to a small part of one, on slanted walls too") {
+TEST_CASE("swept depth is refined to a fraction of a sweep level, also on slanted walls") {
   for (const double slant : {0.0, 0.5, -1.2}) {
     CAPTURE(slant);
     const Wall wall(slant);
@@ -75,7 +75,7 @@ TEST_CASE("depth that was swept in levels is refined to a small part of one, on 
   CHECK(wall.error(wall.swept) > 0.2);
 }
 
-TEST_CASE("refined depth is the same bits by both versions of the inner loops") {
+TEST_CASE("refined depth is bit-identical in both versions of the inner loops") {
   const Wall wall;
   const SweptDepth widest = wall.refined();
   const bool before = std::exchange(usesAvx2(), false);
@@ -84,7 +84,7 @@ TEST_CASE("refined depth is the same bits by both versions of the inner loops") 
   CHECK(portable.inverseDepth == widest.inverseDepth);
 }
 
-TEST_CASE("refined depth is the same bytes each time, and as good with sources in another order") {
+TEST_CASE("refined depth is deterministic, and as accurate with reordered sources") {
   Wall wall;
   const SweptDepth before = wall.refined();
   CHECK(wall.refined().inverseDepth == before.inverseDepth);
@@ -92,7 +92,7 @@ TEST_CASE("refined depth is the same bytes each time, and as good with sources i
   CHECK(wall.error(wall.refined()) < 0.06);
 }
 
-TEST_CASE("sky and unknown depth are not refined, and say nothing to their neighbours") {
+TEST_CASE("sky and unknown depth are not refined, and do not affect their neighbours") {
   Wall wall;
   for (int x = 0; x < kWidth; ++x) {
     wall.swept.inverseDepth.pixel(x, 20)[0] = kUnknownDepth;
@@ -108,7 +108,7 @@ TEST_CASE("sky and unknown depth are not refined, and say nothing to their neigh
   CHECK(wall.error(depth) < 0.07);
 }
 
-TEST_CASE("depth stays as it was swept where sources show something else, or nothing") {
+TEST_CASE("depth is not refined where sources are unrelated or have no texture") {
   Wall wall;
   std::mt19937 random(3);
   for (std::size_t i = 1; i < wall.views.size(); ++i)
@@ -122,7 +122,7 @@ TEST_CASE("depth stays as it was swept where sources show something else, or not
   CHECK(wall.refined().inverseDepth == wall.swept.inverseDepth);
 }
 
-TEST_CASE("what is masked in a source is not read") {
+TEST_CASE("masked pixels of a source are not read") {
   Wall wall;
   for (const std::size_t i : {1, 2, 3}) {
     for (float& level : wall.views[i].grey.values) level = 255 - level;
@@ -131,7 +131,7 @@ TEST_CASE("what is masked in a source is not read") {
   CHECK(wall.error(wall.refined()) < 0.12);
 }
 
-TEST_CASE("pictures of a few pixels are refined without reading beyond them") {
+TEST_CASE("images of a few pixels are refined without reading outside of them") {
   for (const int side : {1, 3, 9}) {
     CAPTURE(side);
     const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, side, side, 1.2);

@@ -32,13 +32,13 @@ bool at(const Image8& sky, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("sky is what infinity explains, two pixels away from all else") {
+TEST_CASE("sky is the region that matches at infinity, two pixels away from all else") {
   const Image8 sky = Place().sky();
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) CHECK(at(sky, x, y) == (y < 28));
 }
 
-TEST_CASE("a clear sky is sky, though nothing matches there; a wall without texture below a roof is not") {
+TEST_CASE("a clear sky without texture is sky, a wall without texture below a roof is not") {
   Place place;
   place.fill(0, 0, 40, 20, 120, 100);   // clear sky
   place.fill(10, 40, 70, 58, 90, 100);  // wall without texture
@@ -49,7 +49,7 @@ TEST_CASE("a clear sky is sky, though nothing matches there; a wall without text
   CHECK_FALSE(at(place.sky(), 20, 10));
 }
 
-TEST_CASE("sky that a wire cuts off from the border is sky where infinity is as good as any depth in half of it") {
+TEST_CASE("a region enclosed by a wire is sky if half of it matches at infinity as well as at any depth") {
   Place cut;
   cut.fill(0, 8, kWidth, 9, 400, 10);
   const Image8 sky = cut.sky();
@@ -63,7 +63,7 @@ TEST_CASE("sky that a wire cuts off from the border is sky where infinity is as 
   CHECK(at(cut.sky(), 60, 15));
 }
 
-TEST_CASE("no sky is found where infinity is nowhere as good as a depth, or in small regions") {
+TEST_CASE("no sky is found where infinity matches worse than a depth, or in small regions") {
   Place near;
   near.fill(0, 0, kWidth, 30, 40, 20);
   Place small;

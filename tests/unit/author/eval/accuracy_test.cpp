@@ -45,7 +45,7 @@ double largest(const std::vector<double>& values) {
 
 }  // namespace
 
-TEST_CASE("exact matches are found exact") {
+TEST_CASE("exact matches have no error") {
   const std::size_t members = GENERATE(2u, 3u, 4u);
   const bool atInfinity = GENERATE(false, true);
   const SyntheticScene made = wallAndBoard(members, atInfinity);
@@ -61,13 +61,13 @@ TEST_CASE("exact matches are found exact") {
   CHECK(a.folded == 0);
 }
 
-TEST_CASE("what is wrong with matches and labels is counted") {
+TEST_CASE("errors of matches and labels are counted") {
   SyntheticScene made = wallAndBoard(3);
   MorphMesh& mesh = made.scene.cells[0].mesh;
   const auto truth = depthAround(made);
   const MatchAccuracy before = matchAccuracy(made.scene, truth)[0];
 
-  SECTION("shifted by 2 px in one member") {
+  SECTION("matches are shifted by 2 px in one member") {
     for (glm::vec2& p : mesh.match[2]) p.x += 2;
     const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
     CHECK(a.vertexError.size() == before.vertexError.size());
@@ -75,7 +75,7 @@ TEST_CASE("what is wrong with matches and labels is counted") {
     CHECK(a.rightTier0 == 0);
     CHECK(a.kept == before.kept);
   }
-  SECTION("half of the right triangles in tier 1") {
+  SECTION("half of the correct triangles are in tier 1") {
     const std::size_t half = mesh.triangles.size() / 2;
     for (std::size_t t = half; t < mesh.tier.size(); ++t) mesh.tier[t] = kTierRejected;
     const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
@@ -85,14 +85,14 @@ TEST_CASE("what is wrong with matches and labels is counted") {
     CHECK(a.kept < before.kept);
     CHECK(a.coVisible == before.coVisible);
   }
-  SECTION("a triangle that turns over") {
+  SECTION("a triangle is flipped") {
     // Mirroring a vertex across the opposite edge in one member flips at least that triangle.
     const glm::uvec3 t = mesh.triangles[mesh.triangles.size() / 2];
     auto& at = mesh.match[1];
     at[t.x] = at[t.y] + at[t.z] - at[t.x];
     CHECK(matchAccuracy(made.scene, truth)[0].folded >= 1);
   }
-  SECTION("triangles that bridge wall and board") {
+  SECTION("triangles bridge wall and board") {
     // The board's vertices are moved onto the wall; the matches then lie on wall that the board hides.
     const Camera& first = made.scene.nodes[0].camera;
     std::size_t moved = 0;
@@ -126,7 +126,7 @@ TEST_CASE("the uncertainty of a vertex is compared with its error") {
   CHECK(std::ranges::all_of(a.deviation, [](double d) { return d == Approx(1.5).margin(0.05); }));
 }
 
-TEST_CASE("depth that does not fit its view is refused") {
+TEST_CASE("depth that does not fit its view is rejected") {
   const SyntheticScene made = wallAndBoard(2);
   auto views = depthAround(made);
   views[1].depth = ImageF(10, 10, 1);
@@ -135,7 +135,7 @@ TEST_CASE("depth that does not fit its view is refused") {
   CHECK_THROWS_AS(matchAccuracy(made.scene, views), Error);
 }
 
-TEST_CASE("exact matches are put back where they were") {
+TEST_CASE("disturbed matches are set back to their exact positions") {
   SyntheticScene made = wallAndBoard(3);
   const auto truth = depthAround(made);
   const MorphMesh exact = made.scene.cells[0].mesh;
@@ -166,7 +166,7 @@ TEST_CASE("exact matches are put back where they were") {
   CHECK(mesh.uncertainty == disturbed.uncertainty);
 }
 
-TEST_CASE("what is another surface stays") {
+TEST_CASE("matches on another surface stay") {
   SyntheticScene made = wallAndBoard(3);
   MorphMesh& mesh = made.scene.cells[0].mesh;
   for (glm::vec2& at : mesh.match[2]) at.x += 5;
@@ -176,7 +176,7 @@ TEST_CASE("what is another surface stays") {
   CHECK(setExactMatches(made.scene, depthAround(made), {.withinPx = 6}) > 100);
 }
 
-TEST_CASE("noise on exact matches is even, the seed's own, and turns nothing over") {
+TEST_CASE("noise on exact matches is uniform, depends on the seed, and flips no triangle") {
   const SyntheticScene made = wallAndBoard(3);
   const auto truth = depthAround(made);
   const auto disturbed = [&](double noisePx, std::uint64_t seed, int threads) {
@@ -212,7 +212,7 @@ TEST_CASE("noise on exact matches is even, the seed's own, and turns nothing ove
   CHECK(matchAccuracy(disturbed(20, 1, 1), truth)[0].folded == 0);
 }
 
-TEST_CASE("settings of exact matches are checked") {
+TEST_CASE("invalid options of exact matches are rejected") {
   Scene scene = wallAndBoard(2).scene;
   const auto truth = depthAround(wallAndBoard(2));
   for (const ExactMatchOptions& wrong :

@@ -90,7 +90,7 @@ DepthMap exactMap(const SyntheticScene& scene, const Camera& camera) {
 
 }  // namespace
 
-TEST_CASE("at a photograph's own pose every baseline returns it") {
+TEST_CASE("every baseline reproduces a photograph at its own pose") {
   const Place place({kWall, kSign});
   Baselines baselines(place.scene());
   for (std::size_t i = 0; i < 3; ++i) {
@@ -104,7 +104,7 @@ TEST_CASE("at a photograph's own pose every baseline returns it") {
   }
 }
 
-TEST_CASE("baselines show photographs with their gains, where they are asked to") {
+TEST_CASE("baselines apply the photographs' gains if an exposure is set") {
   Place place({kWall, kSign});
   const glm::dvec3 exposure(0.9, 1, 1.1);
   for (std::size_t i = 0; i < 3; ++i) place.made.scene.nodes[i].gain = {0.7 + 0.2 * double(i), 0.8, 1.1};
@@ -136,7 +136,7 @@ TEST_CASE("baselines show photographs with their gains, where they are asked to"
   }
 }
 
-TEST_CASE("a wall across the view is exact for all of them") {
+TEST_CASE("every baseline is exact for a wall across the view") {
   const Place place({kWall});
   Baselines baselines(place.scene());
   const Camera view = cameraAt({0.25, 0.1, 0.1});
@@ -149,7 +149,7 @@ TEST_CASE("a wall across the view is exact for all of them") {
   }
 }
 
-TEST_CASE("where something stands before the wall, depth is worth having") {
+TEST_CASE("depth improves the result where an object hides a part of the wall") {
   const Place place({kWall, kSign});
   Baselines baselines(place.scene());
   const Camera view = cameraAt({0.25, 0.15, 0});
@@ -161,7 +161,7 @@ TEST_CASE("where something stands before the wall, depth is worth having") {
   CHECK(lumigraph > score(baselines.crossFade(view, place.scene().cells[0], std::array{0.4, 0.4, 0.2})) + 3);
 }
 
-TEST_CASE("the plane of the nearest photograph goes by depth that was matched, not by what was completed") {
+TEST_CASE("the plane of the nearest photograph is fitted to matched depth, not to completed depth") {
   Place place({kWall});
   const Camera view = cameraAt({0.1, 0, 0});
   const Image8 expected = Baselines(place.scene()).nearest(view);
@@ -178,7 +178,7 @@ TEST_CASE("the plane of the nearest photograph goes by depth that was matched, n
   CHECK(largestDifference(Baselines(place.scene()).nearest(view), expected) > 20);
 }
 
-TEST_CASE("photographs without a depth texture are shown as though all were infinitely far away") {
+TEST_CASE("photographs without a depth texture are shown at infinity") {
   Place place({kWall, kSign});
   for (Node& node : place.made.scene.nodes) node.depthFile.clear();
   Baselines baselines(place.scene());
@@ -189,7 +189,7 @@ TEST_CASE("photographs without a depth texture are shown as though all were infi
   CHECK(psnr(picture, renderTruth(place.made, view), shown(picture)) < 26);  // depth would improve the picture
 }
 
-TEST_CASE("baselines do not depend on how many photographs are kept, nor on threads") {
+TEST_CASE("baselines do not depend on the cache size or the thread count") {
   const Place place({kWall, kSign});
   const Camera view = cameraAt({0.25, 0.15, 0});
   Baselines rich(place.scene(), {.threads = 3}), poor(place.scene(), {.cacheBytes = 0, .threads = 1});
@@ -198,7 +198,7 @@ TEST_CASE("baselines do not depend on how many photographs are kept, nor on thre
   CHECK(rich.nearest(view) == poor.nearest(view));
 }
 
-TEST_CASE("what no photograph sees stays black, and is said") {
+TEST_CASE("pixels that no photograph sees are black and transparent") {
   const Place place({kWall});
   Baselines baselines(place.scene());
   const Camera behind = cameraAt({0, 0, 0}, 3.1), aside = cameraAt({0, 0, 0}, 0.6);
@@ -211,7 +211,7 @@ TEST_CASE("what no photograph sees stays black, and is said") {
   CHECK(part.pixel(kWidth - 1, 60)[3] == 255);
 }
 
-TEST_CASE("baselines refuse what they cannot show") {
+TEST_CASE("unsupported scenes and missing photographs are reported") {
   Place place({kWall});
   std::filesystem::remove(place.folder / place.scene().nodes[0].imageFile);
   Baselines baselines(place.scene());
@@ -227,7 +227,7 @@ TEST_CASE("baselines refuse what they cannot show") {
   CHECK_THROWS_WITH(Baselines(masked), Catch::Contains("view1") && Catch::Contains("--baselines"));
 }
 
-TEST_CASE("a depth map brought into another view is that view's depth") {
+TEST_CASE("a depth map that is warped to another view has that view's depth") {
   const Place place({kWall, kSign});
   const Camera view = cameraAt({0.3, 0.1, -0.2}, 0.05);
   const DepthMap from = exactMap(place.made, cameraAt({0, 0, 0}));
@@ -247,7 +247,7 @@ TEST_CASE("a depth map brought into another view is that view's depth") {
       CHECK(back.pixel(x, y)[0] == Approx(from.inverseDepth.pixel(x, y)[0]).epsilon(1e-4));
 }
 
-TEST_CASE("the proxy believes two maps rather than one, and has no holes") {
+TEST_CASE("the proxy prefers the depth of two maps to that of one, and has no holes") {
   const Place place({kWall});
   const Camera view = cameraAt({0, 0, 0});
   DepthMap right = exactMap(place.made, view), wrong = right, holed = right;
@@ -267,7 +267,7 @@ TEST_CASE("the proxy believes two maps rather than one, and has no holes") {
   CHECK(std::ranges::all_of(none.values, [](float w) { return w == 0; }));
 }
 
-TEST_CASE("the order of photographs makes no difference to a lumigraph, and what is hidden comes last") {
+TEST_CASE("a lumigraph does not depend on the order of photographs, and hidden surfaces count least") {
   const Place place({kWall, kSign});
   const Camera view = cameraAt({0.25, 0.15, 0});
   const ImageF proxy = exactMap(place.made, view).inverseDepth;

@@ -28,7 +28,7 @@ std::string refusal(const std::string& json) {
 
 }  // namespace
 
-TEST_CASE("cases of matching are read, their paths from the data's folder") {
+TEST_CASE("match cases are read, with paths relative to the data folder") {
   const TemporaryFolder folder;
   writeFile(folder / "cases.json",
             R"({"cases": [{"name": "a", "images": ["x/1.png", "x/2.png"], "homography": "h.xml", "maxSize": 300},
@@ -46,7 +46,7 @@ TEST_CASE("cases of matching are read, their paths from the data's folder") {
   CHECK(cases[1].depthUnit == 0.5);
 }
 
-TEST_CASE("a case that cannot be is refused by its place") {
+TEST_CASE("an invalid match case is reported with its JSON pointer") {
   const std::string head = R"({"cases": [{"name": "a", "images": ["1.png", "2.png"])";
   for (const auto& [json, place] : std::vector<std::pair<std::string, std::string>>{
            {"{", "cases.json"},
@@ -66,7 +66,7 @@ TEST_CASE("a case that cannot be is refused by its place") {
   }
 }
 
-TEST_CASE("methods are compared on a wall whose homography is known; a picture that is not there is named") {
+TEST_CASE("methods are compared on a wall of known homography, and a missing image is reported") {
   const TemporaryFolder folder;
   // Cameras turned about one centre: their pictures are related by a homography.
   const std::vector<Camera> cameras{lookingAlong({0, 0, 0}, {0, 1, 0}, 240, 180),

@@ -30,7 +30,7 @@ MatchCase caseNamed(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("aloe at a third of its size against the true disparities, by flow and by homographies") {
+TEST_CASE("flow and homographies match aloe at a third of its size to the true disparities") {
   MatchCase aloe = caseNamed("aloe");
   aloe.maxSize = 427;
   const std::vector<MatchScore> scores = compareMethods(aloe);
@@ -53,7 +53,7 @@ TEST_CASE("aloe at a third of its size against the true disparities, by flow and
   CHECK(onPlanes.coverage < all.coverage);
 }
 
-TEST_CASE("a cell of the street at half its size against exact depth, by each method") {
+TEST_CASE("each method matches a cell of the street at half its size to exact depth") {
   MatchCase street = caseNamed("street");
   street.maxSize = 384;
   const std::vector<MatchScore> scores = compareMethods(street);

@@ -123,7 +123,7 @@ double worstError(const Gains& gains, const Gains& exposures) {
 
 }  // namespace
 
-TEST_CASE("photographs from one spot tell their exposures by what their borders share, without depth or points") {
+TEST_CASE("exposures of photographs from one position are measured at shared borders, without depth or points") {
   Taken taken(faces({0, 0, 0}));
   taken.take(kExposures);
   const Exposures exposures = taken.measured();
@@ -137,7 +137,7 @@ TEST_CASE("photographs from one spot tell their exposures by what their borders 
   }
 }
 
-TEST_CASE("overlaps lie where both photographs show one place") {
+TEST_CASE("overlaps lie where both photographs show the same point") {
   std::vector<Camera> cameras = faces({0, 0, 0});
   for (const Camera& camera : faces({0.5, 0.2, 0.1})) cameras.push_back(camera);
   Taken taken(cameras, true);
@@ -158,7 +158,7 @@ TEST_CASE("overlaps lie where both photographs show one place") {
   CHECK(across > ahead + 200);
 }
 
-TEST_CASE("where parallax is large and no depth is known, nothing is compared") {
+TEST_CASE("without depth, photographs with a large parallax are not compared") {
   Taken taken({lookingFrom({-1, 0, 0}, turned(0, 0)), lookingFrom({1, 0, 0.5}, turned(0.3, 0))});
   taken.take(Gains(2, glm::dvec3(1)));
   CHECK(taken.overlaps().empty());
@@ -168,7 +168,7 @@ TEST_CASE("where parallax is large and no depth is known, nothing is compared") 
   CHECK(describedExposures(exposures).find("not measured") != std::string::npos);
 }
 
-TEST_CASE("parts that look away from each other keep a mean each, and it is said") {
+TEST_CASE("unconnected parts keep a mean each, and are reported") {
   std::vector<Camera> cameras{lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.6, 0)),
                               lookingFrom({0, 0, 0}, turned(2.9, 0)), lookingFrom({0, 0, 0}, turned(3.5, 0))};
   Taken taken(cameras);
@@ -184,7 +184,7 @@ TEST_CASE("parts that look away from each other keep a mean each, and it is said
   CHECK(describedExposures(found).find("2 parts") != std::string::npos);
 }
 
-TEST_CASE("what is masked is not compared") {
+TEST_CASE("masked pixels are not compared") {
   Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))});
   taken.take({glm::dvec3(1), glm::dvec3(0.7)});
   // A person in a pale coat covers most of the overlap in the first photograph only.
@@ -202,7 +202,7 @@ TEST_CASE("what is masked is not compared") {
   CHECK(taken.measured().gains[1].g / taken.measured().gains[0].g * 0.7 == Approx(1).epsilon(0.005));
 }
 
-TEST_CASE("photographs that are clipped all over, or alone, are left as they are") {
+TEST_CASE("fully clipped photographs and single photographs are unchanged") {
   Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))});
   taken.take({glm::dvec3(1), glm::dvec3(3000)});
   const Exposures clipped = taken.measured();
@@ -213,7 +213,7 @@ TEST_CASE("photographs that are clipped all over, or alone, are left as they are
   CHECK(solveExposures(1, {}).gains == Gains(1, glm::dvec3(1)));
 }
 
-TEST_CASE("a lens that shades its corners is told from exposures") {
+TEST_CASE("vignetting is separated from exposures") {
   const glm::dvec2 planted(-0.35, -0.25);  // corners receive 55 % of the light
   Taken taken(faces({0, 0, 0}));
   const Gains exposures{{1, 0.9, 1}, {0.55, 0.6, 0.52}, {0.8, 0.8, 0.9}, {0.7, 0.66, 0.74}, {1, 1, 1}, {0.9, 1, 1}};
@@ -228,7 +228,7 @@ TEST_CASE("a lens that shades its corners is told from exposures") {
   CHECK(std::abs(logVignetting(solveVignetting(6, taken.matches(), lenses)[0], 1)) < 0.02);
 }
 
-TEST_CASE("a picture without its lens's shade is what was there") {
+TEST_CASE("removing vignetting restores the image") {
   Taken taken(std::vector<Camera>(2, lookingFrom({0, 0, 0}, turned(0, 0))));
   const glm::dvec2 planted(-0.4, -0.3);
   taken.take(Gains(2, glm::dvec3(0.9)));

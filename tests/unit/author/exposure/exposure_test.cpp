@@ -60,7 +60,7 @@ double worst(const Gains& a, const Gains& b) {
 
 }  // namespace
 
-TEST_CASE("planted gains come back") {
+TEST_CASE("planted gains are recovered") {
   for (const double span : {1.0, 1.1, 2.0, 16.0})
     for (const std::size_t photographs : {2, 3, 40}) {
       const Gains gains = planted(photographs, span);
@@ -69,7 +69,7 @@ TEST_CASE("planted gains come back") {
     }
 }
 
-TEST_CASE("planted gains come back though three tenths of the matches are wrong, all to one side") {
+TEST_CASE("planted gains are recovered with three tenths of the matches wrong, all to one side") {
   for (const double span : {1.2, 4.0, 16.0})
     for (const std::size_t photographs : {2, 12}) {
       const Gains gains = planted(photographs, span);
@@ -87,7 +87,7 @@ TEST_CASE("noise averages out") {
   CHECK(worst(gainsOf(10, matches), gains) < 0.02);
 }
 
-TEST_CASE("the order of photographs and of matches changes nothing") {
+TEST_CASE("the order of photographs and matches does not change gains") {
   const Gains gains = planted(8, 3);
   const std::vector<ExposureMatch> matches = ring(gains, 50, 0.2);
   const Gains first = gainsOf(8, matches);
@@ -98,7 +98,7 @@ TEST_CASE("the order of photographs and of matches changes nothing") {
   CHECK(worst(first, second) < 1e-9);
 }
 
-TEST_CASE("parts that no match joins keep their own mean, and photographs without matches are left alone") {
+TEST_CASE("parts that no match joins keep their own mean, and photographs without matches are unchanged") {
   const Gains left = planted(4, 2, 1), right = planted(3, 8, 7);
   std::vector<ExposureMatch> matches = ring(left, 20, 0);
   for (ExposureMatch m : ring(right, 20, 0)) {
@@ -115,7 +115,7 @@ TEST_CASE("parts that no match joins keep their own mean, and photographs withou
   CHECK(gainsOf(0, {}).empty());
 }
 
-TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields to matches") {
+TEST_CASE("EXIF gives the exposure of a photograph without matches, and yields to matches") {
   const auto exposed = [](double time) {
     return CaptureFacts{.exposureTime = time, .fNumber = 4, .iso = 100, .model = "M1"};
   };
@@ -135,13 +135,13 @@ TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields t
   CHECK(gainsOf(3, matches, other)[2] == glm::dvec3(1.0));
 }
 
-TEST_CASE("gains stay within what a scene may hold") {
+TEST_CASE("gains stay within the limits of a scene") {
   const Gains gains = gainsOf(2, std::vector<ExposureMatch>(20, {0, 1, glm::dvec3(40.0), 0.1}));
   CHECK(gains[0].r == Approx(1 / kMaxGain));
   CHECK(gains[1].r == Approx(kMaxGain));
 }
 
-TEST_CASE("gains that nobody would see are none") {
+TEST_CASE("invisible gains are dropped") {
   Gains gains = planted(5, 1.009);
   Exposures exposures = solveExposures(5, ring(gains, 30, 0));
   CHECK(exposures.alike);
@@ -155,12 +155,12 @@ TEST_CASE("gains that nobody would see are none") {
   CHECK(exposures.gains[2].b > 1.02);
 }
 
-TEST_CASE("eight stops apart") {
+TEST_CASE("gains of eight stops are recovered") {
   const Gains gains = planted(6, 16);
   CHECK(worst(gainsOf(6, ring(gains, 100, 0.2)), gains) < 1e-4);
 }
 
-TEST_CASE("what is not finite says nothing") {
+TEST_CASE("non-finite matches and EXIF data are ignored") {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   const Gains gains = planted(4, 2);
   std::vector<ExposureMatch> matches = ring(gains, 40, 0);

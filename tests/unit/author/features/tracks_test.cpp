@@ -79,7 +79,7 @@ Features randomFeatures(std::size_t count, int width, int height, unsigned seed)
 
 }  // namespace
 
-TEST_CASE("a blob is found where it is, to a tenth of a pixel, whatever its size") {
+TEST_CASE("a blob of any size is located to a tenth of a pixel") {
   for (const double sigma : {2.5, 3.0, 4.0})
     for (const glm::dvec2 at : {glm::dvec2(64.0, 48.0), {64.5, 48.5}, {61.3, 50.8}}) {
       Image8 picture(128, 96, 1);
@@ -97,7 +97,7 @@ TEST_CASE("a blob is found where it is, to a tenth of a pixel, whatever its size
     }
 }
 
-TEST_CASE("kept features come back whole or not at all") {
+TEST_CASE("cached features are read whole or not at all") {
   const TemporaryFolder folder;
   const Features features = randomFeatures(17, 100, 100, 3);
   CHECK_FALSE(fetchFeatures(folder / "f"));
@@ -118,7 +118,7 @@ TEST_CASE("kept features come back whole or not at all") {
   CHECK(fetchFeatures(folder / "f")->at.empty());
 }
 
-TEST_CASE("guided matches obey the line, the side and the ratio") {
+TEST_CASE("guided matches satisfy the epipolar line, the depth sign and the ratio test") {
   const std::vector<Camera> cameras = threeCameras();
   const Camera &a = cameras[0], &b = cameras[1];
   const auto in = [](const Camera& camera, glm::dvec3 point) {
@@ -145,17 +145,17 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
   REQUIRE(back.size() == matches.size());
   for (std::size_t m = 0; m < matches.size(); ++m) CHECK((back[m].a == matches[m].a && back[m].b == matches[m].b));
 
-  SECTION("off the line") {
+  SECTION("off the epipolar line") {
     right.at[199].y += 10;
     CHECK(std::ranges::none_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
   }
-  SECTION("behind the cameras, on the line") {
+  SECTION("behind the cameras on the epipolar line") {
     // The observation lies on the epipolar line, beyond the ray's far end.
     const glm::dvec3 ray = points[0] - a.pose.position;
     right.at[199] = in(b, a.pose.position + 1e6 * ray) + (in(b, a.pose.position + 1e6 * ray) - in(b, points[0]));
     CHECK(std::ranges::none_of(matchGuided(a, left, b, right), [](const auto& m) { return m.a == 0; }));
   }
-  SECTION("twice the same on the line") {
+  SECTION("two similar features on the epipolar line") {
     const glm::dvec3 nearer = a.pose.position + 0.8 * (points[0] - a.pose.position);
     right.at[100] = in(b, nearer);
     right.descriptor[100] = right.descriptor[199];
@@ -166,7 +166,7 @@ TEST_CASE("guided matches obey the line, the side and the ratio") {
   }
 }
 
-TEST_CASE("matches join to tracks with one feature a photograph, the most alike first") {
+TEST_CASE("matches are joined to tracks with one feature per photograph, most similar first") {
   const std::vector<ImagePair> pairs{{0, 1}, {0, 2}, {1, 2}};
   // 0:5 – 1:6 – 2:7 join by small distances; 0:5 – 2:9 would then add a second feature of photograph 2.
   const std::vector<std::vector<FeatureMatch>> matches{{{5, 6, 10}}, {{5, 9, 30}, {1, 1, 5}}, {{6, 7, 20}}};
@@ -176,7 +176,7 @@ TEST_CASE("matches join to tracks with one feature a photograph, the most alike 
   CHECK(joinMatches({}, {}).empty());
 }
 
-TEST_CASE("triangulation finds exact points exactly and says where there are none") {
+TEST_CASE("triangulation is exact for exact pixels and fails without parallax or for diverging rays") {
   const std::vector<Camera> cameras = threeCameras();
   const glm::dvec3 point(0.1, 3.5, 0.2);
   std::vector<glm::dvec2> pixels;
@@ -206,7 +206,7 @@ TEST_CASE("triangulation finds exact points exactly and says where there are non
   CHECK_FALSE(triangulate(std::vector<Camera>{cameras[0], cameras[1]}, std::vector<glm::dvec2>{{10, 96}, {250, 96}}));
 }
 
-TEST_CASE("pairs are near each other, look alike ways, and lack tracks") {
+TEST_CASE("pairs to match are near each other, look in similar directions and lack tracks") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 30; ++i) cameras.push_back(lookingAlong({double(i), 0, 0}, {0, 1, 0}));
   cameras.push_back(lookingAlong({0.5, 0, 0}, {0, -1, 0}));
@@ -228,7 +228,7 @@ TEST_CASE("pairs are near each other, look alike ways, and lack tracks") {
   CHECK(std::ranges::none_of(pairsWithoutTracks(model), [](auto p) { return p.first == 10 || p.second == 10; }));
 }
 
-TEST_CASE("photographs with poses and no tracks get tracks on what they show") {
+TEST_CASE("photographs with poses and no tracks get tracks on the surfaces that they show") {
   const TemporaryFolder folder;
   const std::vector<Camera> cameras = threeCameras();
   const SyntheticScene scene = wallSeenBy(cameras);

@@ -40,7 +40,7 @@ void expectFinite(const Lens& lens) {
 
 }  // namespace
 
-TEST_CASE("a lens of any number is refused, or sees nothing that is not finite", "[N13][N16]") {
+TEST_CASE("a lens with extreme parameters is rejected or gives only finite results", "[N13][N16]") {
   int refused = 0, made = 0;
   for (std::size_t m = 0; m < kLensModels; ++m) {
     const auto model = LensModel(m);
@@ -65,7 +65,7 @@ TEST_CASE("a lens of any number is refused, or sees nothing that is not finite",
   CHECK(refused > 100);
 }
 
-TEST_CASE("faces of a panorama are refused or finite, whatever the angle", "[N10][N16]") {
+TEST_CASE("panorama faces are rejected or finite for any angle", "[N10][N16]") {
   for (const double value : test::kExtremes) {
     INFO(value);
     if (value > 0 && value < 3) {  // denormal and smallest normal numbers: a field of view of almost 0

@@ -17,7 +17,7 @@ glm::dvec2 seenBy(const Camera& camera, glm::dvec3 point) {
 
 }  // namespace
 
-TEST_CASE("a match slides as its point comes nearer") {
+TEST_CASE("the epipolar direction is the motion of a match as its point comes nearer") {
   const double scale = GENERATE(1e-3, 1.0, 1e6);  // world units per metre
   const glm::dvec3 offset = GENERATE(glm::dvec3(0), glm::dvec3(4e5, -6e6, 300));
   const Camera camera = lookingAlong(offset + scale * glm::dvec3(1, 0.5, 0.2), {0.3, 1, -0.2});
@@ -28,14 +28,14 @@ TEST_CASE("a match slides as its point comes nearer") {
   CHECK(glm::dot(direction, glm::normalize(nearer - there)) > 0.99999);
 }
 
-TEST_CASE("a match at infinity slides, too") {
+TEST_CASE("the epipolar direction is defined for points at infinity") {
   const Camera camera = lookingAlong({1, 0, 0}, {0, 1, 0});
   const glm::dvec3 ray(0.1, 1, 0.2);
   const glm::dvec2 there = seenBy(camera, camera.pose.position + 1e9 * ray), far = seenBy(camera, 1e4 * ray);
   CHECK(glm::dot(epipolarDirection(camera, {0, 0, 0}, there), glm::normalize(far - there)) > 0.99999);
 }
 
-TEST_CASE("at the epipole, and from the camera's own place, no direction is preferred") {
+TEST_CASE("the epipolar direction is zero at the epipole and for coincident cameras") {
   const Camera camera = lookingAlong({1, 2, 3}, {0, 1, 0});
   CHECK(epipolarDirection(camera, {1, 2, 3}, {20, 30}) == glm::dvec2(0));
   CHECK(epipolarDirection(camera, {1, 0, 3}, {camera.intrinsics.cx, camera.intrinsics.cy}) == glm::dvec2(0));

@@ -59,7 +59,7 @@ Lens lensOf(LensModel model, const std::vector<double>& parameters) {
 
 }  // namespace
 
-TEST_CASE("a direction comes back from its pixel, whatever the lens") {
+TEST_CASE("unprojecting and projecting a pixel restores it for every lens model") {
   for (const Kind& kind : kinds())
     for (const auto* parameters : {&kind.mild, &kind.strong}) {
       INFO(kind.name);
@@ -84,7 +84,7 @@ TEST_CASE("a direction comes back from its pixel, whatever the lens") {
     }
 }
 
-TEST_CASE("what is given in degrees from the axis is seen once, up to the fold", "[N13]") {
+TEST_CASE("directions project monotonically up to the fold and not beyond it", "[N13]") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const Lens lens = lensOf(kind.model, kind.strong);
@@ -109,7 +109,7 @@ TEST_CASE("what is given in degrees from the axis is seen once, up to the fold",
   }
 }
 
-TEST_CASE("the radius at which k folds back is where its derivative says", "[N13]") {
+TEST_CASE("the fold radius is the zero of the distortion's derivative", "[N13]") {
   // r + k r³ grows up to r = 1/√(−3k), where it is 2r/3.
   const Lens lens = lensOf(LensModel::simpleRadial, {300, 320, 240, -0.25});
   const double fold = 1 / std::sqrt(0.75);
@@ -128,7 +128,7 @@ TEST_CASE("the radius at which k folds back is where its derivative says", "[N13
   CHECK_FALSE(pole.project({1.1, 0, -1}));
 }
 
-TEST_CASE("no distortion is the pinhole, and no distortion of a fisheye is the equidistant one") {
+TEST_CASE("lenses without distortion are pinholes, fisheyes without distortion are equidistant") {
   const Intrinsics k{CameraModel::pinhole, kWidth, kHeight, 500, 510, 322, 239};
   for (const LensModel model : {LensModel::pinhole, LensModel::opencv, LensModel::fullOpencv, LensModel::fov}) {
     std::vector<double> parameters(parameterCount(model));
@@ -157,7 +157,7 @@ TEST_CASE("no distortion is the pinhole, and no distortion of a fisheye is the e
   }
 }
 
-TEST_CASE("the derivative of the distortion is that of its differences") {
+TEST_CASE("derivatives of the distortion match finite differences") {
   for (const Kind& kind : kinds())
     for (const auto* parameters : {&kind.mild, &kind.strong}) {
       INFO(kind.name);
@@ -178,7 +178,7 @@ TEST_CASE("the derivative of the distortion is that of its differences") {
     }
 }
 
-TEST_CASE("the formulas are those of COLMAP's sources, worked out by hand") {
+TEST_CASE("distortion formulas match COLMAP's, computed by hand") {
   // OPENCV at (u, v) = (0.5, −0.25): r² = 0.3125.
   const double u = 0.5, v = -0.25, r2 = 0.3125, k1 = -0.2, k2 = 0.1, p1 = 0.01, p2 = 0.02;
   const double factor = 1 + k1 * r2 + k2 * r2 * r2;
@@ -202,7 +202,7 @@ TEST_CASE("the formulas are those of COLMAP's sources, worked out by hand") {
   CHECK(prism->y == Approx(240 + 400 * 0.03 * t * t).epsilon(1e-14));
 }
 
-TEST_CASE("impossible lenses are refused, impossible questions answered with nothing", "[N13][N16]") {
+TEST_CASE("invalid lenses are rejected, and invalid points give no result", "[N13][N16]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_AS(lensOf(LensModel::opencv, {1, 1, 1, 1}), Error);
   CHECK_THROWS_AS(lensOf(LensModel::simpleRadial, {-1, 1, 1, 0}), Error);
@@ -218,7 +218,7 @@ TEST_CASE("impossible lenses are refused, impossible questions answered with not
   }
 }
 
-TEST_CASE("a lens gives its parameters back, and a written model is read with the same lenses") {
+TEST_CASE("a lens returns its parameters, and a written model is read with the same lenses") {
   PosedModel model;
   for (const Kind& kind : kinds()) {
     const Lens lens(kind.model, kWidth, kHeight, kind.mild);

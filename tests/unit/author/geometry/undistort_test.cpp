@@ -45,7 +45,7 @@ Image8 pictureOf(int width, int height, Ray&& rayAt) {
 
 }  // namespace
 
-TEST_CASE("an undistorted picture is what a pinhole would have taken") {
+TEST_CASE("an undistorted image equals the image of a pinhole camera") {
   for (std::size_t i = 0; i < lenses().size(); ++i) {
     INFO(i);
     const Lens& lens = lenses()[i];
@@ -69,7 +69,7 @@ TEST_CASE("an undistorted picture is what a pinhole would have taken") {
   }
 }
 
-TEST_CASE("the cropped rectangle is full and cannot grow; the kept one holds every pixel") {
+TEST_CASE("a cropped rectangle is filled and maximal; one with the border contains every source pixel") {
   for (std::size_t i = 0; i < lenses().size(); ++i) {
     INFO(i);
     const Lens& lens = lenses()[i];
@@ -110,7 +110,7 @@ TEST_CASE("the cropped rectangle is full and cannot grow; the kept one holds eve
   }
 }
 
-TEST_CASE("what was not photographed is black and is said to be so") {
+TEST_CASE("pixels outside the photograph are black and reported as not photographed") {
   const Lens& lens = lenses()[1];  // corners are pulled inwards: the source does not fill its bounding box
   const Intrinsics k = undistorted(lens, Border::keep);
   const Image8 picture = undistort(Image8(kWidth, kHeight, 3, 200), lens, k);
@@ -124,7 +124,7 @@ TEST_CASE("what was not photographed is black and is said to be so") {
   CHECK(empty > 100);
 }
 
-TEST_CASE("pixels move to where the pinhole shows them") {
+TEST_CASE("undistorted pixels project to their source pixels") {
   for (const Lens& lens : lenses()) {
     const Intrinsics k = undistorted(lens);
     std::size_t moved = 0;
@@ -141,7 +141,7 @@ TEST_CASE("pixels move to where the pinhole shows them") {
   }
 }
 
-TEST_CASE("larger and smaller pictures than the camera's are undistorted alike") {
+TEST_CASE("an image larger than its camera is undistorted the same way") {
   const Lens& lens = lenses()[0];
   const Intrinsics k = undistorted(lens);
   const Intrinsics twice = resized(k, 2 * k.width, 2 * k.height);
@@ -151,7 +151,7 @@ TEST_CASE("larger and smaller pictures than the camera's are undistorted alike")
   CHECK(psnr(undistort(taken, lens, twice), truth) > 40);
 }
 
-TEST_CASE("a picture without a middle is refused") {
+TEST_CASE("a lens whose image centre is far off the axis is rejected") {
   const Lens beside(LensModel::simpleRadial, kWidth, kHeight, std::vector<double>{10, 900, 120, -0.1});
   CHECK_THROWS_AS(undistorted(beside), Error);
 }

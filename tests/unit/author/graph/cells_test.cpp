@@ -85,7 +85,7 @@ double covered(const std::vector<Camera>& cameras, const CellPlan& plan, std::si
 
 }  // namespace
 
-TEST_CASE("a grid in space becomes tetrahedra that fill it, the same for each direction") {
+TEST_CASE("a grid in space becomes tetrahedra that fill it, identical for each direction") {
   const double noise = GENERATE(0.0, 0.01);
   const auto cameras = grid(3, 2, 2, 8, noise, noise / 10);
   const CellPlan cells = plan(cameras);
@@ -162,7 +162,7 @@ TEST_CASE("a noisy line and an arc become a chain") {
   CHECK(cells.cells.size() == 8);
 }
 
-TEST_CASE("one triangle of spots with five directions each") {
+TEST_CASE("three capture sites with five directions each give five triangles") {
   std::vector<Camera> cameras;
   for (const glm::dvec3 spot : {glm::dvec3(0, 0, 0), {1, 0, 0}, {0.4, 0.9, 0}})
     for (int k = 0; k < 5; ++k)
@@ -173,7 +173,7 @@ TEST_CASE("one triangle of spots with five directions each") {
   CHECK(cells.ordered);
 }
 
-TEST_CASE("the smallest rigs, and rigs that span nothing") {
+TEST_CASE("two cameras give one cell, and rigs that span nothing give none") {
   const Camera one = lookingAlong({0, 0, 0}, {0, 1, 0}), beside = lookingAlong({1, 0, 0}, {0, 1, 0});
   const Camera away = lookingAlong({1, 0, 0}, {0, -1, 0});
   CHECK(planCells({}, {}).cells.empty());
@@ -194,7 +194,7 @@ TEST_CASE("the smallest rigs, and rigs that span nothing") {
   }
 }
 
-TEST_CASE("an outlier does not make one spot of all the others") {
+TEST_CASE("an outlier does not merge all other cameras into one capture site") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 12; ++i) cameras.push_back(lookingAlong({i % 4, i / 4, 0}, {0, 0, -1}, 200, 150, 0.9, {0, 1, 0}));
   cameras.push_back(lookingAlong({500, 0, 0}, {0, 0, -1}, 200, 150, 0.9, {0, 1, 0}));
@@ -204,7 +204,7 @@ TEST_CASE("an outlier does not make one spot of all the others") {
   CHECK(covered(cameras, cells, 3, {0, 0, -1}) == Approx(6.0));
 }
 
-TEST_CASE("photographs that share too few points make no cell, and it is said why") {
+TEST_CASE("photographs that share too few points make no cell, and the reason is reported") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 3; ++i) cameras.push_back(lookingAlong({i % 2, i / 2, 0}, {0, 1, 0}));
   PosedModel model = modelOf(cameras, pointsAround({0, 0, 0}, 30, 3000));
@@ -216,8 +216,8 @@ TEST_CASE("photographs that share too few points make no cell, and it is said wh
   CHECK(cells.cells == std::vector<std::vector<std::uint32_t>>{{0, 1}});
   REQUIRE(cells.unused.size() == 1);
   CHECK(cells.unused[0].name == "002.png");
-  CHECK_THAT(cells.unused[0].reason, Catch::Matchers::Contains("shares points with no other"));
-  CHECK_THAT(cells.dropped.at(0).reason, Catch::Matchers::Contains("share 0 points"));
+  CHECK_THAT(cells.unused[0].reason, Catch::Matchers::Contains("points"));
+  CHECK_THAT(cells.dropped.at(0).reason, Catch::Matchers::Contains("002.png") && Catch::Matchers::Contains(" 0 "));
   CHECK_THROWS_AS(planCells(model,
                             [] {
                               BuildOptions o;
@@ -227,7 +227,7 @@ TEST_CASE("photographs that share too few points make no cell, and it is said wh
                   Error);
 }
 
-TEST_CASE("the order of images and tracks, and the place of the world, change no cell") {
+TEST_CASE("cells do not depend on the order of images and tracks or on the world's frame") {
   const auto cameras = grid(3, 2, 2, 4, 0.02);
   const PosedModel model = modelOf(cameras, pointsAround({1, 0.5, 0.5}, 30, 4000));
   const auto named = [](const PosedModel& m) {
@@ -272,7 +272,7 @@ TEST_CASE("the order of images and tracks, and the place of the world, change no
   CHECK(named(turned) == expected);
 }
 
-TEST_CASE("a noisy grid in space has no slivers, and stacked directions share their cells") {
+TEST_CASE("a noisy grid in space has no slivers, and its directions share the same cells") {
   const auto cameras = grid(4, 3, 2, 6, 0.02, 0.002);
   const CellPlan cells = plan(cameras);
   CHECK(count(cells).tetrahedra == 6 * 6 * 6);  // six tetrahedra for each of six cubes, in six directions
@@ -291,7 +291,7 @@ TEST_CASE("a noisy grid in space has no slivers, and stacked directions share th
   for (const auto& [spots, number] : directions) CHECK(number == 6);
 }
 
-TEST_CASE("directions that were not taken everywhere still share the cells that they have") {
+TEST_CASE("directions that lack a capture site share the remaining cells") {
   auto cameras = grid(3, 3, 1, 4, 0.02, 0.002);
   cameras.erase(cameras.begin() + 4 * 4 + 2);  // the middle position lacks one direction
   const CellPlan cells = plan(cameras);
@@ -308,7 +308,7 @@ TEST_CASE("directions that were not taken everywhere still share the cells that 
   CHECK(whole == 8);  // two triangles a square
 }
 
-TEST_CASE("grids of unlike steps are split along their own axes") {
+TEST_CASE("grids with unequal steps are split along their own axes") {
   // Two floors, one close above the other; their spread alone would suggest one plane.
   std::vector<Camera> cameras;
   Noise jitter;
@@ -321,7 +321,7 @@ TEST_CASE("grids of unlike steps are split along their own axes") {
   CHECK(cells.cells.size() == 6 * 5 * 4);
 }
 
-TEST_CASE("rings about an object are joined though neighbours turn by more than half the field of view") {
+TEST_CASE("rings around an object are joined even if neighbours turn by more than half the field of view") {
   // Twelve photographs at steps of 30°; half the smaller field of view is 25.8°.
   std::vector<Camera> cameras;
   for (int i = 0; i < 12; ++i) {
@@ -341,10 +341,10 @@ TEST_CASE("rings about an object are joined though neighbours turn by more than 
   const CellPlan none = planCells(bare, {});
   CHECK(none.cells.empty());
   REQUIRE(none.unused.size() == 12);
-  CHECK_THAT(none.unused[0].reason, Catch::Matchers::Contains("its axis is 30°"));
+  CHECK_THAT(none.unused[0].reason, Catch::Matchers::Contains("30°"));
 }
 
-TEST_CASE("a row of clusters has triangles within them and lines between") {
+TEST_CASE("a row of clusters has triangles within clusters and lines between them") {
   std::vector<Camera> cameras;
   Noise jitter;
   for (int cluster = 0; cluster < 3; ++cluster)
@@ -357,7 +357,7 @@ TEST_CASE("a row of clusters has triangles within them and lines between") {
   CHECK(count(cells).used == 27);
 }
 
-TEST_CASE("faces stand in for cells that failed, once each, and not inside those that were made") {
+TEST_CASE("faces replace failed cells, once each and not inside finished cells") {
   const auto cameras = grid(2, 2, 1, 1, 0.0);
   const PosedModel model = modelOf(cameras, pointsAround({0.5, 0.5, 0}, 20, 4000));
   CellPlanner planner(model, {});
@@ -375,7 +375,7 @@ TEST_CASE("faces stand in for cells that failed, once each, and not inside those
   CHECK(planner.score(cells.cells[0]) <= 1);
 }
 
-TEST_CASE("why a photograph is in no cell") {
+TEST_CASE("photographs in no cell are reported with a reason") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 3; ++i) cameras.push_back(lookingAlong({i % 2, i / 2, 0}, {0, 1, 0}));
   cameras.push_back(lookingAlong({0.001, 0, 0}, {0, 1, 0}));
@@ -383,11 +383,11 @@ TEST_CASE("why a photograph is in no cell") {
   const CellPlan cells = plan(cameras);
   std::map<std::string, std::string> why;
   for (const auto& [name, reason] : cells.unused) why[name] = reason;
-  CHECK_THAT(why["004.png"], Catch::Matchers::Contains("its axis is"));
+  CHECK_THAT(why["004.png"], Catch::Matchers::Contains("50°"));
   CHECK(why.size() == 5 - count(cells).used);
 }
 
-TEST_CASE("simplices: shape, faces and where a point lies") {
+TEST_CASE("shape, faces and barycentric coordinates of a simplex are correct") {
   const std::vector<glm::dvec3> regular{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   CHECK(shape(regular) == Approx(1));
   CHECK(shape(std::span(regular).first(3)) == Approx(1));

@@ -34,7 +34,7 @@ std::vector<std::uint32_t> all(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("grids of any step, noise, place and turn have levels") {
+TEST_CASE("levels are found for grids of any step, noise, position and rotation") {
   const double noise = GENERATE(0.0, 0.02);
   const glm::dvec3 steps = GENERATE(glm::dvec3(1, 1, 1), glm::dvec3(3, 1, 1.4), glm::dvec3(1, 5, 2));
   const auto places = gridPlaces(4, 3, 2, steps, noise);
@@ -55,7 +55,7 @@ TEST_CASE("grids of any step, noise, place and turn have levels") {
   CHECK(findLattice(places)->levels == lattice->levels);
 }
 
-TEST_CASE("a whole grid is split as Kuhn does, faces of neighbours agree, nothing is left out") {
+TEST_CASE("a full grid is split by Kuhn's scheme: faces of neighbours agree and the volume is filled") {
   const auto places = gridPlaces(4, 3, 3, {1, 1, 1}, 0);
   const auto lattice = findLattice(places);
   REQUIRE(lattice);
@@ -87,7 +87,7 @@ TEST_CASE("a whole grid is split as Kuhn does, faces of neighbours agree, nothin
   CHECK(outer == 2 * 2 * (4 - 1) * (3 - 1) * 2 + 2 * 2 * (3 - 1) * (3 - 1));
 }
 
-TEST_CASE("planes and rows of a lattice are split in their own rank, holes are closed") {
+TEST_CASE("planes and rows of a lattice are split in their own rank, and holes are closed") {
   const auto places = gridPlaces(4, 3, 2, {1, 2, 1}, 0.01);
   const auto lattice = findLattice(places);
   REQUIRE(lattice);
@@ -103,7 +103,7 @@ TEST_CASE("planes and rows of a lattice are split in their own rank, holes are c
   CHECK(splitLattice(*lattice, std::vector<std::uint32_t>{3}).empty());
 }
 
-TEST_CASE("what stands on no rectangular grid is not taken for one") {
+TEST_CASE("positions off a rectangular grid give no lattice") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(0, 4);
   std::vector<glm::dvec3> cloud, ring, hexagonal;

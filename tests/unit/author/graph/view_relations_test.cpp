@@ -10,7 +10,7 @@
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("what two photographs share is counted, once a point, and is the same from both sides") {
+TEST_CASE("shared points of two photographs are counted once each and symmetrically") {
   const std::vector<Camera> cameras{lookingAlong({0, 0, 0}, {0, 1, 0}), lookingAlong({1, 0, 0}, {0, 1, 0}),
                                     lookingAlong({0, 0, 0}, {0, -1, 0})};
   PosedModel model = modelOf(cameras, pointsAround({0, 0, 0}, 20, 3000));
@@ -37,7 +37,7 @@ TEST_CASE("what two photographs share is counted, once a point, and is the same 
   CHECK(relations.neighbours(0, std::uint32_t(expected) + 1).empty());
 }
 
-TEST_CASE("the spread of disparities is that of a picture's width, whatever the scale of the world") {
+TEST_CASE("disparity spread is relative to the image width at any world scale") {
   const double scale = GENERATE(1.0, 1e-3, 1e5);
   const std::vector<Camera> cameras{lookingAlong({0, 0, 0}, {0, 1, 0}), lookingAlong({0.2 * scale, 0, 0}, {0, 1, 0})};
   std::vector<glm::dvec3> points;
@@ -49,7 +49,7 @@ TEST_CASE("the spread of disparities is that of a picture's width, whatever the 
   CHECK(ViewRelations(model).between(0, 1).disparitySpread == Approx(near - far).epsilon(0.02));
 }
 
-TEST_CASE("cameras are matched at two megapixels at most, of the same view") {
+TEST_CASE("cameras are matched at two megapixels at most with an unchanged field of view") {
   const Camera small = lookingAlong({0, 0, 0}, {0, 1, 0}), large = lookingAlong({0, 0, 0}, {0, 1, 0}, 6000, 4000);
   CHECK(matchedCamera(small).intrinsics.width == small.intrinsics.width);
   const Intrinsics k = matchedCamera(large).intrinsics;

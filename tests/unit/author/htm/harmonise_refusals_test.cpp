@@ -13,7 +13,7 @@ using test::body;
 using test::plainOptions;
 using test::theBody;
 
-TEST_CASE("Nothing is made of what cannot be") {
+TEST_CASE("invalid meshes, photographs and options are rejected") {
   const auto photographs = test::photographsOf(theBody());
   const TriangleMesh& mesh = theBody().model.surface.mesh;
   const auto refused = [&](const TriangleMesh& of, const std::vector<HtmPhotograph>& by, const HtmOptions& options,
@@ -26,9 +26,9 @@ TEST_CASE("Nothing is made of what cannot be") {
   const HtmOptions good = plainOptions();
   refused(mesh, {}, good, "0 cameras");
   refused(mesh, std::vector<HtmPhotograph>(65, photographs[0]), good, "65 cameras");
-  refused({}, photographs, good, "no camera sees");
+  refused({}, photographs, good, "face");
   TriangleMesh far = test::moved(mesh, {100, 100, 100});
-  refused(far, photographs, good, "no camera sees");
+  refused(far, photographs, good, "face");
   TriangleMesh broken = mesh;
   broken.triangles[7].y = glm::uint(mesh.positions.size());
   refused(broken, photographs, good, "face 7");
@@ -56,7 +56,7 @@ TEST_CASE("Nothing is made of what cannot be") {
   refused(mesh, by, good, "cameras[5].camera");
   by[5].camera.camera.pose = photographs[5].camera.camera.pose;
   by[5].camera.name = by[2].camera.name;
-  refused(mesh, by, good, "twice");
+  refused(mesh, by, good, "cameras[5].name");
   by = photographs;
   by[0].camera.camera.intrinsics.width = 40000;
   by[0].camera.camera.intrinsics.height = 1;
@@ -85,7 +85,7 @@ TEST_CASE("Nothing is made of what cannot be") {
   refused(mesh, photographs, with([](HtmOptions& o) { o.softPx = 0; }), "softPx");
 }
 
-TEST_CASE("Harmonising ends at any step when it is told to") {
+TEST_CASE("harmonising can be cancelled at any step") {
   const test::BumpyModel bumpy = body(3);
   HtmOptions options = plainOptions();
   options.faces = 150;
@@ -102,7 +102,7 @@ TEST_CASE("Harmonising ends at any step when it is told to") {
   }
 }
 
-TEST_CASE("numbers of a harmonised model are refused by name, or its model is whole", "[N16]") {
+TEST_CASE("extreme option values are rejected by name, or give a valid model", "[N16]") {
   const auto small = body(4);
   const auto photographs = test::photographsOf(small);
   struct Field {

@@ -53,7 +53,7 @@ bool same(const HtmResult& a, const HtmResult& b) {
 
 }  // namespace
 
-TEST_CASE("Exact cameras and an exact mesh have no complements to speak of") {
+TEST_CASE("exact cameras and an exact mesh have negligible complements") {
   const HtmResult result = harmonise(theBody().model.surface.mesh, test::photographsOf(theBody()), plainOptions());
   checkWhole(result, kCameras);
   CHECK(medianLength(result.model.complements) < 0.1);
@@ -67,7 +67,7 @@ TEST_CASE("Exact cameras and an exact mesh have no complements to speak of") {
   for (const HtmCamera& camera : result.model.cameras) CHECK(!camera.given);
 }
 
-TEST_CASE("Cameras that are wrong are bent until pictures agree, or put right") {
+TEST_CASE("complements or adjustment compensate wrong cameras") {
   const auto photographs = disturbed(test::photographsOf(theBody()));
   const TriangleMesh& mesh = theBody().model.surface.mesh;
   HtmOptions options = plainOptions();
@@ -89,7 +89,7 @@ TEST_CASE("Cameras that are wrong are bent until pictures agree, or put right") 
   }
 }
 
-TEST_CASE("Too few vertices to adjust cameras by, and all is matched as if nobody had tried") {
+TEST_CASE("with too few vertices to adjust cameras, the given cameras are used") {
   test::BumpyOptions coarse;
   coarse.cameras = 6;
   coarse.disagreement = 0;
@@ -107,7 +107,7 @@ TEST_CASE("Too few vertices to adjust cameras by, and all is matched as if nobod
   CHECK(adjusted.model.complements == asGiven.model.complements);
 }
 
-TEST_CASE("Faces are merged and divided as options say, and all of it is reported") {
+TEST_CASE("faces are merged and divided as the options say, and the report counts them") {
   const auto photographs = disturbed(test::photographsOf(theBody()));
   HtmOptions options = plainOptions();
   options.faces = 300;
@@ -149,7 +149,7 @@ TEST_CASE("Faces are merged and divided as options say, and all of it is reporte
   CHECK(fewer.report.rejected == 0);
 }
 
-TEST_CASE("The same comes out twice, on any number of threads") {
+TEST_CASE("the result is deterministic on any number of threads") {
   const test::BumpyModel bumpy = body(6);
   const auto photographs = disturbed(test::photographsOf(bumpy));
   HtmOptions options = plainOptions();
@@ -166,14 +166,14 @@ TEST_CASE("The same comes out twice, on any number of threads") {
   CHECK(same(once, harmonise(mesh, photographs, options)));
 }
 
-TEST_CASE("Neither the cameras' order nor the world's place changes a model") {
+TEST_CASE("the cameras' order and the world's position do not change a model") {
   const test::BumpyModel bumpy = body(6);
   const auto photographs = disturbed(test::photographsOf(bumpy));
   const TriangleMesh& mesh = bumpy.model.surface.mesh;
   const HtmOptions options = plainOptions();
   const HtmResult result = harmonise(mesh, photographs, options);
   const std::size_t n = photographs.size();
-  SECTION("order") {
+  SECTION("camera order") {
     std::vector<HtmPhotograph> turned(photographs.rbegin(), photographs.rend());
     const HtmResult other = harmonise(mesh, turned, options);
     CHECK(other.report.rounds[0].after == Approx(result.report.rounds[0].after));
@@ -192,7 +192,7 @@ TEST_CASE("Neither the cameras' order nor the world's place changes a model") {
       }
     CHECK(different < 20);  // vertices where camera sets of equal size and equal scores tie
   }
-  SECTION("place") {
+  SECTION("world position") {
     const glm::dvec3 away(1e5, -2e5, 3e5);
     std::vector<HtmPhotograph> there = photographs;
     for (HtmPhotograph& p : there) p.camera.camera.pose.position += away;
@@ -207,7 +207,7 @@ TEST_CASE("Neither the cameras' order nor the world's place changes a model") {
   }
 }
 
-TEST_CASE("A camera that photographed something else takes no part") {
+TEST_CASE("a camera with an unrelated image does not contribute") {
   auto photographs = test::photographsOf(theBody());
   std::mt19937 random(4);
   Image8& picture = photographs[3].picture;
@@ -243,7 +243,7 @@ TEST_CASE("A camera that photographed something else takes no part") {
   CHECK(sharesOf() == std::array{1.0, 1.0});
 }
 
-TEST_CASE("One camera is a model, and masks bound what is seen") {
+TEST_CASE("a single camera gives a model, and masks bound its visibility") {
   auto photographs = test::photographsOf(theBody());
   photographs.resize(1);
   HtmOptions options;

@@ -12,7 +12,7 @@ namespace ibr {
 using test::lookingAt;
 using test::plainView;
 
-TEST_CASE("A camera that stands wrong and zooms wrong is put right by its offsets") {
+TEST_CASE("offsets correct a camera with a wrong pose and a wrong focal length") {
   for (const glm::dvec3& middle : {glm::dvec3(0), glm::dvec3(1e6, -1e6, 2e6)}) {
     const TriangleMesh mesh = test::moved(test::sphere(16), middle);
     const std::size_t n = mesh.positions.size();
@@ -51,7 +51,7 @@ TEST_CASE("A camera that stands wrong and zooms wrong is put right by its offset
   }
 }
 
-TEST_CASE("A camera of too few vertices, or of none, stays as it is") {
+TEST_CASE("a camera with too few or no vertices is not adjusted") {
   const TriangleMesh mesh = test::sphere(16);
   const std::vector<HtmView> views{plainView(lookingAt({0, 0, 4}, {0, 0, 0})),
                                    plainView(lookingAt({0, 0, 4}, {0, 0, 8})),

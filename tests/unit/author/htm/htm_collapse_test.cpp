@@ -41,7 +41,7 @@ CollapsedMesh collapsed(const TriangleMesh& mesh, const FaceDifferences& differe
   return result;
 }
 
-TEST_CASE("Faces grow where differences are large, and only there") {
+TEST_CASE("faces with large differences grow, all others are unchanged") {
   const TriangleMesh grid = test::flatGrid(16);
   HtmCollapseOptions options;
   options.faceArea = 3.0;
@@ -67,7 +67,7 @@ TEST_CASE("Faces grow where differences are large, and only there") {
   CHECK(result.report.evaluated < 512 + 14 * result.report.collapses);
 }
 
-TEST_CASE("The face with the largest difference goes first") {
+TEST_CASE("the face with the largest difference is collapsed first") {
   HtmCollapseOptions options;
   options.faceArea = 1.0;
   options.mostCollapses = 1;
@@ -86,7 +86,7 @@ TEST_CASE("The face with the largest difference goes first") {
   CHECK(corners == 1);
 }
 
-TEST_CASE("What is unknown is left alone") {
+TEST_CASE("faces with unknown differences are not collapsed") {
   HtmCollapseOptions options;
   options.faceArea = 10.0;
   const TriangleMesh grid = test::flatGrid(6);
@@ -98,7 +98,7 @@ TEST_CASE("What is unknown is left alone") {
   CHECK(collapsed(grid, byMiddle([](glm::dvec3 p) { return p.x < 3 ? 1.0 : kNaN; }), options).report.collapses > 5);
 }
 
-TEST_CASE("Limits: the floor, the size, the cap", "[N15]") {
+TEST_CASE("collapsing respects the limits of difference, face area and count", "[N15]") {
   const auto one = byMiddle([](glm::dvec3) { return 1.0; });
   const TriangleMesh grid = test::flatGrid(6);
   HtmCollapseOptions options;
@@ -115,7 +115,7 @@ TEST_CASE("Limits: the floor, the size, the cap", "[N15]") {
   CHECK(collapsed(grid, one, options).report.collapses == 7);
 }
 
-TEST_CASE("Batches do the same work in fewer calls") {
+TEST_CASE("batches need fewer calls for a similar result") {
   HtmCollapseOptions options;
   options.faceArea = 0.02;
   std::size_t calls = 0;
@@ -133,7 +133,7 @@ TEST_CASE("Batches do the same work in fewer calls") {
   CHECK(double(batches.report.facesAfter) == Approx(double(single.report.facesAfter)).epsilon(0.3));
 }
 
-TEST_CASE("Collapses of a batch do not touch") {
+TEST_CASE("collapses of a batch do not touch each other") {
   // A collapse doubles the area of a square's half; adjacent collapses would enlarge the half further.
   HtmCollapseOptions options;
   options.faceArea = 10.0;
@@ -152,7 +152,7 @@ TEST_CASE("Collapses of a batch do not touch") {
   CHECK(largest <= 1.0 + 1e-9);
 }
 
-TEST_CASE("At its end nothing is left to be collapsed") {
+TEST_CASE("the result has no face left to collapse") {
   HtmCollapseOptions options;
   for (const double area : {0.02, 0.1, 0.5}) {
     options.faceArea = area;
@@ -163,7 +163,7 @@ TEST_CASE("At its end nothing is left to be collapsed") {
   }
 }
 
-TEST_CASE("It ends for any mesh and any differences", "[N15][T24]") {
+TEST_CASE("collapsing ends for any mesh and any differences", "[N15][T24]") {
   std::mt19937 random(9);
   HtmCollapseOptions options;
   options.faceArea = std::numeric_limits<double>::infinity();
@@ -188,7 +188,7 @@ TEST_CASE("It ends for any mesh and any differences", "[N15][T24]") {
   CHECK(collapsed({}, byMiddle([](glm::dvec3) { return 1.0; }), options).mesh == TriangleMesh{});
 }
 
-TEST_CASE("Wrong numbers of differences, options out of range, cancelling") {
+TEST_CASE("wrong counts of differences and invalid options are rejected, and collapsing can be cancelled") {
   const auto one = byMiddle([](glm::dvec3) { return 1.0; });
   const auto code = [&](const FaceDifferences& differences, const HtmCollapseOptions& options) {
     return test::errorOf([&] { collapseDifferences(test::sphere(16), differences, options); }).code();

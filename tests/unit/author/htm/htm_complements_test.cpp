@@ -45,7 +45,7 @@ VertexMatch stripes(double angle, glm::dvec2 truly, double worth) {
 
 }  // namespace
 
-TEST_CASE("Without smoothness complements are the matches") {
+TEST_CASE("without smoothness, complements equal the matches") {
   Field field;
   for (std::size_t v = 0; v < field.n; ++v) field.pair()[v] = {glm::vec2(v, 1), glm::vec3(v % 3, 0, 1), 0};
   field.members[5] = 1;
@@ -53,7 +53,7 @@ TEST_CASE("Without smoothness complements are the matches") {
   for (std::size_t v = 0; v < field.n; ++v) CHECK(solved[v] == (v == 5 ? glm::vec2(0) : field.pair()[v].displacement));
 }
 
-TEST_CASE("A field that is the same everywhere stays, holes are filled, and what is far off is not believed") {
+TEST_CASE("a constant field is kept, holes are filled, and outliers are ignored") {
   const glm::vec2 wanted(3.25f, -4.5f);
   Field field;
   for (std::size_t v = 0; v < field.n; ++v) field.pair()[v] = {wanted, glm::vec3(20, 3, 10), 0};
@@ -77,7 +77,7 @@ TEST_CASE("A field that is the same everywhere stays, holes are filled, and what
   CHECK(glm::distance(solved[11], wanted) < 0.3);
 }
 
-TEST_CASE("The prior keeps short what matches hardly say, and leaves what they say well") {
+TEST_CASE("the prior shortens complements of weak matches, and keeps those of strong matches") {
   Field field;
   const glm::vec2 wanted(0.6f, -0.8f);
   const auto length = [&](double information, double px, double smoothness = 10) {
@@ -96,7 +96,7 @@ TEST_CASE("The prior keeps short what matches hardly say, and leaves what they s
   CHECK(length(12, 0.5, 0) == Approx(1));  // with the paper's linear measure
 }
 
-TEST_CASE("Directions of which matches say nothing are no reason to doubt them") {
+TEST_CASE("directions without information do not make a match an outlier") {
   const glm::dvec2 truly(9, 7);
   Field field;
   for (std::size_t v = 0; v < field.n; ++v) field.pair()[v] = stripes(double(v % 4) * 0.785, truly, 20);
@@ -111,7 +111,7 @@ TEST_CASE("Directions of which matches say nothing are no reason to doubt them")
   for (std::size_t v = 0; v < field.n; ++v) CHECK(glm::distance(glm::dvec2(solved[v]), zigzag(v)) < 0.25);
 }
 
-TEST_CASE("A field that bends is followed") {
+TEST_CASE("complements follow a curved field") {
   Field field;
   const auto bent = [&](std::size_t v) {
     return glm::vec2(0.3 * double(v % kSide), 0.02 * std::pow(double(v / kSide), 2));
@@ -121,7 +121,7 @@ TEST_CASE("A field that bends is followed") {
   for (std::size_t v = 0; v < field.n; ++v) CHECK(glm::distance(solved[v], bent(v)) < 0.05);
 }
 
-TEST_CASE("Nothing to solve is no trouble") {
+TEST_CASE("meshes without matches or faces are solved") {
   Field field;
   CHECK(farthest(field.solved(), {0, 0}) == 0);
   CHECK(complementsOf({}, 3, {}, {}, {}).empty());
@@ -174,7 +174,7 @@ struct Planted {
 
 }  // namespace
 
-TEST_CASE("Complements that follow from offsets close their cycles, on the surface's plane") {
+TEST_CASE("complements derived from offsets are consistent over cycles of cameras") {
   for (const glm::dvec3& middle : {glm::dvec3(0), glm::dvec3(1e6, 2e6, -1e6)}) {
     const Planted planted(middle);
     const std::size_t n = planted.mesh.positions.size();
@@ -195,7 +195,7 @@ TEST_CASE("Complements that follow from offsets close their cycles, on the surfa
   }
 }
 
-TEST_CASE("Offsets come back up to what no match tells") {
+TEST_CASE("offsets are recovered up to the freedom that matches leave") {
   for (const glm::dvec3& middle : {glm::dvec3(0), glm::dvec3(1e6, 2e6, -1e6)}) {
     Planted planted(middle);
     const std::size_t n = planted.mesh.positions.size();
@@ -235,7 +235,7 @@ TEST_CASE("Offsets come back up to what no match tells") {
   }
 }
 
-TEST_CASE("Matches of nothing, or of no displacement, leave no offsets") {
+TEST_CASE("without matches or displacements there are no offsets") {
   const Planted planted;
   std::vector<VertexMatch> none(planted.matches.size()), still(planted.matches.size());
   for (VertexMatch& m : still) m.information = glm::vec3(30, 0, 30);
@@ -252,7 +252,7 @@ TEST_CASE("Matches of nothing, or of no displacement, leave no offsets") {
     CHECK(c == glm::vec2(0));
 }
 
-TEST_CASE("Offsets are told how far they are, and end when they are told to") {
+TEST_CASE("solving for offsets reports progress, and can be cancelled") {
   const Planted planted;
   std::vector<std::size_t> told;
   std::size_t last = 1000;
@@ -275,7 +275,7 @@ TEST_CASE("Offsets are told how far they are, and end when they are told to") {
   }
 }
 
-TEST_CASE("A pair's matches both ways count, and each by itself") {
+TEST_CASE("matches of a pair count in both directions, and each alone") {
   const Planted planted;
   const std::size_t n = planted.mesh.positions.size(), v = 40;
   std::vector<CameraSet> members(n, 0);

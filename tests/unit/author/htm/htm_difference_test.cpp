@@ -39,7 +39,7 @@ TriangleMesh triangle() {
 
 }  // namespace
 
-TEST_CASE("Scores are eqs 2 and 3 at any angle and exponent") {
+TEST_CASE("scores follow equations 2 and 3 at any angle and exponent") {
   for (const double gamma : {1.0, 10.0, 50.0, 1000.0})
     for (int degrees = 0; degrees <= 180; ++degrees) {
       const double cosine = std::cos(degrees * std::numbers::pi / 180);
@@ -60,7 +60,7 @@ TEST_CASE("Scores are eqs 2 and 3 at any angle and exponent") {
     }
 }
 
-TEST_CASE("Scores stay a share where nothing tells cameras apart") {
+TEST_CASE("scores sum to one where cameras are indistinguishable") {
   for (const double gamma : {1e-6, 1.0, 1000.0, 1e6})
     for (const double alpha : {0.0, 0.3, 1.0})
       for (const std::size_t n : {1u, 2u, 64u}) {
@@ -84,7 +84,7 @@ TEST_CASE("Scores stay a share where nothing tells cameras apart") {
   }
 }
 
-TEST_CASE("The difference of a face with two colours is what eq. 4 says") {
+TEST_CASE("the difference of a face with two colours follows equation 4") {
   const TriangleMesh mesh = triangle();
   // Camera 0 is nearer and more frontal, so it is the best; only camera 1's term is in the sum.
   const std::vector<HtmView> views{plainView(lookingAt({0, 0, 2}, {0, 0, 0}), {100, 50, 10}),
@@ -113,7 +113,7 @@ TEST_CASE("The difference of a face with two colours is what eq. 4 says") {
   CHECK(differencesOf(mesh, {more[2]})[0] == 0);
 }
 
-TEST_CASE("Cameras that share no pixel of a face do not differ in it") {
+TEST_CASE("cameras that share no pixel of a face have no difference there") {
   std::vector<HtmView> views{plainView(lookingAt({0, 0, 2}, {0, 0, 0}), {0, 0, 0}),
                              plainView(lookingAt({0.1, 0, 2}, {0, 0, 0}), {255, 255, 255})};
   CHECK(differencesOf(triangle(), views)[0] > 100);
@@ -125,7 +125,7 @@ TEST_CASE("Cameras that share no pixel of a face do not differ in it") {
   CHECK(differencesOf(triangle(), views)[0] == 0);
 }
 
-TEST_CASE("A face whose corner is barely before a camera is compared as closely as any") {
+TEST_CASE("a face with a corner just in front of a camera is compared as densely as any other") {
   const std::vector<HtmView> plain{plainView(test::aboveGround()),
                                    plainView(lookingAt({0.3, 0.5, 3}, {0, -1.5, -6}, 240, 180))};
   std::vector<HtmView> views = plain;
@@ -146,7 +146,7 @@ TEST_CASE("A face whose corner is barely before a camera is compared as closely 
   }
 }
 
-TEST_CASE("An object whose pictures are exact differs by its sampling alone, and complements undo cameras' errors") {
+TEST_CASE("exact images differ by their sampling only, and complements compensate camera errors") {
   const auto meanOf = [](const std::vector<double>& d) { return sumOf(d) / double(d.size()); };
   test::BumpyOptions options;
   options.disagreement = 0;

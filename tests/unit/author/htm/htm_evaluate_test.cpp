@@ -28,7 +28,7 @@ struct Squares {
 
 }  // namespace
 
-TEST_CASE("Faces beyond the difference are divided, unless the mesh agrees on the whole") {
+TEST_CASE("faces above the difference threshold are divided, unless the mean difference is small") {
   Squares squares;
   squares.differences[3] = 4.0;
   squares.differences[5] = 4.1;
@@ -40,7 +40,7 @@ TEST_CASE("Faces beyond the difference are divided, unless the mesh agrees on th
   CHECK(squares.evaluated(options).divided == 0);
 }
 
-TEST_CASE("Faces that are hidden in part are divided, however well they agree") {
+TEST_CASE("partly hidden faces are divided, whatever their difference") {
   Squares squares;
   squares.visibility[2].partly = squares.visibility[6].partly = 1;
   squares.differences[6] = 50;
@@ -51,7 +51,7 @@ TEST_CASE("Faces that are hidden in part are divided, however well they agree") 
   CHECK(squares.evaluated(options).divide == Divided{0, 0, 0, 0, 0, 0, 1, 0});
 }
 
-TEST_CASE("Small faces are not divided; a face is as large as the camera that sees it largest says") {
+TEST_CASE("small faces are not divided, where the size of a face is its largest over the cameras") {
   Squares squares;
   squares.differences.assign(8, 90.0);
   const double focal = squares.views[0].camera.intrinsics.fx, area = 0.5 * (focal / 4) * (focal / 4);  // px² of each
@@ -72,7 +72,7 @@ TEST_CASE("Small faces are not divided; a face is as large as the camera that se
   CHECK(squares.evaluated(options).divided == 0);
 }
 
-TEST_CASE("A mesh without faces asks for nothing") {
+TEST_CASE("no face of an empty mesh is divided") {
   CHECK(evaluateFaces({}, {}, {}, {}, {}).divide.empty());
 }
 

@@ -56,7 +56,7 @@ struct Files {
 
 }  // namespace
 
-TEST_CASE("Input comes from files as it is") {
+TEST_CASE("input is read from files unchanged") {
   Files files;
   auto [mesh, photographs] = readHtmInput(files.options);
   CHECK(mesh == theBody().model.surface.mesh);
@@ -84,7 +84,7 @@ TEST_CASE("Input comes from files as it is") {
   files.refused(ErrorCode::invalidInput, "0 images");
 }
 
-TEST_CASE("Photographs and masks are made smaller together") {
+TEST_CASE("photographs and masks are downsampled together") {
   Files files;
   files.options.maxSize = 80;
   const auto photographs = readHtmInput(files.options).second;
@@ -97,7 +97,7 @@ TEST_CASE("Photographs and masks are made smaller together") {
   }
 }
 
-TEST_CASE("Masks are found by either name, and must fit") {
+TEST_CASE("masks are found by either name, and must have the photograph's size") {
   Files files;
   const fs::path masks = files.folder / "masks";
   fs::rename(masks / "camera0.png", masks / "camera0.png.png");
@@ -116,18 +116,18 @@ TEST_CASE("Masks are found by either name, and must fit") {
   CHECK(!fs::exists(files.options.output));
 }
 
-TEST_CASE("What is missing or spoilt is named, and nothing is written") {
-  SECTION("an image") {
+TEST_CASE("missing or damaged input is reported by name, and nothing is written") {
+  SECTION("a missing image") {
     Files files;
     fs::remove(files.folder / "images/camera2.png");
     files.refused(ErrorCode::io, "camera2.png");
   }
-  SECTION("an image of other proportions") {
+  SECTION("an image of another aspect ratio") {
     Files files;
     writeImage(files.folder / "images/camera2.png", Image8(100, 120, 3));
     files.refused(ErrorCode::invalidInput, "camera2.png");
   }
-  SECTION("the mesh") {
+  SECTION("a missing, invalid or unsupported mesh") {
     Files files;
     fs::remove(files.folder / "mesh.obj");
     files.refused(ErrorCode::io, "mesh.obj");
@@ -137,7 +137,7 @@ TEST_CASE("What is missing or spoilt is named, and nothing is written") {
     std::ofstream(files.options.mesh) << "v";
     files.refused(ErrorCode::unsupported, "mesh.txt");
   }
-  SECTION("the cameras") {
+  SECTION("a missing COLMAP model") {
     Files files;
     fs::remove_all(files.folder / "sparse");
     files.refused(ErrorCode::io, "sparse");
@@ -149,13 +149,13 @@ TEST_CASE("What is missing or spoilt is named, and nothing is written") {
     test::writeSparse(files.folder / "sparse", many);
     files.refused(ErrorCode::invalidInput, "65 images");
   }
-  SECTION("a mesh that nobody sees") {
+  SECTION("a mesh that no camera sees") {
     Files files;
     std::ofstream(files.folder / "mesh.obj") << "v 90 0 0\nv 91 0 0\nv 90 1 0\nf 1 2 3\n";
     CHECK(test::errorOf([&] { buildHtm(files.options); }).code() == ErrorCode::invalidInput);
     CHECK(!fs::exists(files.options.output));
   }
-  SECTION("options, and being told to stop") {
+  SECTION("invalid options and cancellation") {
     Files files;
     files.options.optimise.rounds = 99;
     CHECK(test::errorOf([&] { buildHtm(files.options); }).code() == ErrorCode::invalidInput);
@@ -166,22 +166,22 @@ TEST_CASE("What is missing or spoilt is named, and nothing is written") {
   }
 }
 
-TEST_CASE("An output that cannot be written is refused before anything is computed") {
+TEST_CASE("an invalid output folder is rejected before anything is computed") {
   Files files;
   int steps = 0;
   const auto refusal = [&] {
     return test::errorOf([&] { buildHtm(files.options, [&](const Progress&) { return ++steps > 0; }); });
   };
-  SECTION("for a file in its way") {
+  SECTION("a file is in the place of the folder") {
     files.options.output = files.folder / "mesh.obj/model";
     CHECK(refusal().code() == ErrorCode::io);
   }
-  SECTION("for the photographs that it would replace") {
+  SECTION("photographs would be overwritten") {
     files.options.output = files.folder.path();
     files.options.maxSize = 80;
-    CHECK_THAT(refusal().what(), Catch::Contains("overwrite"));
+    CHECK_THAT(refusal().what(), Catch::Contains("images/camera"));
   }
-  SECTION("for the mesh, and for masks") {
+  SECTION("the mesh or masks would be overwritten") {
     buildHtm(files.options);
     files.options.mesh = files.options.output / "model.gltf";
     CHECK_THAT(refusal().what(), Catch::Contains("model.gltf") && Catch::Contains("overwrite"));
@@ -192,7 +192,7 @@ TEST_CASE("An output that cannot be written is refused before anything is comput
   CHECK(steps == 0);
 }
 
-TEST_CASE("A model that is built can be read, whole, and a failure leaves it as it was") {
+TEST_CASE("a built model can be loaded, and a failed build leaves it unchanged") {
   Files files;
   const HtmResult result = buildHtm(files.options);
   for (const Fault& fault : validateHtmModelFiles(files.options.output)) FAIL_CHECK(fault.field << fault.message);
@@ -231,7 +231,7 @@ TEST_CASE("A model that is built can be read, whole, and a failure leaves it as 
   CHECK(fs::file_size(files.folder / "file") == 1);
 }
 
-TEST_CASE("Photographs are never written over") {
+TEST_CASE("photographs are never overwritten") {
   Files files;
   files.options.output = files.folder.path();  // images/ would be overwritten by the model's own, smaller images
   files.options.maxSize = 80;
@@ -240,7 +240,7 @@ TEST_CASE("Photographs are never written over") {
   CHECK(test::contentsBelow(files.folder.path()) == before);
 }
 
-TEST_CASE("Settings come back from their text, and others are the defaults") {
+TEST_CASE("settings round trip through their text, and missing ones have defaults") {
   HtmBuildOptions build;
   HtmOptions& o = build.optimise;
   o = {.faces = 7,

@@ -97,7 +97,7 @@ double bricks(double x, double y) {
 
 }  // namespace
 
-TEST_CASE("A flat template says nothing, whatever the gate", "[N12][T24]") {
+TEST_CASE("a flat template has no match, whatever the texture threshold", "[N12][T24]") {
   const Image8 flat = pictureOf(40, 30, [](double, double) { return 80; });
   const auto samples = samplesOf({10, 10}, 8, {0, 0}, [](double, double) { return 80; });
   for (const double least : {0.0, 1e-300, 2.0, 255.0})
@@ -111,7 +111,7 @@ TEST_CASE("A flat template says nothing, whatever the gate", "[N12][T24]") {
   CHECK(refinedMatch(flat, samplesOf({10, 10}, 8, {0, 0}, waves), {1, 1}, 2).information == glm::vec3(0));
 }
 
-TEST_CASE("A ramp is measured along its gradient alone", "[N12]") {
+TEST_CASE("a ramp gives information along its gradient only", "[N12]") {
   for (int degrees = 0; degrees < 360; degrees += 15) {
     INFO(degrees);
     const double angle = degrees * std::numbers::pi / 180;
@@ -133,7 +133,7 @@ TEST_CASE("A ramp is measured along its gradient alone", "[N12]") {
   }
 }
 
-TEST_CASE("Stripes are placed along their gradient to a tenth of a pixel") {
+TEST_CASE("stripes are located along their gradient to a tenth of a pixel") {
   for (const double angle : {0.0, 0.4, 1.2, 2.5}) {
     const glm::dvec2 along(std::cos(angle), std::sin(angle));
     const auto stripes = [&](double x, double y) {
@@ -148,7 +148,7 @@ TEST_CASE("Stripes are placed along their gradient to a tenth of a pixel") {
   }
 }
 
-TEST_CASE("A planted displacement comes back to a tenth of a pixel, also in another light", "[N12]") {
+TEST_CASE("a planted displacement is recovered to a tenth of a pixel, also under another exposure", "[N12]") {
   const Image8 picture = pictureOf(80, 80, waves);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> part(-0.7, 0.7);
@@ -166,7 +166,7 @@ TEST_CASE("A planted displacement comes back to a tenth of a pixel, also in anot
   }
 }
 
-TEST_CASE("Refining never leaves its start far behind, nor numbers", "[N12]") {
+TEST_CASE("refined matches are finite and near their start", "[N12]") {
   std::mt19937 random(2);
   const Image8 noise = pictureOf(30, 20, [&](double, double) { return int(random() % 256); });
   const Image8 dot = pictureOf(1, 1, [](double, double) { return 7; });
@@ -184,7 +184,7 @@ TEST_CASE("Refining never leaves its start far behind, nor numbers", "[N12]") {
   }
 }
 
-TEST_CASE("Matches of a wall's vertices are where a turned camera says, by both measures") {
+TEST_CASE("matches of a wall's vertices equal the rotated camera's displacements, with both measures") {
   const Wall wall(bricks);
   const std::size_t n = wall.mesh.positions.size();
   const auto truth = test::trueComplements(wall.mesh, wall.truly, wall.given);
@@ -216,7 +216,7 @@ TEST_CASE("Matches of a wall's vertices are where a turned camera says, by both 
   }
 }
 
-TEST_CASE("A search goes around its start") {
+TEST_CASE("the search is centred on its start") {
   const Wall wall(bricks, 0.05);  // a rotation of about 9 px
   VertexMatchOptions options;
   options.radius = 3;
@@ -233,7 +233,7 @@ TEST_CASE("A search goes around its start") {
   CHECK(known > 20);
 }
 
-TEST_CASE("What has no texture, no members or no view has no match", "[N12][T24]") {
+TEST_CASE("vertices without texture, members or a view have no match", "[N12][T24]") {
   const auto nothing = [](const std::vector<VertexMatch>& matches) {
     return std::ranges::all_of(
         matches, [](const VertexMatch& m) { return m.information == glm::vec3(0) && m.displacement == glm::vec2(0); });
@@ -265,7 +265,7 @@ TEST_CASE("What has no texture, no members or no view has no match", "[N12][T24]
   CHECK(known > n / 2);
 }
 
-TEST_CASE("Templates are searched in portions, and no match depends on how large these are") {
+TEST_CASE("matches do not depend on the portion size of the template search") {
   const Wall wall(bricks);
   VertexMatchOptions options;
   options.threads = 2;
@@ -312,7 +312,7 @@ TEST_CASE("Templates are searched in portions, and no match depends on how large
   }
 }
 
-TEST_CASE("Matching ends when it is told to") {
+TEST_CASE("matching can be cancelled") {
   const Wall wall(bricks);
   VertexMatchOptions options;
   CHECK(test::errorOf([&] { wall.matched(options, {}, [](const Progress&) { return false; }); }).code() ==

@@ -31,7 +31,7 @@ glm::dvec3 normalOf(const TriangleMesh& mesh, const glm::uvec3& t) {
       glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]));
 }
 
-TEST_CASE("A sphere of few faces is still a sphere") {
+TEST_CASE("a reduced sphere stays close to the sphere") {
   const ReducedMesh result = reduced(test::sphere(64), 300);
   CHECK(result.report.reached);
   CHECK(result.mesh.triangles.size() > 290);
@@ -49,7 +49,7 @@ TEST_CASE("A sphere of few faces is still a sphere") {
   CHECK(result.report.toReduced.p95 <= result.report.toReduced.max);
 }
 
-TEST_CASE("A flat grid stays flat, with its outline and nothing turned over", "[N15]") {
+TEST_CASE("a reduced flat grid stays flat, keeps its outline and flips no face", "[N15]") {
   const ReducedMesh result = reduced(test::flatGrid(12), 24);
   CHECK(result.report.reached);
   CHECK(test::areaOf(result.mesh) == Approx(144.0).epsilon(1e-9));
@@ -57,7 +57,7 @@ TEST_CASE("A flat grid stays flat, with its outline and nothing turned over", "[
   CHECK(result.report.toReduced.max < 1e-9);
 }
 
-TEST_CASE("Sharp edges are kept while flat places lose faces") {
+TEST_CASE("sharp edges are kept while flat regions lose faces") {
   TriangleMesh mesh;
   // A finely divided cube: six grids with merged borders.
   const TriangleMesh grid = test::flatGrid(8);
@@ -77,7 +77,7 @@ TEST_CASE("Sharp edges are kept while flat places lose faces") {
   CHECK(result.report.toReduced.max < 0.001);
 }
 
-TEST_CASE("It goes on until faces are large on average") {
+TEST_CASE("reduction continues up to a mean face area") {
   HtmReduceOptions options;
   options.meanFaceArea = 0.05;
   const ReducedMesh result = reduceMesh(test::sphere(48), options);
@@ -91,7 +91,7 @@ TEST_CASE("It goes on until faces are large on average") {
   CHECK(test::isOrientedManifold(most.mesh));
 }
 
-TEST_CASE("Reducing does not depend on where the mesh stands", "[N15]") {
+TEST_CASE("reduction does not depend on the mesh's position", "[N15]") {
   TriangleMesh far = test::sphere(32);
   for (glm::dvec3& p : far.positions) p += glm::dvec3(4e6, -5e5, 1e6);
   const ReducedMesh near = reduced(test::sphere(32), 100), away = reduced(far, 100);
@@ -99,21 +99,21 @@ TEST_CASE("Reducing does not depend on where the mesh stands", "[N15]") {
   CHECK(reduced(test::sphere(32), 100).mesh == near.mesh);
 }
 
-TEST_CASE("Reducing meshes that are not as they should be", "[N15]") {
-  SECTION("one triangle, a tetrahedron, a cube: nothing vanishes") {
+TEST_CASE("degenerate meshes are reduced or rejected", "[N15]") {
+  SECTION("a triangle, a tetrahedron and a cube do not vanish") {
     const TriangleMesh one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
     CHECK(reduced(one, 1).mesh == one);
     const TriangleMesh four{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
     CHECK(reduced(four, 1).mesh == four);
     CHECK(reduced(cube(), 1).mesh.triangles.size() >= 4);
   }
-  SECTION("no face") {
+  SECTION("a mesh without usable faces is rejected") {
     CHECK(test::errorOf([] { reduced(TriangleMesh{}, 1); }).code() == ErrorCode::invalidInput);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const TriangleMesh none{{{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
     CHECK(test::errorOf([&] { reduced(none, 1); }).code() == ErrorCode::invalidInput);
   }
-  SECTION("a needle in a grid") {
+  SECTION("a grid with a needle is reduced") {
     TriangleMesh mesh = test::flatGrid(6);
     mesh.positions[24].x += 1 - 1e-7;
     reduced(mesh, 10);
@@ -132,7 +132,7 @@ TEST_CASE("Reducing meshes that are not as they should be", "[N15]") {
       }
     CHECK(test::eulerNumber(reduced(torus, 1).mesh) == 0);
   }
-  SECTION("triangles at random") {
+  SECTION("random triangles are reduced") {
     std::mt19937 random(5);
     for (int trial = 0; trial < 20; ++trial) {
       TriangleMesh mesh;
@@ -143,7 +143,7 @@ TEST_CASE("Reducing meshes that are not as they should be", "[N15]") {
   }
 }
 
-TEST_CASE("Options that make no sense, and cancelling") {
+TEST_CASE("invalid options are rejected, and reducing can be cancelled") {
   HtmReduceOptions options;
   options.meanFaceArea = std::numeric_limits<double>::quiet_NaN();
   CHECK(test::errorOf([&] { reduceMesh(cube(), options); }).code() == ErrorCode::invalidInput);
@@ -161,7 +161,7 @@ TEST_CASE("Options that make no sense, and cancelling") {
   CHECK(test::errorOf([&] { reduceMesh(test::sphere(64), options); }).code() == ErrorCode::cancelled);
 }
 
-TEST_CASE("Distances between parallel squares") {
+TEST_CASE("the distance between parallel squares is exact") {
   TriangleMesh above = test::flatGrid(2);
   for (glm::dvec3& p : above.positions) p.z = 0.25;
   const SurfaceDistance distance = surfaceDistance(above, test::flatGrid(2), 500);

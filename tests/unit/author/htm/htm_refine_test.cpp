@@ -41,7 +41,7 @@ std::vector<TemplateSample> disc(glm::ivec2 middle, int radius, int lighter = 0)
 
 }  // namespace
 
-TEST_CASE("A match is refined to parts of a pixel, whatever the light", "[N12]") {
+TEST_CASE("a match is refined to a fraction of a pixel, whatever the brightness", "[N12]") {
   const glm::dvec2 by(3.37, -2.61);
   const Image8 picture = waves(90, 70, by);
   const VertexMatch plain = refinedMatch(picture, disc({40, 35}, 9), {3, -3}, 2);
@@ -56,7 +56,7 @@ TEST_CASE("A match is refined to parts of a pixel, whatever the light", "[N12]")
   CHECK(glm::distance(refinedMatch(picture, samples, by, 2).displacement, plain.displacement) < 0.02f);
 }
 
-TEST_CASE("Templates over the border are matched by what the picture goes on as", "[N12]") {
+TEST_CASE("templates at the image border are matched", "[N12]") {
   const glm::dvec2 by(-0.4, 0.3);
   const Image8 picture = waves(60, 50, by);
   for (const glm::ivec2 middle : {glm::ivec2(2, 25), {57, 25}, {30, 1}, {30, 48}, {0, 0}}) {
@@ -70,7 +70,7 @@ TEST_CASE("Templates over the border are matched by what the picture goes on as"
   CHECK(outside.displacement == glm::vec2(0));
 }
 
-TEST_CASE("What has no texture is not displaced", "[N12][T24]") {
+TEST_CASE("without texture there is no displacement", "[N12][T24]") {
   CHECK(refinedMatch(test::plain(pinholeFromFov(60, 50, 1)), disc({30, 25}, 6), {2, 1}, 2).information == glm::vec3(0));
   CHECK(refinedMatch(waves(60, 50, {}), {}, {1, 1}, 2).information == glm::vec3(0));
   // Vertical stripes give no information along the stripes.

@@ -38,7 +38,7 @@ Graph randomGraph(std::size_t nodes, double density, std::mt19937& random) {
 
 }  // namespace
 
-TEST_CASE("The largest clique is the largest there is, and of these the best") {
+TEST_CASE("the largest clique is found, and the best-scored one of equal size") {
   std::mt19937 random(1);
   for (int run = 0; run < 400; ++run) {
     const std::size_t nodes = 1 + std::size_t(run % 12);
@@ -60,7 +60,7 @@ TEST_CASE("The largest clique is the largest there is, and of these the best") {
   }
 }
 
-TEST_CASE("A search for cliques ends with as many cameras as a model holds") {
+TEST_CASE("the clique search ends for the maximum number of cameras") {
   std::mt19937 random(2);
   for (const double density : {0.0, 0.5, 0.9, 0.95, 1.0}) {
     const Graph graph = randomGraph(64, density, random);
@@ -77,7 +77,7 @@ TEST_CASE("A search for cliques ends with as many cameras as a model holds") {
   CHECK(std::popcount(found) == 32);
 }
 
-TEST_CASE("Cameras that each two agree remain; pairs that are not known do not disagree") {
+TEST_CASE("the largest set of agreeing cameras is kept, and unknown pairs do not disagree") {
   constexpr std::size_t kCameras = 4;
   const std::vector<CameraSet> members{0b1111, 0b0111, 0b1000, 0};
   const std::size_t n = members.size();
@@ -106,7 +106,7 @@ TEST_CASE("Cameras that each two agree remain; pairs that are not known do not d
   CHECK(agreeingMembers(kCameras, members, known, better, {})[1] == 0b0010);
 }
 
-TEST_CASE("A camera that photographed something else is found out") {
+TEST_CASE("a camera with an unrelated image is rejected") {
   test::BumpyOptions options;
   options.cameras = 10;
   options.disagreement = 0;

@@ -30,7 +30,7 @@ constexpr std::size_t kMiddle = 4 * 9 + 4;
 
 }  // namespace
 
-TEST_CASE("What lies around vertices") {
+TEST_CASE("the faces and neighbours of each vertex are listed") {
   const TriangleMesh mesh = test::cube();
   const Lists faces = facesAtVertices(mesh), neighbours = neighboursOfVertices(mesh);
   for (std::uint32_t v = 0; v < 8; ++v) {
@@ -51,7 +51,7 @@ TEST_CASE("What lies around vertices") {
   CHECK(neighboursOfVertices(lonely)[0].empty());
 }
 
-TEST_CASE("A segment is the faces at its vertex, by rows") {
+TEST_CASE("a segment is the pixels of the faces at its vertex, in row order") {
   const Grid grid;
   Segments segments(grid.mesh, grid.faces, grid.projected, {2, 40});
   const std::vector<SegmentPixel> segment = segments.of(kMiddle);
@@ -70,7 +70,7 @@ TEST_CASE("A segment is the faces at its vertex, by rows") {
   CHECK(segments.of(kMiddle).size() == segment.size());
 }
 
-TEST_CASE("Segments grow by rings to the least radius and end at the largest") {
+TEST_CASE("segments grow by rings to the minimum radius, and end at the maximum radius") {
   const Grid grid;
   const auto sizeOf = [&](double least, double most) {
     return Segments(grid.mesh, grid.faces, grid.projected, {least, most}).of(kMiddle).size();
@@ -96,7 +96,7 @@ TEST_CASE("Segments grow by rings to the least radius and end at the largest") {
   CHECK(3.15 * 24.5 * 24.5 < kMaxTemplateSampleCount);
 }
 
-TEST_CASE("There is no segment where nothing is seen") {
+TEST_CASE("a vertex that is not seen has no segment") {
   Grid grid;
   const auto emptyFrom = [&](const Camera& camera, std::size_t v) {
     const HtmView view = plainView(camera);
@@ -112,7 +112,7 @@ TEST_CASE("There is no segment where nothing is seen") {
   CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 0}), grid.mesh.positions.size() - 1));
 }
 
-TEST_CASE("A segment takes another camera's colours where that camera sees it") {
+TEST_CASE("a segment takes another camera's colours where that camera sees it") {
   const Grid grid;
   HtmView other = plainView(lookingAt({6, 4, 10}, {4, 4, 0}));
   for (int y = 0; y < 90; ++y)

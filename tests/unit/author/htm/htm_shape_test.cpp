@@ -51,7 +51,7 @@ struct Wall {
 
 }  // namespace
 
-TEST_CASE("Vertices that lie before the surface are found to lie there, each by itself or all together") {
+TEST_CASE("errors of vertices along their normals are recovered, one by one or all together") {
   const double far = GENERATE(0.0, 1e6);
   const auto bump = [](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); };
   const Wall wall(bump, glm::dvec3(far, -far, far));
@@ -66,7 +66,7 @@ TEST_CASE("Vertices that lie before the surface are found to lie there, each by 
     for (const double moved : flat.found(smoothness)) CHECK(moved == Approx(-0.08).margin(0.006));
 }
 
-TEST_CASE("One match that is far off moves nothing, and vertices without matches follow those around") {
+TEST_CASE("one outlier moves nothing, and vertices without matches follow their neighbours") {
   Wall wall([](std::size_t) { return 0.08; });
   const std::size_t n = wall.said.positions.size();
   wall.matches[n + 40].displacement += glm::vec2(30, -20);
@@ -76,7 +76,7 @@ TEST_CASE("One match that is far off moves nothing, and vertices without matches
   CHECK(found[20] == Approx(-0.08).margin(0.01));
 }
 
-TEST_CASE("What is right or was not matched stays") {
+TEST_CASE("correct and unmatched vertices stay") {
   Wall wall([](std::size_t) { return 0.0; });
   for (const double moved : wall.found()) CHECK(std::abs(moved) < 1e-4);
   wall.matches.assign(wall.matches.size(), {});
@@ -85,13 +85,13 @@ TEST_CASE("What is right or was not matched stays") {
   for (const double moved : wall.found()) CHECK(moved == 0);
 }
 
-TEST_CASE("Cameras that look along the surface do not count") {
+TEST_CASE("cameras that look along the surface do not count") {
   Wall wall([](std::size_t) { return 0.08; });
   for (HtmView& view : wall.views) view.camera = test::lookingAt({30, 0.1, 0.5}, {0, 0, 0}, 200, 150);
   for (const double moved : wall.found()) CHECK(moved == 0);
 }
 
-TEST_CASE("Outlines are drawn to the masks' borders") {
+TEST_CASE("outlines move to the masks' borders") {
   const TriangleMesh truly = test::sphere(24);
   const double size = GENERATE(0.96, 1.04);
   TriangleMesh said = truly;
@@ -118,7 +118,7 @@ TEST_CASE("Outlines are drawn to the masks' borders") {
   CHECK(mean() == 0);
 }
 
-TEST_CASE("Settling the shape tells how far it is, and ends when it is told to") {
+TEST_CASE("adjusting the shape reports progress, and can be cancelled") {
   const Wall wall([](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); });
   std::size_t last = 1000, calls = 0;
   const auto found = [&] {
@@ -139,7 +139,7 @@ TEST_CASE("Settling the shape tells how far it is, and ends when it is told to")
   }
 }
 
-TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to its mask") {
+TEST_CASE("vertices next to a camera, far outside its image, do not move to its mask") {
   const TriangleMesh said = test::sphere(24);
   HtmView view = test::plainView(test::lookingAt({0, 0, 0}, {0, 0, -1}, 200, 200, 0.38));
   const TriangleMesh moved = test::moved(said, {0, 0, -6});
@@ -169,7 +169,7 @@ TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to 
     }
 }
 
-TEST_CASE("Without a mask, outlines stay and nothing that is matched there counts") {
+TEST_CASE("without a mask, outlines stay and their matches do not count") {
   Wall wall([](std::size_t) { return 0.05; });
   std::vector<double> found = wall.found();
   for (const double moved : found) CHECK(moved < -0.03);
@@ -205,7 +205,7 @@ TEST_CASE("Without a mask, outlines stay and nothing that is matched there count
     if (atBorder(v)) CHECK(std::abs(found[v]) > 0.01);
 }
 
-TEST_CASE("Vertices move along their normals, but no face is turned over") {
+TEST_CASE("vertices move along their normals, but no face flips") {
   const TriangleMesh grid = test::flatGrid(4);
   std::vector<double> by(grid.positions.size(), 0.25);
   TriangleMesh moved = displaced(grid, by);

@@ -47,7 +47,7 @@ double borderLength(const TriangleMesh& mesh) {
   return length;
 }
 
-TEST_CASE("A face beside chosen ones, for each set of its edges", "[N15]") {
+TEST_CASE("a face beside chosen faces is split at its divided edges, for each set of edges", "[N15]") {
   // One face in the middle and one at each edge; integer corners keep areas exact.
   const TriangleMesh star{{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {4, -8, 0}, {8, 8, 0}, {-8, 4, 0}},
                           {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
@@ -67,7 +67,7 @@ TEST_CASE("A face beside chosen ones, for each set of its edges", "[N15]") {
   }
 }
 
-TEST_CASE("What is left of a face with two divided edges is divided by the shorter diagonal") {
+TEST_CASE("the rest of a face with two divided edges is split along the shorter diagonal") {
   for (const double far : {1.0, 64.0}) {
     const TriangleMesh mesh{{{0, 0, 0}, {4, 0, 0}, {2, far, 0}, {2, -4, 0}, {far, far, 0}},
                             {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}}};
@@ -86,7 +86,7 @@ TEST_CASE("What is left of a face with two divided edges is divided by the short
   }
 }
 
-TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology", "[N15]") {
+TEST_CASE("any choice of faces keeps the mesh's shape and topology", "[N15]") {
   std::mt19937 random(2);
   for (const TriangleMesh& mesh : {test::cube(), test::flatGrid(4)})
     for (int trial = 0; trial < 30; ++trial) {
@@ -103,7 +103,7 @@ TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology", "[
   CHECK(subdivided(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)).mesh == mesh);
 }
 
-TEST_CASE("Meshes that are no manifolds, and wrong arguments", "[N15]") {
+TEST_CASE("non-manifold meshes are subdivided, and invalid arguments are rejected", "[N15]") {
   // Three faces share one edge, and its midpoint.
   const TriangleMesh book{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 2}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
   const std::vector<std::uint8_t> first{1, 0, 0};
@@ -119,7 +119,7 @@ TEST_CASE("Meshes that are no manifolds, and wrong arguments", "[N15]") {
 }
 
 }  // namespace
-TEST_CASE("Complements of new vertices are the mean of their parents', pair by pair") {
+TEST_CASE("complements of new vertices are the mean of their parents' complements, pair by pair") {
   std::vector<glm::vec2> complements;
   for (int pair = 0; pair < 4; ++pair)
     for (int v = 0; v < 3; ++v) complements.emplace_back(10 * pair + v, -v * v);

@@ -46,7 +46,7 @@ std::vector<std::size_t> facesSeenBy(const TriangleMesh& mesh, const std::vector
 
 }  // namespace
 
-TEST_CASE("A pinhole's pixels are those of the camera model, and points come back from them") {
+TEST_CASE("a pinhole view projects like the camera model, and unprojects to the same points") {
   const Camera camera = lookingAt({1, 2, 3}, {0.2, -0.1, 0.3}, 200, 140, 0.9);
   const PinholeView view(camera);
   for (const glm::dvec3& point : {glm::dvec3(0), {0.4, 0.2, -0.5}, {-2, 1, 0}}) {
@@ -68,7 +68,7 @@ TEST_CASE("A pinhole's pixels are those of the camera model, and points come bac
   CHECK(!view.inside(glm::dvec2(std::nan(""))));
 }
 
-TEST_CASE("The nearest board is drawn, at its depth") {
+TEST_CASE("the nearest surface is rasterised, with its depth") {
   for (const glm::dvec3& offset : {glm::dvec3(0), kFarAway}) {
     const TriangleMesh mesh = joined(board(offset + glm::dvec3(0, 0, -1), 4), board(offset, 0.5));
     const Camera camera = lookingAt(offset + glm::dvec3(0, 0, 2), offset);
@@ -92,7 +92,7 @@ TEST_CASE("The nearest board is drawn, at its depth") {
                             [](std::uint32_t f) { return f == MeshRaster::kNone; }));
 }
 
-TEST_CASE("A point is visible unless it is hidden, masked, outside or behind") {
+TEST_CASE("a point is visible unless it is hidden, masked, outside the image or behind the camera") {
   for (const glm::dvec3& offset : {glm::dvec3(0), kFarAway}) {
     const TriangleMesh mesh = joined(board(offset + glm::dvec3(0, 0, -1), 4), board(offset, 0.5));
     HtmView view = plainView(lookingAt(offset + glm::dvec3(0, 0, 2), offset));
@@ -118,7 +118,7 @@ TEST_CASE("A point is visible unless it is hidden, masked, outside or behind") {
   }
 }
 
-TEST_CASE("A cube shows each camera its front, and vertices go with their faces") {
+TEST_CASE("each camera sees the front faces of a cube, and vertices are visible with their faces") {
   for (const glm::dvec3& offset : {glm::dvec3(0), kFarAway}) {
     const TriangleMesh mesh = test::cube(offset);
     const glm::dvec3 middle = offset + 0.5;
@@ -139,7 +139,7 @@ TEST_CASE("A cube shows each camera its front, and vertices go with their faces"
   }
 }
 
-TEST_CASE("A board that is hidden in part is known as such, one that is hidden whole is not seen") {
+TEST_CASE("a partly hidden face is seen and marked as partly hidden, a fully hidden face is not seen") {
   const auto visibilityOf = [](double frontSize, glm::dvec3 front) {
     const TriangleMesh mesh = joined(board({0, 0, -1}, 1), board(front, frontSize));
     const HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}));
@@ -153,7 +153,7 @@ TEST_CASE("A board that is hidden in part is known as such, one that is hidden w
   CHECK((faces[0].seen && !faces[0].partly));
 }
 
-TEST_CASE("A face needs a quarter of it inside the picture and the mask") {
+TEST_CASE("a face is seen only if a quarter of it is inside the image and the mask") {
   const TriangleMesh mesh = board({0, 0, 0}, 1);
   const auto seen = [&](HtmView view) {
     return faceVisibility(mesh, projectedMeshes(mesh, {&view, 1}), 1)[0].seen == 1;
@@ -169,7 +169,7 @@ TEST_CASE("A face needs a quarter of it inside the picture and the mask") {
   CHECK(faceVisibility({}, projectedMeshes({}, {&view, 1}), 1).empty());
 }
 
-TEST_CASE("Halved views see the same at half the pixels") {
+TEST_CASE("halved views see the same surfaces at half the resolution") {
   for (const int width : {120, 121}) {
     const TriangleMesh mesh = joined(board({0, 0, -1}, 4), board({0, 0, 0}, 0.5));
     HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}, width, 90), {10, 20, 30});
@@ -188,7 +188,7 @@ TEST_CASE("Halved views see the same at half the pixels") {
   }
 }
 
-TEST_CASE("Far from the picture nothing hides a point, and the mask goes on") {
+TEST_CASE("far outside the image nothing hides a point, and the mask's border continues") {
   const TriangleMesh mesh = board({0, 0, 0}, 10);
   HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}));
   view.mask = Image8(120, 90, 1);
@@ -210,7 +210,7 @@ TEST_CASE("Far from the picture nothing hides a point, and the mask goes on") {
   CHECK(there.raster.shows(glm::dvec2(std::nan("")), 100));
 }
 
-TEST_CASE("A face whose corner is barely before the camera is looked at as closely as any") {
+TEST_CASE("a face with a corner just in front of the camera is sampled as densely as any other") {
   const HtmView view = plainView(test::aboveGround());
   const TriangleMesh leaf = board({0.341, -0.82, -3}, 0.2);  // hides a small part of the ground
   for (const double before : test::kBarelyBefore) {
@@ -223,7 +223,7 @@ TEST_CASE("A face whose corner is barely before the camera is looked at as close
   }
 }
 
-TEST_CASE("Views share their pictures at full size, and are drawn alike by any number of threads") {
+TEST_CASE("views share their images at full size, and do not depend on the thread count") {
   const TriangleMesh mesh = joined(board({0, 0, -1}, 4), board({0, 0, 0}, 0.5));
   std::vector<HtmView> views;
   for (const double x : {-1.0, 0.0, 0.5, 2.0}) views.push_back(plainView(lookingAt({x, 0, 2}, {0, 0, 0})));
@@ -244,17 +244,17 @@ TEST_CASE("Views share their pictures at full size, and are drawn alike by any n
   CHECK(projectedMeshes(mesh, std::span<const HtmView>(), 0, 0).empty());
 }
 
-TEST_CASE("Visibility falls towards the background and where the mesh hides itself") {
+TEST_CASE("visibility falls towards the background and at depth discontinuities") {
   const HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}));
-  SECTION("what fills the picture is trusted everywhere") {
+  SECTION("a surface that fills the image is fully visible") {
     const Image8 soft = softVisibility(projected(board({0, 0, 0}, 10), view), 4);
     CHECK(std::ranges::all_of(soft.values, [](int v) { return v == 255; }));
   }
-  SECTION("nothing is there") {
+  SECTION("nothing is visible without a surface") {
     const Image8 soft = softVisibility(projected({}, view), 4);
     CHECK(std::ranges::all_of(soft.values, [](int v) { return v == 0; }));
   }
-  SECTION("a silhouette") {
+  SECTION("visibility falls towards a silhouette") {
     const ProjectedMesh there = projected(board({0, 0, 0}, 0.5), view);
     const Image8 soft = softVisibility(there, 4);
     for (int y = 0; y < 90; ++y)
@@ -266,7 +266,7 @@ TEST_CASE("Visibility falls towards the background and where the mesh hides itse
     CHECK(soft.pixel(edge - 2, 45)[0] == 128);
     CHECK(soft.pixel(edge - 4, 45)[0] == 255);
   }
-  SECTION("a step of depth, and none on a slanted plane") {
+  SECTION("visibility falls at a depth step, but not on a slanted plane") {
     const Image8 soft = softVisibility(projected(joined(board({0, 0, -1}, 9), board({0, 0, 0}, 0.5)), view), 4);
     int least = 255;
     for (int x = 60; x < 120; ++x) least = std::min<int>(least, soft.pixel(x, 45)[0]);
@@ -277,7 +277,7 @@ TEST_CASE("Visibility falls towards the background and where the mesh hides itse
     const Image8 plane = softVisibility(projected(board({0, 0, 0}, 1), slanted), 4);
     CHECK(plane.pixel(60, 45)[0] == 255);
   }
-  SECTION("the mask is the object") {
+  SECTION("visibility ends at the mask") {
     HtmView masked = view;
     masked.mask = Image8(120, 90, 1);
     for (int y = 30; y < 60; ++y)

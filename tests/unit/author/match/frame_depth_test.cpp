@@ -55,7 +55,7 @@ TEST_CASE("a wall that both members see has its depth in the frame, and both agr
   CHECK(std::ranges::count(depth.agree.values, std::uint8_t(3)) == std::ptrdiff_t(depth.agree.values.size()));
 }
 
-TEST_CASE("a pole has its own depth in the frame, and its outline none that is between") {
+TEST_CASE("a pole has its own depth in the frame, without depths between pole and wall at its outline") {
   const std::vector members{memberAt({-0.3, 0, 0}, wallAndPole), memberAt({0.3, 0, 0}, wallAndPole)};
   const Camera frame = frameAt({0, 0, 0});
   const FrameDepth depth = depthOfFrame(frame, members, kStep);
@@ -70,7 +70,7 @@ TEST_CASE("a pole has its own depth in the frame, and its outline none that is b
   CHECK(depth.agree.pixel(32, 24)[0] == 3);
 }
 
-TEST_CASE("what one member alone has is not agreed on, and two outvote it") {
+TEST_CASE("the depth of a single member is outvoted by two others") {
   const std::vector members{memberAt({-0.3, 0, 0}, wallAlone), memberAt({0, 0.1, 0}, wallAndPole),
                             memberAt({0.3, 0, 0}, wallAlone)};
   const FrameDepth depth = depthOfFrame(frameAt({0, 0, 0}), members, kStep);
@@ -79,7 +79,7 @@ TEST_CASE("what one member alone has is not agreed on, and two outvote it") {
   CHECK(depth.agree.pixel(2, 24)[0] == 7);
 }
 
-TEST_CASE("beyond what members know the frame has what is farther beside it, and nobody agrees") {
+TEST_CASE("unknown depth is filled from the farther side, and no member agrees on it") {
   std::vector members{memberAt({0, 0, 0}, wallAndPole)};
   for (int y = 0; y < 60; ++y)
     for (int x = 20; x < 40; ++x) members[0].inverseDepth.pixel(x, y)[0] = -1;
@@ -91,7 +91,7 @@ TEST_CASE("beyond what members know the frame has what is farther beside it, and
   for (const float w : nothing.inverseDepth.values) CHECK(w == 0);
 }
 
-TEST_CASE("the sky is at infinity in the frame too") {
+TEST_CASE("sky is at infinity in the frame") {
   const auto sky = [](const Camera&, glm::dvec3) { return std::numeric_limits<double>::infinity(); };
   const FrameDepth depth =
       depthOfFrame(frameAt({0, 0, 0}), std::vector{memberAt({-0.3, 0, 0}, sky), memberAt({0.3, 0, 0}, sky)}, kStep);
@@ -99,7 +99,7 @@ TEST_CASE("the sky is at infinity in the frame too") {
   for (const std::uint8_t who : depth.agree.values) CHECK(who == 3);
 }
 
-TEST_CASE("a panorama's depth has no gap where its ends meet") {
+TEST_CASE("a panorama's depth has no gap at its seam") {
   constexpr double kRadius = 3;
   MemberDepth member{{{CameraModel::equirectangular, 128, 64}, {{0, 0, 0}, {1, 0, 0, 0}}},
                      ImageF(128, 64, 1, float(1 / kRadius)),
@@ -113,7 +113,7 @@ TEST_CASE("a panorama's depth has no gap where its ends meet") {
   }
 }
 
-TEST_CASE("moving the world and the order of members change nothing in the frame's depth") {
+TEST_CASE("the world's pose and the order of members do not change the frame's depth") {
   const std::vector members{memberAt({-0.3, 0, 0}, wallAndPole), memberAt({0.3, 0, 0}, wallAndPole)};
   const FrameDepth here = depthOfFrame(frameAt({0, 0, 0}), members, kStep),
                    swapped = depthOfFrame(frameAt({0, 0, 0}), std::vector{members[1], members[0]}, kStep);
@@ -134,7 +134,7 @@ TEST_CASE("moving the world and the order of members change nothing in the frame
   CHECK(different < 20);  // pixels on the outline may get either depth
 }
 
-TEST_CASE("a frame has no more members than a cell") {
+TEST_CASE("more members than a cell has are rejected") {
   const std::vector<MemberDepth> members(5, memberAt({0, 0, 0}, wallAlone));
   CHECK(test::errorOf([&] { depthOfFrame(frameAt({0, 0, 0}), members, kStep); }).code() == ErrorCode::invalidInput);
 }

@@ -49,7 +49,7 @@ double shareGood(const DenseMatch& match) {
 
 }  // namespace
 
-TEST_CASE("flow finds a wall again whatever the poses say, in any order of the members") {
+TEST_CASE("flow matches a wall without poses, in any order of the members") {
   std::vector<Camera> cameras = rig();
   const SyntheticScene scene = wall(cameras);
   std::vector<MatchView> views = viewsOf(cameras, scene);
@@ -80,7 +80,7 @@ TEST_CASE("flow finds a wall again whatever the poses say, in any order of the m
   CHECK(again.position == match.position);
 }
 
-TEST_CASE("with poses the flow's matches have their depth, and make a sound mesh") {
+TEST_CASE("with poses, the flow's matches have their depth and give a valid mesh") {
   const std::vector<Camera> cameras = rig();
   const std::vector<MatchView> views = viewsOf(cameras, wall(cameras));
   const DenseMatch match = matchByFlow(views);
@@ -98,7 +98,7 @@ TEST_CASE("with poses the flow's matches have their depth, and make a sound mesh
   CHECK(double(right) > 0.9 * double(cell.mesh.pointCount()));
 }
 
-TEST_CASE("the same picture twice matches itself; pictures without anything in common match nowhere") {
+TEST_CASE("two equal images match everywhere, unrelated images match nowhere") {
   const std::vector<Camera> cameras = rig();
   std::vector<MatchView> views = viewsOf(cameras, wall(cameras));
   views.pop_back();
@@ -119,7 +119,7 @@ TEST_CASE("the same picture twice matches itself; pictures without anything in c
   CHECK(shareGood(matchByFlow(views)) < 0.05);
 }
 
-TEST_CASE("flat and tiny pictures are matched without a crash") {
+TEST_CASE("flat and tiny images are matched without a crash") {
   const std::vector<Camera> cameras = rig();
   for (const glm::ivec2 size : {glm::ivec2(200, 150), glm::ivec2(20, 15), glm::ivec2(1, 1)}) {
     std::vector<MatchView> views;
@@ -134,7 +134,7 @@ TEST_CASE("flat and tiny pictures are matched without a crash") {
   }
 }
 
-TEST_CASE("features are spread, joined by place, and matched to themselves") {
+TEST_CASE("features are spread, grouped by position, and match themselves") {
   const SyntheticScene scene = wall(rig());
   Image8 grey(200, 150, 1);
   for (std::size_t p = 0; p < grey.values.size(); ++p) grey.values[p] = scene.photographs[0].values[3 * p];
@@ -157,7 +157,7 @@ TEST_CASE("features are spread, joined by place, and matched to themselves") {
   CHECK(detectFeatures(Image8(3, 2, 1, 7), 400).count() == 0);
 }
 
-TEST_CASE("a mesh warp follows a homography and what stands before it, and outliers do not bend it") {
+TEST_CASE("a mesh warp follows a homography and a foreground object, and ignores outliers") {
   const auto plane = [](glm::vec2 p) { return glm::vec2(1.1f * p.x + 0.1f * p.y + 5, 0.95f * p.y + 3); };
   PointPairs pairs;
   std::mt19937 random(5);

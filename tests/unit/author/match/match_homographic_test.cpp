@@ -155,7 +155,7 @@ TEST_CASE("homographies find the planes in any order of the members") {
   }
 }
 
-TEST_CASE("the same picture twice gives the identity") {
+TEST_CASE("two equal images give the identity") {
   Stage stage = makeStage(2);
   stage.views[1] = stage.views[0];
   const DenseMatch match = matchByHomographies(stage.views);
@@ -166,7 +166,7 @@ TEST_CASE("the same picture twice gives the identity") {
   }
 }
 
-TEST_CASE("pictures without features, tiny ones and strangers give no matches and no crash") {
+TEST_CASE("images without features, tiny images and unrelated images give no matches") {
   Stage stage = makeStage(3);
   const bool posed = GENERATE(true, false);
   for (const glm::ivec2 size : {glm::ivec2(320, 240), glm::ivec2(20, 17), glm::ivec2(1, 1)}) {
@@ -187,7 +187,7 @@ TEST_CASE("pictures without features, tiny ones and strangers give no matches an
   CHECK(matchByHomographies(stage.views, {posed, posed}).vertices->frame.size() < 20);
 }
 
-TEST_CASE("the largest plane is sealed first, then the other, then none in what is left") {
+TEST_CASE("the largest plane is found first, then the other, then none") {
   const Stage stage = makeStage(3);
   const bool posed = GENERATE(true, false);
   std::vector<PlaneTrack> tracks = twoPlanes(stage.cameras, 60, 40);
@@ -212,7 +212,7 @@ TEST_CASE("the largest plane is sealed first, then the other, then none in what 
     }
 }
 
-TEST_CASE("no plane is fitted to too few tracks, to tracks on a line, or to a mirrored picture") {
+TEST_CASE("no plane is fitted to too few tracks, to tracks on a line, or to a mirrored image") {
   const Stage stage = makeStage(2);
   const bool posed = GENERATE(true, false);
   const PlaneFitter fit(stage.cameras, posed);
@@ -233,7 +233,7 @@ TEST_CASE("no plane is fitted to too few tracks, to tracks on a line, or to a mi
   CHECK_FALSE(fit(list));
 }
 
-TEST_CASE("patches move to where members look alike, on their epipolar lines when poses are exact") {
+TEST_CASE("patches move to where members match, on their epipolar lines if poses are exact") {
   const Stage stage = makeStage(3);
   const bool posed = GENERATE(true, false);
   std::vector<ImageF> grey;
@@ -261,7 +261,7 @@ TEST_CASE("patches move to where members look alike, on their epipolar lines whe
   CHECK(patches.correlation(plane, outside) == -1);
 }
 
-TEST_CASE("labels are sets: a triangle has the plane that all of its corners share") {
+TEST_CASE("a triangle has the plane that all of its corners share") {
   using Set = glm::u16vec4;
   CHECK(commonPlane(Set(1, 0, 0, 0), Set(1, 2, 0, 0), Set(1, 3, 0, 0)) == 1);
   CHECK(commonPlane(Set(1, 2, 0, 0), Set(2, 3, 0, 0), Set(1, 2, 3, 0)) == 2);
@@ -270,7 +270,7 @@ TEST_CASE("labels are sets: a triangle has the plane that all of its corners sha
   CHECK(homogeneous({}, {0, 1, 2}));
 }
 
-TEST_CASE("a match that its neighbours contradict is dropped, as is one that turns triangles over") {
+TEST_CASE("matches that contradict their neighbours or flip triangles are dropped") {
   const Stage stage = makeStage(2);
   std::vector<PlaneTrack> tracks;
   const auto add = [&](glm::dvec2 at, glm::dvec2 shift) {

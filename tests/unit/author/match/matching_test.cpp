@@ -72,7 +72,7 @@ double signedArea(glm::vec2 a, glm::vec2 b, glm::vec2 c) {
 
 }  // namespace
 
-TEST_CASE("two planes are matched to a third of a pixel, and the mesh is sound") {
+TEST_CASE("two planes are matched to a third of a pixel, and the mesh is valid") {
   const Stage stage = makeStage();
   const bool refine = GENERATE(false, true);
   const DenseMatch match = matchViews(stage.views, stage.points, {refine});
@@ -124,7 +124,7 @@ TEST_CASE("two planes are matched to a third of a pixel, and the mesh is sound")
   CHECK(cell.quality.residualPx < 0.3);
 }
 
-TEST_CASE("members' depth is that of their frame; where one has another the gate is shut, unless it is masked there") {
+TEST_CASE("the frame takes its members' depth, and rejects pixels where an unmasked member contradicts") {
   Stage stage = makeStage(false);
   std::vector<MemberDepth> depths;
   for (const Camera& camera : stage.cameras) {
@@ -160,7 +160,7 @@ TEST_CASE("views smaller than the stored photographs give matches in stored pixe
   }
 }
 
-TEST_CASE("photographs of different places agree on nothing") {
+TEST_CASE("unrelated photographs do not agree") {
   Stage stage = makeStage(false);
   stage.views[1].picture = makeStage(true).scene.photographs[0];
   std::mt19937 random(4);
@@ -169,7 +169,7 @@ TEST_CASE("photographs of different places agree on nothing") {
   CHECK(cell.quality.coverage < 0.05);
 }
 
-TEST_CASE("a cell without a point before it is refused; flat and tiny pictures are not") {
+TEST_CASE("a cell without a point in front of it is rejected, flat and tiny images are not") {
   Stage stage = makeStage(false);
   const std::vector<glm::dvec3> behind{{0, -5, 0}};
   CHECK_THROWS_AS(matchViews(stage.views, behind), Error);
@@ -188,7 +188,7 @@ TEST_CASE("a cell without a point before it is refused; flat and tiny pictures a
   CHECK_NOTHROW(buildMesh(cameras, stage.views, matchViews(stage.views, stage.points, {true})));
 }
 
-TEST_CASE("levels of the sweep reach from infinity to before the nearest tracks") {
+TEST_CASE("levels of the sweep reach from infinity to in front of the nearest tracks") {
   const Stage stage = makeStage(false);
   const Camera frame = meanFrame(stage.cameras);
   const std::vector<double> compact(100, 0.2);
@@ -207,7 +207,7 @@ TEST_CASE("levels of the sweep reach from infinity to before the nearest tracks"
   }
 }
 
-TEST_CASE("the sweep's cost is least at the true depth") {
+TEST_CASE("the sweep's cost is minimal at the true depth") {
   const Stage stage = makeStage(false);
   std::vector<SweepView> views;
   for (const MatchView& view : stage.views) {
@@ -227,7 +227,7 @@ TEST_CASE("the sweep's cost is least at the true depth") {
   CHECK(double(right) > 0.98 * double(all));
 }
 
-TEST_CASE("semi-global matching fills what has no texture from around it") {
+TEST_CASE("semi-global matching fills regions without texture from their surroundings") {
   CostVolume volume{40, 30, 20, std::vector<std::uint8_t>(40 * 30 * 20, 60), ImageF(40, 30, 1, 100.0f)};
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x)
@@ -236,7 +236,7 @@ TEST_CASE("semi-global matching fills what has no texture from around it") {
   for (const float l : level.values) CHECK(l == Approx(13).margin(0.01));
 }
 
-TEST_CASE("speckles are filled from the farther side; slanted surfaces stay as they are") {
+TEST_CASE("speckles are filled from the farther side, and slanted surfaces are unchanged") {
   ImageF map(60, 40, 1);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 60; ++x) map.pixel(x, y)[0] = x < 30 ? 10.0f : 50.0f;
@@ -267,7 +267,7 @@ TEST_CASE("speckles are filled from the farther side; slanted surfaces stay as t
   CHECK(after < 0.2 * before);
 }
 
-TEST_CASE("a member does not see what stands behind something solid, nor outside its picture") {
+TEST_CASE("a member sees neither points behind a solid surface nor points outside its image") {
   const Camera frame = lookingAlong({0, 0, 0}, {0, 1, 0}, 100, 80),
                member = lookingAlong({0.5, 0, 0}, {0, 1, 0}, 100, 80);
   ImageF depth(100, 80, 1, 0.1f);  // wall at 10 units, post at 2 units
@@ -311,7 +311,7 @@ TEST_CASE("the quadtree is coarse where the match is affine, fine at its edges, 
   CHECK(meshVertices(match.good, match.position).empty());
 }
 
-TEST_CASE("Delaunay triangulations: duplicates, degenerate input, an order that depends on the points alone") {
+TEST_CASE("Delaunay triangulations handle duplicates and degenerate input") {
   CHECK(delaunayTriangles({}).empty());
   CHECK(delaunayTriangles(std::vector<glm::dvec2>{{0, 0}, {1, 1}, {2, 2}, {3, 3}}).empty());
   CHECK(delaunayTetrahedra(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}).empty());

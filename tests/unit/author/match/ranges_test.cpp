@@ -26,7 +26,7 @@ glm::dvec3 rayOf(const Camera& camera, glm::dvec2 pixel) {
 
 }  // namespace
 
-TEST_CASE("exact matches give exact ranges, wherever the world is and whatever the prior says") {
+TEST_CASE("exact matches give exact ranges, for any position of the world and any prior") {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const glm::dvec3 offset = GENERATE(glm::dvec3(0.0), glm::dvec3(5e5, 6e6, 100));
@@ -58,7 +58,7 @@ TEST_CASE("exact matches give exact ranges, wherever the world is and whatever t
   }
 }
 
-TEST_CASE("parallel and parting rays lie at infinity: no distance, equal ratios") {
+TEST_CASE("parallel and diverging rays lie at infinity, with equal ratios") {
   const std::vector<Camera> members(kRig.begin(), kRig.begin() + 3);
   const Camera frame = meanFrame(members);
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.1, 1, 0.05));
@@ -80,7 +80,7 @@ TEST_CASE("parallel and parting rays lie at infinity: no distance, equal ratios"
   for (const double a : range.ratio) CHECK(a == 1);
 }
 
-TEST_CASE("where the rays say nothing the prior decides; noise is told by the uncertainty") {
+TEST_CASE("the prior decides where rays do not determine a range, and the uncertainty reflects noise") {
   // The epipole: straight-ahead motion does not shift this point, so its rays give no depth.
   const std::vector<Camera> forward{lookingAlong({0, 0, 0}, {0, 1, 0}, 800, 600),
                                     lookingAlong({0, 1, 0}, {0, 1, 0}, 800, 600)};
@@ -117,7 +117,7 @@ TEST_CASE("where the rays say nothing the prior decides; noise is told by the un
   CHECK(within1 < 0.97 * kRounds);
 }
 
-TEST_CASE("a member's photograph comes back at its pose, whatever the match") {
+TEST_CASE("the morph reproduces a member's pixel at its pose, whatever the match") {
   const std::vector<Camera> members(kRig.begin(), kRig.begin() + 3);
   const Camera frame = meanFrame(members);
   const std::vector<glm::dvec2> pixels{{400, 300}, {330, 380}, {370, 290}};  // skew rays
@@ -130,7 +130,7 @@ TEST_CASE("a member's photograph comes back at its pose, whatever the match") {
   }
 }
 
-TEST_CASE("the mean frame is symmetric in the members and sees what they see") {
+TEST_CASE("the mean frame is symmetric in the members, and its pixels map to theirs") {
   std::vector<Camera> members(kRig.begin(), kRig.end());
   const Camera frame = meanFrame(members);
   std::reverse(members.begin(), members.end());

@@ -43,7 +43,7 @@ struct Place {
 
 }  // namespace
 
-TEST_CASE("refined depths are nearer to the truth, and what does not match has no say in them") {
+TEST_CASE("refined depths are closer to the truth, and unmatched pixels do not affect them") {
   Place wall(false), half(true);
   const Intrinsics& k = wall.match.frame.intrinsics;
   const int x = k.width / 2 - 3, y = k.height / 2;

@@ -68,7 +68,7 @@ double error(const Set& set, const MatchedVertices& vertices) {
 
 }  // namespace
 
-TEST_CASE("what was matched in small pictures becomes as exact as the whole photographs") {
+TEST_CASE("matches of downsampled images are refined to the accuracy of full-size photographs") {
   static const Set set = wall();
   const bool exactPoses = GENERATE(true, false);
   const DenseMatch match = matchViews(set.views, somePoints(), {!exactPoses});
@@ -97,7 +97,7 @@ TEST_CASE("what was matched in small pictures becomes as exact as the whole phot
   }
 }
 
-TEST_CASE("where the whole photographs say nothing, matches stay") {
+TEST_CASE("matches stay where full-size photographs have no texture") {
   static const Set set = wall();
   const DenseMatch match = matchViews(set.views, somePoints(), {true});
   const MatchedVertices vertices = matchedVertices(set.views, match);

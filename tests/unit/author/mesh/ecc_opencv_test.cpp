@@ -9,7 +9,7 @@
 
 using namespace ibr;
 
-TEST_CASE("one channel has the ECC that OpenCV gives it", "[N2]") {
+TEST_CASE("the ECC of one channel equals OpenCV's", "[N2]") {
   std::mt19937 random(1);
   for (const auto& [mean, range, likeness] :
        {std::tuple{128, 100, 0.9}, std::tuple{128, 100, -0.4}, std::tuple{40, 30, 0.5}, std::tuple{200, 6, 0.99}}) {

@@ -43,7 +43,7 @@ TriangleLabel labelOf(double amplitude, auto change, float offset = 0) {
 
 }  // namespace
 
-TEST_CASE("what is the same but for exposure and a little noise agrees") {
+TEST_CASE("equal structure agrees under another exposure and slight noise") {
   const TriangleLabel same = labelOf(40, [](double value, double) { return value; });
   CHECK(same.ecc == Approx(1));
   CHECK(same.rms == Approx(0).margin(1e-3));
@@ -54,7 +54,7 @@ TEST_CASE("what is the same but for exposure and a little noise agrees") {
   CHECK(labelOf(0, [](double value, double noise) { return value + 5 * noise; }).agrees());  // no texture to correlate
 }
 
-TEST_CASE("another structure does not agree, unless it is too faint to be seen") {
+TEST_CASE("different structure does not agree, unless its contrast is too low to be visible") {
   const auto other = [](double amplitude) {
     return labelOf(amplitude, [=](double, double noise) { return 120 + amplitude * noise; });
   };
@@ -66,7 +66,7 @@ TEST_CASE("another structure does not agree, unless it is too faint to be seen")
   CHECK(other(10).agrees());
 }
 
-TEST_CASE("what is not where the dense match says does not agree, where that shows") {
+TEST_CASE("a mesh that is off the dense match does not agree where the shift is visible") {
   const auto same = [](double value, double) { return value; };
   for (const double amplitude : {60.0, 5.0}) {
     CHECK(labelOf(amplitude, same, 1.0f).off == 0);

@@ -162,7 +162,7 @@ TEST_CASE("a triangle across a depth edge becomes pieces of two surfaces that sh
   CHECK(layers.vertices.size() == 2 * 3 + 2);
 }
 
-TEST_CASE("layers of a cell lie the same way in every member, and share no vertex") {
+TEST_CASE("layers of a cell have the same orientation in every member, and share no vertex") {
   const Stage stage = makeStage({kTheWall, kTheBoard});
   const CellMesh cell = buildMesh(stage.cameras, stage.views, matchViews(stage.views, stage.points));
   const MorphMesh& mesh = cell.mesh;
@@ -197,7 +197,7 @@ TEST_CASE("layers of a cell lie the same way in every member, and share no verte
   CHECK(right >= 5);
 }
 
-TEST_CASE("a cell comes out the same every time") {
+TEST_CASE("building a cell's mesh is deterministic") {
   const Stage stage = makeStage({kTheWall, kTheBoard});
   const DenseMatch match = matchViews(stage.views, stage.points);
   const MorphMesh once = buildMesh(stage.cameras, stage.views, match).mesh;

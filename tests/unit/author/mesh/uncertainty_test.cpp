@@ -6,7 +6,7 @@
 
 using namespace ibr;
 
-TEST_CASE("a vertex whose neighbours disagree is uncertain, and none is surer than its match and a level") {
+TEST_CASE("disagreeing neighbours raise a vertex's uncertainty, and its match and a sweep level bound it from below") {
   MorphMesh mesh;
   mesh.inverseDistance = {0.2f, 0.2f, 0.2f, 0.9f, 0.2f, 0.5f};
   mesh.uncertainty.assign(6, 0.01f);

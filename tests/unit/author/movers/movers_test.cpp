@@ -111,7 +111,7 @@ Photograph photographOf(const fs::path& file, int width, int height) {
 
 }  // namespace
 
-TEST_CASE("masks are named as COLMAP names them, and of the photograph's size") {
+TEST_CASE("masks are found by COLMAP's file names, and must have the photograph's size") {
   const TemporaryFolder folder;
   fs::create_directories(folder / "masks/a");
   writeImage(folder / "masks/a/one.jpg.png", Image8(8, 6, 1, 255));
@@ -128,7 +128,7 @@ TEST_CASE("masks are named as COLMAP names them, and of the photograph's size") 
   CHECK_THAT(errorOf([&] { loadMask(photo, folder / "masks/three.png"); }).what(), Contains("three.png"));
 }
 
-TEST_CASE("whatever is not 0 is used, at any size") {
+TEST_CASE("pixels whose mask is not 0 are used, at any size") {
   const TemporaryFolder folder;
   Photograph photo = photographOf(folder / "photo.png", 64, 48);
   Image8 labels(64, 48, 1, 1);  // 0 and 1, as segmentation tools write labels
@@ -154,7 +154,7 @@ TEST_CASE("whatever is not 0 is used, at any size") {
   CHECK(ignoredShare(resizedMask(few, 16, 12)) == Approx(1.0 / (16 * 12)));
 }
 
-TEST_CASE("under a mask a texture holds colours from around; all else stays as it was") {
+TEST_CASE("a texture has surrounding colours under its mask, and is unchanged elsewhere") {
   Image8 picture(61, 40, 3);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 61; ++x) picture.pixel(x, y)[0] = 100, picture.pixel(x, y)[1] = std::uint8_t(x);
@@ -181,7 +181,7 @@ TEST_CASE("under a mask a texture holds colours from around; all else stays as i
   CHECK((withMask(picture, all).pixel(5, 5)[3] == 0));  // all pixels masked: no colour to extend
 }
 
-TEST_CASE("observations under masks are dropped, and tracks without any") {
+TEST_CASE("observations under masks are dropped, and so are tracks without observations") {
   PosedModel model = modelOf({lookingAlong({0, 0, 0}, {0, 1, 0}, 64, 48), lookingAlong({1, 0, 0}, {0, 1, 0}, 64, 48)},
                              {{0.5, 4, 0}, {0.2, 4, 0.3}});
   REQUIRE(model.tracks.size() == 2);
@@ -202,7 +202,7 @@ TEST_CASE("observations under masks are dropped, and tracks without any") {
   CHECK(model.tracks.empty());
 }
 
-TEST_CASE("where a member is masked the other two are matched, where one is left nothing is") {
+TEST_CASE("where one member is masked the other two are matched, where two are masked nothing is") {
   Place place;
   plant(place.views[0].picture);
   const auto goodIn = [&](const DenseMatch& match) {  // of the pixels that show the person
@@ -239,7 +239,7 @@ TEST_CASE("where a member is masked the other two are matched, where one is left
   CHECK(goodIn(matchViews(place.views, place.points)) == 0);
 }
 
-TEST_CASE("flow and homographies heed masks, too") {
+TEST_CASE("flow and homographies ignore masked pixels") {
   const MatchMethod method = GENERATE(MatchMethod::flow, MatchMethod::homographic);
   INFO(methodName(method));
   Place place;
@@ -269,7 +269,7 @@ TEST_CASE("flow and homographies heed masks, too") {
   CHECK(goodIn() == 0);
 }
 
-TEST_CASE("who stands in one photograph alone is found, who is not there is not") {
+TEST_CASE("a person in one photograph alone is found, and nothing is found without a person") {
   Place place;
   for (const BitMask& mask : moversIn(place)) CHECK(mask.empty());
   plant(place.views[0].picture);
@@ -293,7 +293,7 @@ TEST_CASE("who stands in one photograph alone is found, who is not there is not"
   CHECK(masks[2].empty());
 }
 
-TEST_CASE("a person who stands still is no moving object, though the depth is that of the wall behind") {
+TEST_CASE("a static person is no moving object, although the depth is that of the wall behind") {
   constexpr double kPerson = 3.2, kWall = 5;  // units in front of the cameras
   Place place;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -55,7 +55,7 @@ int countOf(const BitMask& mask) {
 
 }  // namespace
 
-TEST_CASE("who moved is masked in his own photograph, with a rim, and in no other one") {
+TEST_CASE("a moving object is masked in its own photograph, with a rim, and in no other") {
   Pair pair;
   pair.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
   const std::vector<BitMask> masks = settleMovers(pair.views);
@@ -65,7 +65,7 @@ TEST_CASE("who moved is masked in his own photograph, with a rim, and in no othe
   CHECK(masks[1].empty());
 }
 
-TEST_CASE("who hides what nobody else shows stays, and the others show him, too") {
+TEST_CASE("an object that hides background no other photograph shows is kept, and the others are masked there") {
   Pair pair;
   const int x = pair.shift;  // the second camera does not see the first `shift` columns
   REQUIRE(x > 10);
@@ -85,7 +85,7 @@ TEST_CASE("who hides what nobody else shows stays, and the others show him, too"
   CHECK(covers(masks[first ? 0 : 1], first ? 100 : 100 - x, 40, first ? 120 : 120 - x, 80));
 }
 
-TEST_CASE("a photograph that is unsure of itself believes another one; where depths differ nobody is blamed") {
+TEST_CASE("an unsure photograph is masked if another one disagrees, unless their depths differ") {
   Pair pair;
   const int x = pair.shift;
   pair.views[0].odd.regions = {box(Blame::unsure, 100, 40, 120, 80)};
@@ -103,7 +103,7 @@ TEST_CASE("a photograph that is unsure of itself believes another one; where dep
   CHECK(settleMovers({}).empty());
 }
 
-TEST_CASE("what is found beside it is familiar, what is not is not") {
+TEST_CASE("only patches without a similar patch around them are unmatched") {
   cv::Mat wall(60, 80, CV_32FC3);
   for (int y = 0; y < wall.rows; ++y)
     for (int x = 0; x < wall.cols; ++x) wall.at<cv::Vec3f>(y, x) = cv::Vec3f::all(x % 8 < 4 ? 80.0f : 160.0f);

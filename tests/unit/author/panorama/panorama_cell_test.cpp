@@ -64,7 +64,7 @@ std::vector<glm::dvec3> randomDirections(std::size_t count, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("six faces look along the six axes, upright, and share all directions") {
+TEST_CASE("the six cube faces look along the axes, upright, and cover all directions") {
   std::vector<glm::dvec3> axes;
   for (const glm::dquat turn : cubeRotations()) {
     axes.push_back(glm::round(turn * glm::dvec3(0, 0, -1)));
@@ -77,7 +77,7 @@ TEST_CASE("six faces look along the six axes, upright, and share all directions"
   CHECK(faceSize(1, 1.0) == 1);
 }
 
-TEST_CASE("a face shows what a pinhole at the panorama's centre sees, across the seam and over the poles") {
+TEST_CASE("a face equals the image of a pinhole at the panorama's centre, across the seam and over the poles") {
   const Camera camera = panorama({0.2, 0.1, -0.3}, 1.0, 0.2, 1024);
   const SyntheticScene scene = room({camera, panorama({0.9, 0, 0}, 0, 0, 64)}, 3);
   for (const glm::dquat turn : cubeRotations()) {
@@ -91,7 +91,7 @@ TEST_CASE("a face shows what a pinhole at the panorama's centre sees, across the
   }
 }
 
-TEST_CASE("the Delaunay triangulation of the sphere closes it, outwards, with empty circles", "[N10]") {
+TEST_CASE("the Delaunay triangulation of the sphere is closed, faces outwards and has empty circles", "[N10]") {
   const std::vector<glm::dvec3> directions = randomDirections(300, 5);
   const std::vector<glm::uvec3> triangles = delaunaySphere(directions);
   REQUIRE(triangles.size() == 2 * directions.size() - 4);  // Euler's formula for a sphere
@@ -119,7 +119,7 @@ TEST_CASE("too few directions have no triangles, and half a sphere is not closed
   }
 }
 
-TEST_CASE("panoramas in a room are matched on its walls, all round") {
+TEST_CASE("panoramas in a room are matched on its walls, in all directions") {
   const std::vector<Camera> cameras = triangleOfPanoramas();
   const SyntheticScene synthetic = room(cameras);
   std::vector<PanoramaView> views;
@@ -153,7 +153,7 @@ TEST_CASE("panoramas in a room are matched on its walls, all round") {
   CHECK(double(good) > 0.9 * double(cell.mesh.pointCount()));
 }
 
-TEST_CASE("masked panoramas are not matched where they are masked") {
+TEST_CASE("panoramas are not matched where they are masked") {
   const std::vector<Camera> cameras = triangleOfPanoramas();
   const SyntheticScene synthetic = room(cameras);
   std::vector<PanoramaView> views;
@@ -180,7 +180,7 @@ TEST_CASE("masked panoramas are not matched where they are masked") {
   CHECK(agreeingIn(panoramaCell(views, {})) == 0);
 }
 
-TEST_CASE("directions at the extremes: cocircular, nearly the same, many at a pole", "[N10]") {
+TEST_CASE("the sphere is closed for cocircular, nearly equal and many polar directions", "[N10]") {
   const auto closes = [](const std::vector<glm::dvec3>& directions, const std::vector<glm::uvec3>& triangles) {
     double solidAngle = 0;
     std::vector<bool> used(directions.size());

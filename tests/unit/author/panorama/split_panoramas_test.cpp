@@ -73,7 +73,7 @@ ErrorCode codeOf(const std::function<void()>& call) {
 
 }  // namespace
 
-TEST_CASE("a panorama whose six axes have six colours is split into faces of those colours", "[N10][T19]") {
+TEST_CASE("a panorama with a colour on each axis is split into faces of those colours", "[N10][T19]") {
   const auto axisOf = [](glm::dvec3 d) {
     const glm::dvec3 a = glm::abs(d);
     const int c = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
@@ -99,7 +99,7 @@ TEST_CASE("a panorama whose six axes have six colours is split into faces of tho
   }
 }
 
-TEST_CASE("what a face shows in a direction is what the panorama shows there: seam, poles, all turns") {
+TEST_CASE("a face has the panorama's colour in each direction, at the seam, at the poles and for any rotation") {
   const auto colour = [](glm::dvec3 d) {
     return 127.5 + 80.0 * d + 40.0 * glm::dvec3(d.y * d.z, d.x * d.z, d.x * d.y);
   };
@@ -120,7 +120,7 @@ TEST_CASE("what a face shows in a direction is what the panorama shows there: se
     }
 }
 
-TEST_CASE("one colour stays that colour, in every size and with every number of channels") {
+TEST_CASE("a uniform panorama gives uniform faces, of every size and channel count") {
   for (const int value : {0, 1, 127, 254, 255})
     for (const int channels : {1, 2, 3, 4}) {
       const PanoramaSampler sampler(Image8(64, 32, channels, std::uint8_t(value)));
@@ -132,7 +132,7 @@ TEST_CASE("one colour stays that colour, in every size and with every number of 
     }
 }
 
-TEST_CASE("looked at closely, a pixel of the panorama has its own colour") {
+TEST_CASE("a magnified pixel of the panorama keeps its colour") {
   const int width = 64, height = 32;
   const Image8 panorama = noise(width, height, 3);
   const PanoramaSampler sampler(panorama);
@@ -146,7 +146,7 @@ TEST_CASE("looked at closely, a pixel of the panorama has its own colour") {
     }
 }
 
-TEST_CASE("channels do not see each other") {
+TEST_CASE("channels are resampled independently") {
   const Image8 three = noise(90, 45, 3), four = noise(90, 45, 4, 2);
   for (const PanoramaFace& face : manyFaces()) {
     const Intrinsics k = faceIntrinsics(53, 1.8);  // 53 is not a multiple of the row's run length
@@ -158,7 +158,7 @@ TEST_CASE("channels do not see each other") {
   }
 }
 
-TEST_CASE("what is finer than a pixel is averaged: smaller pictures, and the parallels about the poles") {
+TEST_CASE("detail finer than a pixel is averaged, also near the poles") {
   Image8 stripes(1024, 512, 1);
   for (std::size_t i = 0; i < stripes.values.size(); ++i) stripes.values[i] = i % 2 ? 255 : 0;
   const PanoramaSampler sampler(stripes);
@@ -174,7 +174,7 @@ TEST_CASE("what is finer than a pixel is averaged: smaller pictures, and the par
   }
 }
 
-TEST_CASE("views round the horizon go to the right in equal steps; four of them are the sides of the cube") {
+TEST_CASE("views around the horizon turn right in equal steps, and four of them are the sides of the cube") {
   const auto four = horizonFaces(4), cube = cubeFaces();
   for (std::size_t i = 0; i < 4; ++i)
     CHECK(std::abs(glm::dot(four[i].rotation, cube[i].rotation)) == Approx(1).margin(1e-12));
@@ -185,7 +185,7 @@ TEST_CASE("views round the horizon go to the right in equal steps; four of them 
   for (const int count : {0, -1, 361}) CHECK(codeOf([&] { horizonFaces(count); }) == ErrorCode::invalidInput);
 }
 
-TEST_CASE("the smallest panoramas, and what is none") {
+TEST_CASE("the smallest panoramas are split, and invalid ones are rejected") {
   Image8 two(2, 1, 3);  // left half black, right half white
   for (int c = 0; c < 3; ++c) two.pixel(1, 0)[c] = 255;
   const PanoramaSampler sampler(two);
@@ -204,7 +204,7 @@ TEST_CASE("the smallest panoramas, and what is none") {
         }) == ErrorCode::invalidInput);
 }
 
-TEST_CASE("a COLMAP model that was written is read as it was") {
+TEST_CASE("a COLMAP model round trips through its files") {
   const TemporaryFolder folder;
   PosedModel model = modelOf({lookingAlong({1, 2, 3}, {1, 0.2, 0.1}), lookingAlong({-1, 2.5, 3}, {1, 0, 0.3}, 64, 48),
                               lookingAlong({0, 0, 1}, {0.7, 0.7, 0})},
@@ -243,7 +243,7 @@ TEST_CASE("a COLMAP model that was written is read as it was") {
   CHECK(!fs::exists(folder / "wrong"));
 }
 
-TEST_CASE("all posed panoramas of a folder are split; the points they share go with them") {
+TEST_CASE("all posed panoramas of a folder are split, with the points they share") {
   const TemporaryFolder folder;
   std::vector<Camera> cameras;
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0, 0.2}})
@@ -299,7 +299,7 @@ TEST_CASE("all posed panoramas of a folder are split; the points they share go w
     if (entry.is_regular_file())
       CHECK(readFile(entry.path()) == readFile(again.output / entry.path().lexically_relative(options.output)));
 
-  SECTION("what cannot be split is said") {
+  SECTION("invalid options and missing files are reported") {
     SplitOptions wrong = options;
     for (const double fov : {0.0, -1.0, 180.0, 400.0, double(NAN)}) {
       wrong.fovDegrees = fov;
@@ -316,7 +316,7 @@ TEST_CASE("all posed panoramas of a folder are split; the points they share go w
     fs::remove(folder / "photos/all/first.png");
     CHECK(codeOf([&] { splitPanoramas(options); }) == ErrorCode::io);
   }
-  SECTION("a stopped split leaves no model") {
+  SECTION("a cancelled split leaves no model") {
     SplitOptions stopped = options;
     stopped.output = folder / "stopped";
     CHECK(codeOf([&] { splitPanoramas(stopped, [](const Progress& p) { return p.done < 7; }); }) ==
@@ -325,7 +325,7 @@ TEST_CASE("all posed panoramas of a folder are split; the points they share go w
   }
 }
 
-TEST_CASE("one panorama stands at the origin, as it is") {
+TEST_CASE("a single panorama is placed at the origin, unrotated") {
   const TemporaryFolder folder;
   writeImage(folder / "pano.jpg", Image8(60, 30, 3, 200));
   SplitOptions options;

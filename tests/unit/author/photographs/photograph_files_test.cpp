@@ -51,7 +51,7 @@ PosedImage posed(const std::string& name, int width, int height) {
 
 }  // namespace
 
-TEST_CASE("each orientation fits a model of the upright pictures and one of those as stored") {
+TEST_CASE("each EXIF orientation fits a model of upright images and a model of stored images") {
   const test::TemporaryFolder folder;
   for (const glm::ivec2 size : {glm::ivec2(48, 32), {32, 48}, {40, 40}})
     for (int orientation = 1; orientation <= 8; ++orientation) {
@@ -76,7 +76,7 @@ TEST_CASE("each orientation fits a model of the upright pictures and one of thos
     }
 }
 
-TEST_CASE("photographs that fit both ways are turned as the others of their set are") {
+TEST_CASE("photographs that fit in both orientations are turned like the others of their set") {
   const test::TemporaryFolder folder;
   for (const bool withTurned : {false, true}) {
     fs::remove_all(folder / "photos");
@@ -102,7 +102,7 @@ TEST_CASE("photographs that fit both ways are turned as the others of their set 
     CHECK(input.photographs[0].applyOrientation == withTurned);
     CHECK(!input.photographs[1].applyOrientation);
     CHECK(meanDifference(loadPhotograph(input.photographs[0]), withTurned ? upright : storedAs(3, upright)) < 2);
-    CHECK_THAT(said, Contains("1 of") && Contains("half.jpg") && !Contains("plain.jpg") &&
+    CHECK_THAT(said, Contains("half.jpg") && !Contains("plain.jpg") &&
                          Contains(withTurned ? "--orientation stored" : "--orientation exif"));
     options.orientation = withTurned ? Orientation::stored : Orientation::exif;
     said.clear();
@@ -112,7 +112,7 @@ TEST_CASE("photographs that fit both ways are turned as the others of their set 
   }
 }
 
-TEST_CASE("a folder's pictures are told from previews, hidden files and what cannot be read") {
+TEST_CASE("a folder's photographs are separated from previews, hidden files and unreadable files") {
   const test::TemporaryFolder folder;
   const Image8 small(2, 2, 3, 9);
   for (const char* name : {"a.jpg", "b.png"}) writeImage(folder / name, small);
@@ -145,9 +145,10 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
   CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
                                            "x2.HEIC", "x3.heic", "x4.HEIC"}));
   const std::string text = unreadText(found.unread);
-  CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC and 2 more: HEIC files are not read") &&
-                       Contains("empty.jpg: is empty") && Contains("raw.NEF: raw files are not read: develop") &&
-                       Contains("web.webp: WebP files") && Contains("text.jpg: is no JPEG") && !Contains("\n"));
+  CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC") && Contains("2 more") && Contains(": HEIC") &&
+                       !Contains("x4.HEIC") && Contains("empty.jpg: ") && Contains("raw.NEF: ") &&
+                       Contains("16-bit TIFF") && Contains("web.webp: WebP") && Contains("text.jpg: ") &&
+                       !Contains("\n"));
   CHECK(unreadText({}).empty());
 }
 
@@ -183,7 +184,7 @@ TEST_CASE("photographs of several cameras and shapes share a cell") {
   CHECK(scene.nodes[3].camera.intrinsics.width == 192);
 }
 
-TEST_CASE("all photographs that cannot be read are named at once, with the way out") {
+TEST_CASE("all unreadable photographs are reported at once with a remedy") {
   const test::CourtPhotographs set = mixedSet();
   for (const char* name : {"photo01.jpg", "photo02.jpg"}) {
     const fs::path file = set.options.photographs / name;
@@ -199,7 +200,7 @@ TEST_CASE("all photographs that cannot be read are named at once, with the way o
   CHECK(build(options).cells.size() == 1);
 }
 
-TEST_CASE("what a folder holds beside photographs is told, and stands in the scene") {
+TEST_CASE("unsupported files in a folder are reported and listed in the scene") {
   const test::CourtPhotographs set = mixedSet();
   using namespace std::string_literals;
   writeText(set.options.photographs / "x.HEIC", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
@@ -210,13 +211,13 @@ TEST_CASE("what a folder holds beside photographs is told, and stands in the sce
   const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
     if (level == LogLevel::warning) said += text;
   });
-  CHECK_THAT(said, Contains("x.HEIC: HEIC files are not read") && !Contains("photo00.CR2"));
+  CHECK_THAT(said, Contains("x.HEIC: HEIC") && !Contains("photo00.CR2"));
   REQUIRE(report.unused.size() == 1);
   CHECK(report.unused[0].name == "x.HEIC");
-  CHECK_THAT(report.unused[0].reason, Contains("convert"));
+  CHECK_THAT(report.unused[0].reason, Contains("heif-convert"));
 }
 
-TEST_CASE("scenes in a folder of photographs are not taken for photographs") {
+TEST_CASE("scenes in a folder of photographs are not read as photographs") {
   const test::TemporaryFolder folder;
   const Image8 small(2, 2, 3, 9);
   for (const char* name : {"a.jpg", "made/images/a.jpg", "half/images/a.jpg", "trip/b.jpg"}) {
@@ -229,19 +230,18 @@ TEST_CASE("scenes in a folder of photographs are not taken for photographs") {
   CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // requested folder
 }
 
-TEST_CASE("all photographs that are missing are named at once, and what they are called instead") {
+TEST_CASE("all missing photographs are reported at once with similar file names") {
   const test::CourtPhotographs set = mixedSet();
   const fs::path photographs = set.options.photographs;
   fs::rename(photographs / "photo01.jpg", photographs / "Photo01.JPG");
   fs::remove(photographs / "photo03.jpg");
   const Error error = test::errorOf([&] { build(set.options); });
   CHECK(error.code() == ErrorCode::io);
-  CHECK_THAT(error.what(), Contains("2 of the model's 4 photographs are missing") &&
-                               Contains("photo01.jpg (there it is Photo01.JPG), photo03.jpg.") &&
-                               Contains("--exclude"));
+  CHECK_THAT(error.what(), Contains("photo01.jpg") && Contains("Photo01.JPG") && Contains("photo03.jpg") &&
+                               !Contains("photo00.jpg") && !Contains("photo02.jpg") && Contains("--exclude"));
 }
 
-TEST_CASE("what a scene stores is called what it is") {
+TEST_CASE("stored images have the extension of their format") {
   const test::TemporaryFolder folder;
   const Image8 picture = ramp(48, 32);
   fs::create_directories(folder / "p");

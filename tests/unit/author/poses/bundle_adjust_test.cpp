@@ -70,7 +70,7 @@ double largestError(const std::vector<Camera>& cameras, const std::vector<Bundle
 
 }  // namespace
 
-TEST_CASE("a residual's derivatives are those of finite differences, near and at infinity, turned little and much") {
+TEST_CASE("derivatives of a residual match finite differences for near and infinite points and any rotation") {
   const Camera camera = ring(1)[0];
   constexpr std::size_t kPose = kPoseUnknowns, kLens = kLensUnknowns;
   for (const double w : {0.0, 1e-7, 0.1, 0.4})
@@ -102,7 +102,7 @@ TEST_CASE("a residual's derivatives are those of finite differences, near and at
     }
 }
 
-TEST_CASE("what fits stays, and what is off comes to fit") {
+TEST_CASE("exact poses stay, and inaccurate poses converge to the observations") {
   const std::vector<Camera> exact = ring(6);
   const std::vector<BundlePoint> points = seenBy(exact, finite(cloud(200, 1)));
   const Bundle same = adjustBundle(bundled(exact), points);
@@ -120,7 +120,7 @@ TEST_CASE("what fits stays, and what is off comes to fit") {
   CHECK(adjustBundle(bundled(wrong), none).cameras[2].pose.position == wrong[2].pose.position);
 }
 
-TEST_CASE("fixed cameras, and intrinsics without a prior, stay; shared ones change alike") {
+TEST_CASE("fixed cameras and intrinsics without a prior stay unchanged; shared intrinsics change together") {
   std::vector<Camera> exact = ring(6), wrong = PoseNoise(4).on(exact, 0.002, 0);
   const std::vector<BundlePoint> points = seenBy(exact, finite(cloud(300, 2)));
   for (Camera& camera : wrong) camera.intrinsics.fx *= 1.02, camera.intrinsics.fy *= 1.02;
@@ -142,7 +142,7 @@ TEST_CASE("fixed cameras, and intrinsics without a prior, stay; shared ones chan
   CHECK(moved.cameras[5].intrinsics.fx != moved.cameras[0].intrinsics.fx);
 }
 
-TEST_CASE("points at infinity tell rotations, and nothing of places") {
+TEST_CASE("points at infinity determine rotations and leave positions unchanged") {
   const std::vector<Camera> exact = ring(5), wrong = PoseNoise(9).on(exact, 0.003, 0);
   std::vector<glm::dvec4> sky;
   PoseNoise random(3);
@@ -156,7 +156,7 @@ TEST_CASE("points at infinity tell rotations, and nothing of places") {
   }
 }
 
-TEST_CASE("points that are wrong, behind, or seen by one camera alone break nothing") {
+TEST_CASE("outliers, points behind cameras and points of a single camera do not disturb the adjustment") {
   const std::vector<Camera> exact = ring(6), wrong = PoseNoise(4).on(exact, 0.002, 0.01);
   std::vector<BundlePoint> points = seenBy(exact, finite(cloud(400, 1)));
   for (std::size_t p = 0; p < points.size(); p += 10) points[p].seen[1].pixel += glm::dvec2(40, -25);

@@ -59,7 +59,7 @@ void checkSame(const PosedModel& a, const PosedModel& b) {
 
 }  // namespace
 
-TEST_CASE("a text model arrives in libibr's axes, sorted by name") {
+TEST_CASE("a COLMAP text model is converted to libibr's axes and sorted by name") {
   const PosedModel model = readColmapModel(kData / "tiny");
   REQUIRE(model.images.size() == 3);
   CHECK(model.images[0].name == "b.jpg");
@@ -85,11 +85,11 @@ TEST_CASE("a text model arrives in libibr's axes, sorted by name") {
   }
 }
 
-TEST_CASE("the binary model that COLMAP writes says the same as the text") {
+TEST_CASE("a binary COLMAP model equals the same model in text") {
   checkSame(readColmapModel(kData / "tiny_binary"), readColmapModel(kData / "tiny"));
 }
 
-TEST_CASE("line ends, comments, spaces in names and files of newer versions are tolerated") {
+TEST_CASE("CRLF line ends, comments, spaces in names and files of newer versions are accepted") {
   TextModel model;
   TextModel::replace(model.images, "b.jpg", "my holiday/b (1).jpg");
   TextModel::replace(model.images, "2 0.707", "# a comment\n\n  2 0.707");
@@ -108,11 +108,11 @@ TEST_CASE("line ends, comments, spaces in names and files of newer versions are 
   const LogCallback log = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
   checkSame(readColmapModel(folder.path(), log), readColmapModel(kData / "tiny"));
   REQUIRE(messages.size() == 2);
-  CHECK_THAT(messages[0], Contains("rigs.bin: not read"));
-  CHECK_THAT(messages[1], Contains("frames.bin: not read"));
+  CHECK_THAT(messages[0], Contains("rigs.bin"));
+  CHECK_THAT(messages[1], Contains("frames.bin"));
 }
 
-TEST_CASE("what is missing is said, once, and left out") {
+TEST_CASE("missing parts of a model are reported once and ignored") {
   std::vector<std::string> messages;
   const LogCallback log = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
   SECTION("a point") {
@@ -120,7 +120,7 @@ TEST_CASE("what is missing is said, once, and left out") {
     TextModel::replace(model.points, "10 0 0 5", "99 0 0 5");
     CHECK(model.read(log).tracks.size() == 2);
     REQUIRE(messages.size() == 1);
-    CHECK_THAT(messages[0], Contains("2 observations"));
+    CHECK_THAT(messages[0], Contains("images.txt") && Contains(" 2 "));
   }
   SECTION("all points") {
     test::TemporaryFolder folder;
@@ -137,7 +137,7 @@ TEST_CASE("what is missing is said, once, and left out") {
     TextModel::replace(model.images, "3 1 c.jpg", "3 4294967295 c.jpg");
     CHECK(model.read(log).images.size() == 2);
     REQUIRE(messages.size() == 1);
-    CHECK_THAT(messages[0], Contains("images.txt:8: c.jpg"));
+    CHECK_THAT(messages[0], Contains("images.txt:8") && Contains("c.jpg"));
   }
   SECTION("the last line of observations") {
     TextModel model;
@@ -147,7 +147,7 @@ TEST_CASE("what is missing is said, once, and left out") {
   }
 }
 
-TEST_CASE("cameras that distort become pinholes, and what they saw moves along") {
+TEST_CASE("distorted cameras become pinholes, and their observations are undistorted") {
   TextModel model;
   TextModel::replace(model.cameras, "7 SIMPLE_PINHOLE 480 640 450 240 320", "7 SIMPLE_RADIAL 480 640 450 240 320 -0.1");
   const PosedModel straight = TextModel().read(), bent = model.read();
@@ -178,51 +178,52 @@ TEST_CASE("cameras that distort become pinholes, and what they saw moves along")
   CHECK(moved >= 1);
 }
 
-TEST_CASE("a malformed text model is refused with line and field") {
+TEST_CASE("a malformed text model is rejected with line and field") {
   struct Spoilt {
     std::string TextModel::*file;
-    const char *what, *with, *message;
+    const char *what, *with;
+    std::vector<const char*> tokens;  // of the message
     ErrorCode code = ErrorCode::invalidInput;
   };
   const Spoilt cases[] = {
-      {&TextModel::cameras, "7 SIMPLE", "1 SIMPLE", "cameras.txt:3: CAMERA_ID 1 stands twice"},
-      {&TextModel::cameras, "500.5", "-500.5", "cameras.txt:2: camera 1: focal lengths -500.5"},
-      {&TextModel::cameras, "500.5", "0", "cameras.txt:2: camera 1: focal lengths 0"},
-      {&TextModel::cameras, "500.5", "nan", "cameras.txt:2: PARAMS \"nan\""},
-      {&TextModel::cameras, "500.5", "5e999", "cameras.txt:2: PARAMS \"5e999\""},
-      {&TextModel::cameras, "500.5 ", "", "cameras.txt:2: camera 1 has 3 PARAMS"},
-      {&TextModel::cameras, "640 480", "640 0", "cameras.txt:2: size 640x0"},
-      {&TextModel::cameras, "640 480", "640 99999", "cameras.txt:2: size 640x99999"},
-      {&TextModel::cameras, "640 480", "640 -1", "cameras.txt:2: HEIGHT \"-1\""},
-      {&TextModel::cameras, "1 PINHOLE", "1 PINHOLES", "cameras.txt:2: MODEL \"PINHOLES\"", ErrorCode::unsupported},
-      {&TextModel::cameras, "7 SIMPLE_PINHOLE", "7 SIMPLE_RADIAL", "camera 7 has 3 PARAMS, but SIMPLE_RADIAL takes 4"},
-      {&TextModel::images, "5 1 0 0 0", "2 1 0 0 0", "images.txt:6: IMAGE_ID 2 stands twice"},
-      {&TextModel::images, "5 1 0 0 0", "5 0 0 0 0", "images.txt:4: quaternion (0, 0, 0, 0) of image 5 has length 0"},
-      {&TextModel::images, "5 1 0 0 0", "5 1 1 0 0", "images.txt:4: quaternion (1, 1, 0, 0)"},
-      {&TextModel::images, "5 1 0 0 0", "5 inf 0 0 0", "images.txt:4: QW \"inf\""},
-      {&TextModel::images, "5 1 0 0 0", "x 1 0 0 0", "images.txt:4: IMAGE_ID \"x\""},
-      {&TextModel::images, "-5 0 1 7", "-5 0 1,5 7", "images.txt:6: TZ \"1,5\""},
-      {&TextModel::images, "1 b.jpg", "3 b.jpg", "images.txt:4: CAMERA_ID 3 of image 5 is not in cameras.txt"},
-      {&TextModel::images, " 1 b.jpg", "", "images.txt:4: the line ends before CAMERA_ID"},
-      {&TextModel::images, " b.jpg", "", "images.txt:4: image 5 has no NAME"},
-      {&TextModel::images, "b.jpg", "c.jpg", "NAME \"c.jpg\" stands twice"},
-      {&TextModel::images, "17.5 33.25 12", "17.5 33.25", "images.txt:7: the line ends before POINT3D_ID"},
-      {&TextModel::images, "33.25 12", "33.25 1.5", "images.txt:7: POINT3D_ID \"1.5\""},
-      {&TextModel::points, "11 1 0 5", "10 1 0 5", "points3D.txt:2: POINT3D_ID 10 stands twice"},
-      {&TextModel::points, "11 1 0 5", "11 1 nan 5", "points3D.txt:2: Y \"nan\""},
+      {&TextModel::cameras, "7 SIMPLE", "1 SIMPLE", {"cameras.txt:3", "CAMERA_ID 1"}},
+      {&TextModel::cameras, "500.5", "-500.5", {"cameras.txt:2", "focal", "-500.5"}},
+      {&TextModel::cameras, "500.5", "0", {"cameras.txt:2", "focal", " 0 "}},
+      {&TextModel::cameras, "500.5", "nan", {"cameras.txt:2", "PARAMS", "nan"}},
+      {&TextModel::cameras, "500.5", "5e999", {"cameras.txt:2", "PARAMS", "5e999"}},
+      {&TextModel::cameras, "500.5 ", "", {"cameras.txt:2", "3 PARAMS"}},
+      {&TextModel::cameras, "640 480", "640 0", {"cameras.txt:2", "640x0"}},
+      {&TextModel::cameras, "640 480", "640 99999", {"cameras.txt:2", "640x99999"}},
+      {&TextModel::cameras, "640 480", "640 -1", {"cameras.txt:2", "HEIGHT", "-1"}},
+      {&TextModel::cameras, "1 PINHOLE", "1 PINHOLES", {"cameras.txt:2", "MODEL", "PINHOLES"}, ErrorCode::unsupported},
+      {&TextModel::cameras, "7 SIMPLE_PINHOLE", "7 SIMPLE_RADIAL", {"cameras.txt:3", "3 PARAMS", "SIMPLE_RADIAL"}},
+      {&TextModel::images, "5 1 0 0 0", "2 1 0 0 0", {"images.txt:6", "IMAGE_ID 2"}},
+      {&TextModel::images, "5 1 0 0 0", "5 0 0 0 0", {"images.txt:4", "(0, 0, 0, 0)"}},
+      {&TextModel::images, "5 1 0 0 0", "5 1 1 0 0", {"images.txt:4", "(1, 1, 0, 0)"}},
+      {&TextModel::images, "5 1 0 0 0", "5 inf 0 0 0", {"images.txt:4", "QW", "inf"}},
+      {&TextModel::images, "5 1 0 0 0", "x 1 0 0 0", {"images.txt:4", "IMAGE_ID", "\"x\""}},
+      {&TextModel::images, "-5 0 1 7", "-5 0 1,5 7", {"images.txt:6", "TZ", "1,5"}},
+      {&TextModel::images, "1 b.jpg", "3 b.jpg", {"images.txt:4", "CAMERA_ID 3", "cameras.txt"}},
+      {&TextModel::images, " 1 b.jpg", "", {"images.txt:4", "CAMERA_ID"}},
+      {&TextModel::images, " b.jpg", "", {"images.txt:4", "NAME"}},
+      {&TextModel::images, "b.jpg", "c.jpg", {"images.txt:", "NAME", "c.jpg"}},
+      {&TextModel::images, "17.5 33.25 12", "17.5 33.25", {"images.txt:7", "POINT3D_ID"}},
+      {&TextModel::images, "33.25 12", "33.25 1.5", {"images.txt:7", "POINT3D_ID", "1.5"}},
+      {&TextModel::points, "11 1 0 5", "10 1 0 5", {"points3D.txt:2", "POINT3D_ID 10"}},
+      {&TextModel::points, "11 1 0 5", "11 1 nan 5", {"points3D.txt:2", " Y ", "nan"}},
   };
   for (const Spoilt& spoilt : cases) {
-    INFO(spoilt.message);
+    INFO(spoilt.what << " -> " << spoilt.with);
     TextModel model;
     TextModel::replace(model.*spoilt.file, spoilt.what, spoilt.with);
     const Error error = test::errorOf([&] { model.read(); });
-    CHECK_THAT(error.what(), Contains(spoilt.message));
+    for (const char* token : spoilt.tokens) CHECK_THAT(error.what(), Contains(token));
     CHECK(error.code() == spoilt.code);
   }
   CHECK(test::errorOf([] { readColmapModel("/no/such/model"); }).code() == ErrorCode::io);
 }
 
-TEST_CASE("a malformed binary model is refused with byte and field") {
+TEST_CASE("a malformed binary model is rejected with byte and field") {
   auto read = [](const char* file, auto&& spoil) {
     test::TemporaryFolder folder;
     for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
@@ -236,14 +237,17 @@ TEST_CASE("a malformed binary model is refused with byte and field") {
     return [=](std::vector<std::byte>& bytes) { std::memcpy(bytes.data() + at, &value, sizeof(value)); };
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THAT(read("cameras.bin", put(std::int32_t(77), 12)).what(), Contains("cameras.bin: byte 8: MODEL 77"));
-  CHECK_THAT(read("cameras.bin", put(nan, 32)).what(), Contains("cameras.bin: byte 32: PARAMS"));
-  CHECK_THAT(read("cameras.bin", put(-1.0, 32)).what(), Contains("focal lengths -1"));
-  CHECK_THAT(read("cameras.bin", put(~std::uint64_t(0), 0)).what(), Contains("byte 0: number of cameras"));
-  CHECK_THAT(read("images.bin", put(nan, 12)).what(), Contains("images.bin: byte 12: QVEC"));
-  CHECK_THAT(read("images.bin", put(0.0, 12)).what(), Contains("images.bin: byte 8: quaternion (0, 0.5, 0.5, 0.5)"));
-  CHECK_THAT(read("images.bin", put(std::uint32_t(3), 68)).what(), Contains("CAMERA_ID 3 of image"));
-  CHECK_THAT(read("points3D.bin", put(nan, 16)).what(), Contains("points3D.bin: byte 16: XYZ"));
+  CHECK_THAT(read("cameras.bin", put(std::int32_t(77), 12)).what(),
+             Contains("cameras.bin: byte 8") && Contains("MODEL 77"));
+  CHECK_THAT(read("cameras.bin", put(nan, 32)).what(), Contains("cameras.bin: byte 32") && Contains("PARAMS"));
+  CHECK_THAT(read("cameras.bin", put(-1.0, 32)).what(), Contains("cameras.bin") && Contains("focal") && Contains("-1"));
+  CHECK_THAT(read("cameras.bin", put(~std::uint64_t(0), 0)).what(),
+             Contains("cameras.bin: byte 0") && Contains("18446744073709551615"));
+  CHECK_THAT(read("images.bin", put(nan, 12)).what(), Contains("images.bin: byte 12") && Contains("QVEC"));
+  CHECK_THAT(read("images.bin", put(0.0, 12)).what(), Contains("images.bin: byte 8") && Contains("(0, 0.5, 0.5, 0.5)"));
+  CHECK_THAT(read("images.bin", put(std::uint32_t(3), 68)).what(),
+             Contains("images.bin: byte") && Contains("CAMERA_ID 3"));
+  CHECK_THAT(read("points3D.bin", put(nan, 16)).what(), Contains("points3D.bin: byte 16") && Contains("XYZ"));
   for (const char* file : {"cameras.bin", "images.bin", "points3D.bin"}) {
     const std::size_t size = readFile(kData / "tiny_binary" / file).size();
     for (std::size_t length = 0; length < size; ++length) {
@@ -251,6 +255,8 @@ TEST_CASE("a malformed binary model is refused with byte and field") {
       CHECK(error.code() == ErrorCode::invalidInput);
       CHECK_THAT(error.what(), Contains(file));
     }
-    CHECK_THAT(read(file, [](auto& bytes) { bytes.push_back({}); }).what(), Contains("1 bytes too many"));
+    const Error longer = read(file, [](auto& bytes) { bytes.push_back({}); });
+    CHECK(longer.code() == ErrorCode::invalidInput);
+    CHECK_THAT(longer.what(), Contains(file + (": byte " + std::to_string(size))));
   }
 }

@@ -45,7 +45,7 @@ std::vector<BundlePoint> seenBy(const std::vector<Camera>& cameras, double noise
 
 }  // namespace
 
-TEST_CASE("patches are of one direction, about a twelfth of a photograph wide, and half of them odd") {
+TEST_CASE("a patch covers one direction and a twelfth of a photograph's width; half of the patches are odd") {
   const std::vector<Camera> cameras = row();
   const std::vector<BundlePoint> points = seenBy(cameras, 0);
   const std::vector<std::uint32_t> patches = patchesOf(cameras, points);
@@ -76,7 +76,7 @@ TEST_CASE("patches are of one direction, about a twelfth of a photograph wide, a
   CHECK(patchesOf(cameras, std::vector<BundlePoint>{}).empty());
 }
 
-TEST_CASE("what points cost grows with the cameras' error, is nothing where they fit, and forgives what is far off") {
+TEST_CASE("the cost of points grows with the pose error, is zero for exact poses and bounded for outliers") {
   const std::vector<Camera> exact = row();
   std::vector<BundlePoint> points = seenBy(exact, 0);
   for (const double cost : costsOf(bundled(exact), points, 0.2)) CHECK(cost == 0);
@@ -95,7 +95,7 @@ TEST_CASE("what points cost grows with the cameras' error, is nothing where they
   CHECK(costs[8] < 20);
 }
 
-TEST_CASE("a gain is sure when many patches share it, not when one place repeats it") {
+TEST_CASE("a gain is significant if many patches share it, not if a single patch has it") {
   PoseNoise random(6);
   std::vector<double> before, noise, gain, place;
   std::vector<std::uint32_t> patches;

@@ -101,7 +101,7 @@ bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
 
 }  // namespace
 
-TEST_CASE("poses that are off are brought to fit each other, whatever tracks are wrong") {
+TEST_CASE("inaccurate poses are corrected relative to each other despite wrong tracks") {
   for (const std::size_t members : {2, 3, 4})
     for (const double degrees : {0.03, 0.3}) {
       const std::vector<Camera> exact = rig(members), wrong = disturbed(exact, degrees, 0.005, 5);
@@ -120,7 +120,7 @@ TEST_CASE("poses that are off are brought to fit each other, whatever tracks are
     }
 }
 
-TEST_CASE("poses that fit, and those of which little is known, stay as they are") {
+TEST_CASE("exact poses and poses with few tracks stay unchanged") {
   const std::vector<Camera> exact = rig(3), wrong = disturbed(exact, 0.1, 0.01, 2);
   CHECK(same(locallyAdjusted(exact, seenBy(exact, points(100, 1), 0)), posesOf(exact)));
   CHECK(same(locallyAdjusted(wrong, seenBy(exact, points(5, 1), 0)), posesOf(wrong)));
@@ -133,7 +133,7 @@ TEST_CASE("poses that fit, and those of which little is known, stay as they are"
   CHECK(misses({exact[0], exact[1]}, {moved[0], moved[1]}) < 0.05);
 }
 
-TEST_CASE("points all but infinitely far away, or behind a member, break nothing") {
+TEST_CASE("points almost at infinity or behind a member give finite poses") {
   const std::vector<Camera> exact = rig(3), wrong = disturbed(exact, 0.1, 0, 4);
   std::vector<glm::dvec3> far = points(100, 1);
   for (glm::dvec3& point : far) point *= 1e7;
@@ -145,7 +145,7 @@ TEST_CASE("points all but infinitely far away, or behind a member, break nothing
     REQUIRE(std::isfinite(glm::length(pose.position) + glm::length(pose.rotation)));
 }
 
-TEST_CASE("local tracks are those that members share, those of most members first, never too many") {
+TEST_CASE("local tracks are shared by members, sorted by number of members and limited in number") {
   PosedModel model = modelOf(rig(4), points(3000, 6));
   for (std::size_t t = 0; t < model.tracks.size(); t += 3)
     std::erase_if(model.tracks[t].observations, [](const auto& o) { return o.image == 2; });
@@ -170,7 +170,7 @@ TEST_CASE("local tracks are those that members share, those of most members firs
   CHECK(localTracks(model, tracksOfImages(model), std::vector<std::uint32_t>{1}).empty());
 }
 
-TEST_CASE("matches at poses that are off come right again with adjusted ones") {
+TEST_CASE("adjusted poses correct the matches of inaccurate poses") {
   SyntheticOptions options;
   options.planes = {{{0, 0, -6}, {1, 0, 0}, {0, 1, 0}, 20, 16, 1, 0.3}};
   for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {0.5, 0, 0}, {0.25, 0.4, 0}})

@@ -51,7 +51,7 @@ glm::dvec2 seen(const PosedImage& image, glm::dvec3 point) {
 
 }  // namespace
 
-TEST_CASE("panoramas.json arrives in libibr's axes, sorted by name") {
+TEST_CASE("panoramas.json is converted to libibr's axes and sorted by name") {
   const PosedModel model = read(kFile);
   REQUIRE(model.images.size() == 3);
   CHECK(model.tracks.empty());
@@ -73,44 +73,47 @@ TEST_CASE("panoramas.json arrives in libibr's axes, sorted by name") {
   CHECK(glm::distance(seen(model.images[2], {4, 5 + 1, 6 + 1}), glm::dvec2(32, 24)) < 1e-9);
 }
 
-TEST_CASE("a malformed panoramas.json is refused with the place of the fault") {
+TEST_CASE("a malformed panoramas.json is rejected with the JSON pointer of the fault") {
   struct Row {
-    std::string text, message;
+    std::string text;
+    std::vector<const char*> tokens;  // of the message
   };
   const Row rows[] = {
-      {"{", "is not valid JSON"},
-      {"[]", "is not an object"},
-      {with("\"width\": 64", "\"width\": 0"), "/width: 0 is not within 1 to 65536"},
-      {with("\"width\": 64, ", ""), "has no \"width\""},
-      {with("\"height\": 32", "\"height\": 32.5"), "/height: 32.5 is not a whole number"},
-      {with("\"panoramas\"", "\"panorama\""), "has no \"panoramas\""},
-      {R"({"width": 4, "height": 2, "panoramas": []})", "/panoramas: has no panorama"},
-      {with("images/b.png", ""), "/panoramas/0/name: is empty"},
-      {with("images/b.png", "images/a.png"), "/panoramas/1/name: \"images/a.png\" stands twice"},
-      {with("\"position\": [1, 2, 3], ", ""), "/panoramas/0: has neither \"position\" nor \"t_world_to_camera\""},
-      {with("[1, 2, 3]", "[1, 2]"), "/panoramas/0/position: has 2 numbers, not 3"},
-      {with("[1, 2, 3]", "[1, 2, \"x\"]"), "/panoramas/0/position/2: \"x\" is not a number"},
-      {with("[1, 2, 3]", "[1, 2, 1e999]"), "is not valid JSON"},
-      {with("\"q_world_to_camera_wxyz\": [1, 0, 0, 0], ", ""), "/panoramas/2: has neither \"R_world_to_camera\""},
-      {with("[1, 0, 0, 0]", "[2, 0, 0, 0]"), "/panoramas/2/q_world_to_camera_wxyz: has length 2, not 1"},
-      {with("[1, 0, 0, 0]", "[1, 0, 0]"), "/panoramas/2/q_world_to_camera_wxyz: has 3 numbers, not 4"},
-      {with("[[1, 0, 0], ", "["), "/panoramas/0/R_world_to_camera: has 2 rows, not 3"},
-      {with("[[1, 0, 0], ", "[[1.01, 0, 0], "), "/panoramas/0/R_world_to_camera: is no rotation"},
-      {with("[[1, 0, 0], ", "[[-1, 0, 0], "), "/panoramas/0/R_world_to_camera: is a mirror image"},
+      {"{", {"JSON"}},
+      {"[]", {"object"}},
+      {with("\"width\": 64", "\"width\": 0"), {"/width", "65536"}},
+      {with("\"width\": 64, ", ""), {"\"width\""}},
+      {with("\"height\": 32", "\"height\": 32.5"), {"/height", "32.5"}},
+      {with("\"panoramas\"", "\"panorama\""), {"\"panoramas\""}},
+      {R"({"width": 4, "height": 2, "panoramas": []})", {"/panoramas: "}},
+      {with("images/b.png", ""), {"/panoramas/0/name"}},
+      {with("images/b.png", "images/a.png"), {"/panoramas/1/name", "images/a.png"}},
+      {with("\"position\": [1, 2, 3], ", ""), {"/panoramas/0: ", "position", "t_world_to_camera"}},
+      {with("[1, 2, 3]", "[1, 2]"), {"/panoramas/0/position: ", " 2 "}},
+      {with("[1, 2, 3]", "[1, 2, \"x\"]"), {"/panoramas/0/position/2", "\"x\""}},
+      {with("[1, 2, 3]", "[1, 2, 1e999]"), {"JSON"}},
+      {with("\"q_world_to_camera_wxyz\": [1, 0, 0, 0], ", ""),
+       {"/panoramas/2: ", "R_world_to_camera", "q_world_to_camera_wxyz"}},
+      {with("[1, 0, 0, 0]", "[2, 0, 0, 0]"), {"/panoramas/2/q_world_to_camera_wxyz: ", "length", " 2"}},
+      {with("[1, 0, 0, 0]", "[1, 0, 0]"), {"/panoramas/2/q_world_to_camera_wxyz: ", " 3 "}},
+      {with("[[1, 0, 0], ", "["), {"/panoramas/0/R_world_to_camera: ", " 2 "}},
+      {with("[[1, 0, 0], ", "[[1.01, 0, 0], "), {"/panoramas/0/R_world_to_camera: ", "orthonormal"}},
+      {with("[[1, 0, 0], ", "[[-1, 0, 0], "), {"/panoramas/0/R_world_to_camera: ", "determinant"}},
       {with("[0.5, 0.5, -0.5, 0.5]", "[0.5, 0.5, 0.5, 0.5]"),
-       "/panoramas/1/q_world_to_camera_wxyz: is another rotation than \"R_world_to_camera\""},
-      {with("[0, 1.5, 0]", "[0, 1.6, 0]"), "/panoramas/1/t_world_to_camera: is another place than \"position\""},
-      {with("[[0, 1, 2]]", "[[0, 1, 3]]"), "/triangles/0/2: 3 is not within 0 to 2"},
-      {with("[[0, 1, 2]]", "[[0, 1]]"), "/triangles/0: has 2 corners, not 3"},
+       {"/panoramas/1/q_world_to_camera_wxyz: ", "\"R_world_to_camera\""}},
+      {with("[0, 1.5, 0]", "[0, 1.6, 0]"), {"/panoramas/1/t_world_to_camera: ", "\"position\""}},
+      {with("[[0, 1, 2]]", "[[0, 1, 3]]"), {"/triangles/0/2: ", "3"}},
+      {with("[[0, 1, 2]]", "[[0, 1]]"), {"/triangles/0: ", " 2 "}},
   };
   for (const Row& row : rows) {
-    INFO(row.message);
+    INFO(row.text);
     try {
       read(row.text);
       FAIL_CHECK("was read");
     } catch (const Error& error) {
       CHECK(error.code() == ErrorCode::invalidInput);
-      CHECK_THAT(error.what(), Contains(row.message) && Contains("panoramas.json"));
+      CHECK_THAT(error.what(), Contains("panoramas.json"));
+      for (const char* token : row.tokens) CHECK_THAT(error.what(), Contains(token));
     }
   }
   try {
@@ -121,13 +124,13 @@ TEST_CASE("a malformed panoramas.json is refused with the place of the fault") {
   }
 }
 
-TEST_CASE("a rounded rotation is made whole; what need not be there may be missing") {
+TEST_CASE("rounded rotations are normalised, and optional fields may be missing") {
   const PosedModel model = read(with("[[1, 0, 0], [0, 0, -1]", "[[1.0003, 0, 0], [0, 0.0002, -1]"));
   CHECK(glm::length(model.images[1].camera.pose.rotation) == Approx(1).epsilon(1e-12));
   CHECK(read(with(",\n \"triangles\": [[0, 1, 2]]", "")).images.size() == 3);
 }
 
-TEST_CASE("COLMAP models with EQUIRECTANGULAR cameras, text and binary") {
+TEST_CASE("COLMAP models with EQUIRECTANGULAR cameras are read, text and binary") {
   const std::string images = "1 1 0 0 0 0 0 0 1 a.jpg\n32 16 7 48 16 8\n";
   const std::string points = "7 0 0 5 0 0 0 0.1 1 0\n8 3 0 0 0 0 0 0.1 1 1\n";
   const auto text = [&](const std::string& camera) {
@@ -146,10 +149,10 @@ TEST_CASE("COLMAP models with EQUIRECTANGULAR cameras, text and binary") {
   };
   checkModel(text("1 EQUIRECTANGULAR 64 32\n"));
   checkModel(text("1 EQUIRECTANGULAR 64 32 64 32\n"));
-  CHECK_THROWS_WITH(text("1 EQUIRECTANGULAR 64 32 64\n"), Contains("cameras.txt:1: camera 1 has 1 PARAMS"));
+  CHECK_THROWS_WITH(text("1 EQUIRECTANGULAR 64 32 64\n"), Contains("cameras.txt:1") && Contains("1 PARAMS"));
   CHECK_THROWS_WITH(text("1 EQUIRECTANGULAR 64 32 128 64\n"),
-                    Contains("cameras.txt:1: camera 1 is a panorama of 128x64 px in a picture of 64x32"));
-  CHECK_THROWS_WITH(text("1 EQUIRECTANGULAR 0 32\n"), Contains("cameras.txt:1: size 0x32"));
+                    Contains("cameras.txt:1") && Contains("128x64") && Contains("64x32"));
+  CHECK_THROWS_WITH(text("1 EQUIRECTANGULAR 0 32\n"), Contains("cameras.txt:1") && Contains("0x32"));
 
   const auto binary = [&](std::int32_t number) {
     std::string cameras, records, all;
@@ -189,11 +192,11 @@ TEST_CASE("COLMAP models with EQUIRECTANGULAR cameras, text and binary") {
     return readColmapModel(folder.path());
   };
   checkModel(binary(17));
-  CHECK_THROWS_WITH(binary(11), Contains("MODEL 11 of camera 1 is not known"));
-  CHECK_THROWS_WITH(binary(-1), Contains("MODEL -1 of camera 1 is not known"));
+  CHECK_THROWS_WITH(binary(11), Contains("cameras.bin") && Contains("MODEL 11"));
+  CHECK_THROWS_WITH(binary(-1), Contains("cameras.bin") && Contains("MODEL -1"));
 }
 
-TEST_CASE("build finds the pictures of panoramas, and makes one cell of three") {
+TEST_CASE("build finds the images of panoramas and makes one cell of three") {
   const test::TemporaryFolder folder;
   writeFile(folder / "panoramas.json", R"({"width": 256, "height": 128, "panoramas": [
     {"name": "images/a.png", "position": [0, 0, 0], "q_world_to_camera_wxyz": [1, 0, 0, 0]},

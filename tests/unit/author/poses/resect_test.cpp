@@ -10,7 +10,7 @@
 using namespace ibr;
 using namespace ibr::test;
 
-TEST_CASE("a photograph comes to where the others' poses say that it was taken, and changes none of them") {
+TEST_CASE("a photograph is resected to the other photographs' poses, which stay unchanged") {
   std::vector<Camera> cameras;
   for (int i = 0; i < 5; ++i)
     cameras.push_back(lookingAlong({0.5 * i, 0, 0.2 * (i % 2)}, {0.05 * (2 - i), 1, 0}, 400, 300));

@@ -51,7 +51,7 @@ std::string faultOf(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("frames of transforms.json arrive as they stand, sorted by name") {
+TEST_CASE("frames of transforms.json are read without conversion and sorted by name") {
   const PosedModel model = read(example());
   REQUIRE(model.images.size() == 2);
   CHECK(model.tracks.empty());
@@ -66,7 +66,7 @@ TEST_CASE("frames of transforms.json arrive as they stand, sorted by name") {
   CHECK(glm::distance(viewAxis(model.images[1].camera.pose), glm::dvec3(0, 0, -1)) < 1e-12);
 }
 
-TEST_CASE("a frame's own intrinsics win, and angles do for focal lengths") {
+TEST_CASE("a frame's intrinsics override the file's, and angles replace missing focal lengths") {
   Json json = example();
   json["frames"][1].update(Json{{"w", 100.0}, {"h", 50}, {"fl_x", 80}, {"cx", 49}});
   json.erase("fl_x");
@@ -107,7 +107,7 @@ TEST_CASE("distorted frames are read with their lens") {
   CHECK_FALSE(read(pinhole).images[0].lens);
 }
 
-TEST_CASE("pictures are found from the file's folder or theirs, with or without extension") {
+TEST_CASE("photographs are found relative to the file or to their folder, with or without extension") {
   const test::TemporaryFolder folder;
   fs::create_directories(folder / "set/images/deep");
   writeImage(folder / "set/images/a.png", Image8(32, 16, 3));
@@ -131,51 +131,50 @@ TEST_CASE("pictures are found from the file's folder or theirs, with or without 
   CHECK(names(folder / "set/images") == "a.png deep/b.jpg");
   json["frames"][1]["file_path"] = "images/c";
   CHECK_THROWS_WITH(names(folder / "set/images"),
-                    Contains("transforms.json: /frames/1/file_path: \"images/c\": no such picture in"));
+                    Contains("transforms.json") && Contains("/frames/1/file_path") && Contains("\"images/c\""));
   json["frames"][1]["file_path"] = "images/../images/a.png";
-  CHECK_THROWS_WITH(names(folder / "set/images"), Contains("/frames/1/file_path") && Contains("stands twice"));
+  CHECK_THROWS_WITH(names(folder / "set/images"), Contains("/frames/1/file_path") && Contains("\"a.png\""));
 }
 
-TEST_CASE("a fault of transforms.json is named by its pointer") {
+TEST_CASE("a fault of transforms.json is reported with its JSON pointer") {
   struct Spoilt {
-    const char* message;
+    std::vector<const char*> tokens;  // of the message
     std::function<void(Json&)> spoil;
   };
   const Spoilt cases[] = {
-      {"has no \"frames\"", [](Json& j) { j.erase("frames"); }},
-      {"/frames: has no frame", [](Json& j) { j["frames"] = Json::array(); }},
-      {"/frames/1", [](Json& j) { j["frames"][1].erase("transform_matrix"); }},
-      {"/frames/0/file_path: is empty", [](Json& j) { j["frames"][0]["file_path"] = ""; }},
-      {"/frames/1/file_path: \"images/b.png\" stands twice",
-       [](Json& j) { j["frames"][1]["file_path"] = "images/b.png"; }},
-      {"/frames/1/transform_matrix: has 2 rows",
+      {{"\"frames\""}, [](Json& j) { j.erase("frames"); }},
+      {{"/frames: "}, [](Json& j) { j["frames"] = Json::array(); }},
+      {{"/frames/1: ", "transform_matrix"}, [](Json& j) { j["frames"][1].erase("transform_matrix"); }},
+      {{"/frames/0/file_path: "}, [](Json& j) { j["frames"][0]["file_path"] = ""; }},
+      {{"/frames/1/file_path", "images/b.png"}, [](Json& j) { j["frames"][1]["file_path"] = "images/b.png"; }},
+      {{"/frames/1/transform_matrix: ", " 2 "},
        [](Json& j) {
          j["frames"][1]["transform_matrix"] = {1, 2};
        }},
-      {"/frames/1/transform_matrix/2: has 3 numbers",
+      {{"/frames/1/transform_matrix/2: ", " 3 "},
        [](Json& j) {
          j["frames"][1]["transform_matrix"][2] = {1, 2, 3};
        }},
-      {"/frames/1/transform_matrix/0/3", [](Json& j) { j["frames"][1]["transform_matrix"][0][3] = nullptr; }},
-      {"/frames/0/transform_matrix: is no rigid motion: its column 0 has length 1.1",
-       [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = 1.1; }},
-      {"at right angles: sheared", [](Json& j) { j["frames"][0]["transform_matrix"][0][1] = 0.01; }},
-      {"mirror image", [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = -1; }},
-      {"/frames/0/transform_matrix/3: is not 0 0 0 1", [](Json& j) { j["frames"][0]["transform_matrix"][3][0] = 1; }},
-      {"/fl_x: -5 is not positive", [](Json& j) { j["fl_x"] = -5; }},
-      {"has no focal length", [](Json& j) { j.erase("fl_x"), j.erase("fl_y"); }},
-      {"/camera_angle_x: 4 is no angle", [](Json& j) { j.erase("fl_x"), j["camera_angle_x"] = 4; }},
-      {"/frames/0: has no size", [](Json& j) { j.erase("w"); }},
-      {"/w: 1.5 is no whole number", [](Json& j) { j["w"] = 1.5; }},
-      {"/camera_model: \"TELESCOPE\"", [](Json& j) { j["camera_model"] = "TELESCOPE"; }},
-      {"/k4: is not 0", [](Json& j) { j["k4"] = 0.1; }},
-      {"/k1", [](Json& j) { j["k1"] = "none"; }},
+      {{"/frames/1/transform_matrix/0/3: "}, [](Json& j) { j["frames"][1]["transform_matrix"][0][3] = nullptr; }},
+      {{"/frames/0/transform_matrix: ", " 1.1"}, [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = 1.1; }},
+      {{"/frames/0/transform_matrix: ", "0 and 1"}, [](Json& j) { j["frames"][0]["transform_matrix"][0][1] = 0.01; }},
+      {{"/frames/0/transform_matrix: ", "determinant"}, [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = -1; }},
+      {{"/frames/0/transform_matrix/3: ", "0 0 0 1"}, [](Json& j) { j["frames"][0]["transform_matrix"][3][0] = 1; }},
+      {{"/fl_x: ", "-5"}, [](Json& j) { j["fl_x"] = -5; }},
+      {{"/frames/0: ", "fl_x", "camera_angle_x"}, [](Json& j) { j.erase("fl_x"), j.erase("fl_y"); }},
+      {{"/camera_angle_x: ", " 4 "}, [](Json& j) { j.erase("fl_x"), j["camera_angle_x"] = 4; }},
+      {{"/frames/0: ", "size"}, [](Json& j) { j.erase("w"); }},
+      {{"/w: ", "1.5"}, [](Json& j) { j["w"] = 1.5; }},
+      {{"/camera_model: ", "TELESCOPE"}, [](Json& j) { j["camera_model"] = "TELESCOPE"; }},
+      {{"/k4: ", "OPENCV"}, [](Json& j) { j["k4"] = 0.1; }},
+      {{"/k1: "}, [](Json& j) { j["k1"] = "none"; }},
   };
   for (const Spoilt& spoilt : cases) {
-    INFO(spoilt.message);
     Json json = example();
     spoilt.spoil(json);
-    CHECK_THAT(faultOf(json.dump()), Contains(spoilt.message));
+    INFO(json.dump());
+    const std::string fault = faultOf(json.dump());
+    for (const char* token : spoilt.tokens) CHECK_THAT(fault, Contains(token));
   }
   std::string nan = example().dump();
   nan.replace(nan.find("500"), 3, "NaN");

@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-TEST_CASE("Collapses that would change the topology are told", "[N15]") {
+TEST_CASE("collapses that would change the topology are detected", "[N15]") {
   const CollapseMesh four(
       TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}});
   CHECK_FALSE(four.keepsTopology(0, 1));
@@ -44,7 +44,7 @@ TEST_CASE("Collapses that would change the topology are told", "[N15]") {
   CHECK(tube.keepsTopology(0, 3));
 }
 
-TEST_CASE("Collapses that turn faces are told", "[N15][P8]") {
+TEST_CASE("collapses that tilt, flip or flatten faces are detected", "[N15][P8]") {
   const CollapseMesh grid(test::flatGrid(4));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0}, 0.5));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0.25}, 0.5));
@@ -54,7 +54,7 @@ TEST_CASE("Collapses that turn faces are told", "[N15][P8]") {
   CHECK_FALSE(grid.keepsNormals(6, 7, {1.5, 1e-5, 0}, 0.5));   // almost no area
 }
 
-TEST_CASE("A merged vertex stays on the border and otherwise goes where the planes meet") {
+TEST_CASE("a merged vertex stays on the border, and otherwise moves to where the planes meet") {
   CollapseMesh grid(test::flatGrid(4));
   CHECK(grid.isBorder(1));
   CHECK_FALSE(grid.isBorder(6));
@@ -78,7 +78,7 @@ TEST_CASE("A merged vertex stays on the border and otherwise goes where the plan
   CHECK(test::areaOf(after) == Approx(16.0));
 }
 
-TEST_CASE("A flat face is told by its height, at any size", "[N15]") {
+TEST_CASE("a flat face is detected by its height, at any size", "[N15]") {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     TriangleMesh mesh{{{0, 0, 0}, {scale, 0, 0}, {scale / 2, 0, 0}}, {{0, 1, 2}}};
     CHECK(isFlat(mesh, mesh.triangles[0]));
@@ -87,7 +87,7 @@ TEST_CASE("A flat face is told by its height, at any size", "[N15]") {
   }
 }
 
-TEST_CASE("A flat face stays where turning its edge makes another one") {
+TEST_CASE("a flat face stays if flipping its edge would make another flat face") {
   // The short side of the sliver is so short that an edge flip would make the face across that side flat.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1e-12, 0, 0}, {1, 1, 0}, {1, -1, 0}};

@@ -36,7 +36,7 @@ void append(TriangleMesh& mesh, const TriangleMesh& other) {
   for (const glm::uvec3& t : other.triangles) mesh.triangles.push_back(t + first);
 }
 
-TEST_CASE("A mesh without faults is left as it is") {
+TEST_CASE("a mesh without faults is unchanged") {
   for (const TriangleMesh& mesh : {cube(), test::flatGrid(4), test::sphere(12), TriangleMesh{}}) {
     const RepairedMesh result = repaired(mesh);
     CHECK(result.mesh == mesh);
@@ -49,7 +49,7 @@ TEST_CASE("A mesh without faults is left as it is") {
   CHECK(repaired(hollow).mesh == hollow);
 }
 
-TEST_CASE("Separate triangles become a closed surface that points outwards") {
+TEST_CASE("separate triangles become a closed surface with outward normals") {
   const TriangleMesh whole = cube();
   TriangleMesh soup;
   for (const glm::uvec3& t : whole.triangles) {
@@ -70,7 +70,7 @@ TEST_CASE("Separate triangles become a closed surface that points outwards") {
   }
 }
 
-TEST_CASE("Faces that cannot be used are left out and counted", "[N15]") {
+TEST_CASE("unusable faces are left out and counted", "[N15]") {
   TriangleMesh mesh = cube();
   mesh.positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   mesh.positions.emplace_back(0, 0, 0);
@@ -92,7 +92,7 @@ TEST_CASE("Faces that cannot be used are left out and counted", "[N15]") {
   CHECK(repaired(none).mesh == TriangleMesh{});
 }
 
-TEST_CASE("Where sheets meet, what belongs together stays together", "[N15]") {
+TEST_CASE("non-manifold edges and vertices are cut, and each sheet stays connected", "[N15]") {
   SECTION("a fin on a box") {
     TriangleMesh mesh = cube();
     mesh.positions.emplace_back(0.5, -1.0, -1.0);
@@ -126,7 +126,7 @@ TEST_CASE("Where sheets meet, what belongs together stays together", "[N15]") {
   }
 }
 
-TEST_CASE("A one-sided surface is cut") {
+TEST_CASE("a one-sided surface is cut") {
   TriangleMesh mesh;
   constexpr std::uint32_t kSteps = 12;
   for (std::uint32_t k = 0; k < kSteps; ++k) {
@@ -148,7 +148,7 @@ TEST_CASE("A one-sided surface is cut") {
   CHECK(test::eulerNumber(result.mesh) == 1);
 }
 
-TEST_CASE("Faces without area go, and no hole is left") {
+TEST_CASE("faces without area are removed without leaving a hole") {
   // The midpoint of an edge is a corner of two faces on one side, and of a flat face on the other side.
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, -1, 0}};
@@ -161,7 +161,7 @@ TEST_CASE("Faces without area go, and no hole is left") {
   CHECK(test::areaOf(result.mesh) == Approx(2.0));
 }
 
-TEST_CASE("Triangles at random become a manifold", "[N15]") {
+TEST_CASE("random triangles become a manifold", "[N15]") {
   std::mt19937 random(11);
   for (int trial = 0; trial < 40; ++trial) {
     TriangleMesh mesh;

@@ -80,7 +80,7 @@ struct Swept {
 
 }  // namespace
 
-TEST_CASE("foregrounds that are too wide end at their silhouettes, before texture and before none") {
+TEST_CASE("foregrounds that are too wide are trimmed to their silhouettes, with and without texture") {
   const bool textured = GENERATE(true, false);
   CAPTURE(textured);
   const Swept swept(Place{textured});

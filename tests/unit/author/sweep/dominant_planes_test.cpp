@@ -101,7 +101,7 @@ double shareRight(const ImageF& level, const SweepLevels& levels, glm::dvec3 pla
 
 }  // namespace
 
-TEST_CASE("a plane of the scene is found among other points, wherever in the world it stands") {
+TEST_CASE("a dominant plane is found among other points, independent of the world's frame") {
   const std::vector<Camera> cameras = largeCameras();
   const Camera frame = meanFrame(cameras);
   const std::vector<glm::dvec3> points = mixedPoints(), planes = dominantPlanes(frame, cameras, points);
@@ -128,7 +128,7 @@ TEST_CASE("points on no plane, few points, and members without parallax have no 
   CHECK(dominantPlanes(cameras[0], std::vector<Camera>(2, cameras[0]), pointsOnGround(80)).empty());
 }
 
-TEST_CASE("ground that is seen along it is matched better along its plane") {
+TEST_CASE("ground at grazing angles is matched better along its plane") {
   const std::vector<SweepView> views = inGreen(viewsOf(kGroundPlane));
   const Camera frame = meanFrame(kCameras);
   std::vector<double> depths;
@@ -146,7 +146,7 @@ TEST_CASE("ground that is seen along it is matched better along its plane") {
   CHECK(planeSweep(frame, views, levels, facing).cost == planeSweep(frame, views, levels).cost);
 }
 
-TEST_CASE("a plane where there is none draws nothing to itself") {
+TEST_CASE("a plane that is not in the scene does not attract matches") {
   const std::vector<SweepView> views = inGreen(viewsOf(kWallPlane));
   const Camera frame = meanFrame(kCameras);
   const SweepLevels levels = sweepLevels(frame, kCameras, {0.1, 0.2, 0.8});
@@ -159,7 +159,7 @@ TEST_CASE("a plane where there is none draws nothing to itself") {
   CHECK(with > without - 0.005);
 }
 
-TEST_CASE("where in the world a scene stands changes nothing in its match") {
+TEST_CASE("matches do not depend on the scene's position in the world") {
   const std::vector<MatchView> views = viewsOf(kGroundPlane);
   const Motion move;
   std::vector<MatchView> moved = views;
