@@ -122,10 +122,10 @@ MUTANTS = [
              "(rootEnd == root.end() || true)")],
            "ibr_test_robustness", "*outside*,*path*,*leads*"),
     Mutant("an allocation's result is not checked",
-           [("libibr/src/gpu/device/memory.cpp", "  check(result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != "
+           [("libibr/src/base/vulkan/memory.cpp", "  check(result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != "
              "VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,",
              "  check(true, ErrorCode::outOfMemory,"),
-            ("libibr/src/gpu/device/memory.cpp", '  vk(device, result, "vkAllocateMemory");\n', "")],
+            ("libibr/src/base/vulkan/memory.cpp", '  vk(device, result, "vkAllocateMemory");\n', "")],
            "ibr_test_gpu"),
     Mutant("numbers are read as the locale has them",
            [("libibr/src/base/parse.cpp", "  const auto value = parseWhole<double>(text);",

@@ -154,7 +154,7 @@ const Command kEvalCommand{
       addDouble(app, "--depth-baseline", evaluation.depthBaseline, 1e-9, 1e9,
                 "Baseline at which a depth error may cause at most 1 px of parallax to count as right, world units")
           ->needs(depth);
-      declareSettings(app, evaluation.settings);
+      declareAllSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
       std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
                                             "--leave-one-out: hold out every Nth photograph")};

@@ -169,7 +169,7 @@ const Command kSweepCommand{
       RenderSettings defaults;
       defaults.maxCells = 1;
       defaults.maxTier = kTierAgrees;
-      declareSettings(app, evaluation.settings, defaults);
+      declareAllSettings(app, evaluation.settings, defaults);
       declareGpuScene(app, evaluation.gpuScene);
       app.callback([options, &app] { options->command = commandText("ibr-lab sweep", givenWords(app)); });
       return [options](const Context& context) { return sweep(*options, context); };

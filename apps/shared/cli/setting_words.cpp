@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/cli/setting_words.h"
 
+#include <algorithm>
+
+#include "shared/cli/settings.h"
+
 namespace ibr::app {
 namespace {
 
@@ -31,8 +35,10 @@ std::string wordOf(const Json& value) {
 }  // namespace
 
 std::vector<std::string> settingWords(const Json& settings) {
+  const Json defaults = optionsJson({});
   std::vector<std::string> words;
   for (const auto& [key, value] : settings.items()) {
+    if (std::ranges::count(kMeasuredSettings, key) > 0 && value == defaults[key]) continue;
     if (value.is_null() || value == false || (value.is_array() && value.empty())) continue;
     words.push_back(optionOf(key));
     if (value != true) words.push_back(wordOf(value));

@@ -51,8 +51,6 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
   addInt(app, "--tiers", settings.maxTier, kTierAgrees, kTierFilled,
          "Draw tiers 0 to N: 0 confirmed by several photographs, 2 adds gathered pixels of unconfirmed depth, 3 fills "
          "holes from around, except in scenes with masks");
-  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
-                   "Position of morphed vertices: by inverse distances (ours), or by equation 4 of the paper [ours]");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
                   "Shift cells that share photographs slightly until the cells agree, for inaccurate poses; not with "
                   "the paper's morph [off]");
@@ -68,8 +66,6 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
             "Share of the photographs' detail to show: 0.5 uses textures of half the size");
   addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
             "Size of the drawn image, as a factor on the result's sides; the drawn image is then scaled");
-  addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
-                  "With two views: one colour table for both views, or one for each [shared]");
   addChoice<Exposure>(
       app, "--exposure", settings.exposure,
       [] {
@@ -79,6 +75,30 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
       }(),
       "Exposure of the photographs: unchanged (off), the mean of the scene, or the mean of the photographs in the main "
       "cell [adapted]");
+}
+
+void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
+  declarePictureSettings(app, settings, defaults);
+  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kMaxCellCount,
+                          "Maximum number of cells to draw; the "
+                          "hybrid composition draws at most 2");
+  addChoice<ColourMapping>(app, "--colour", settings.colourMapping,
+                           {{"off", ColourMapping::off}, {"ours", ColourMapping::ours}},
+                           "Match colours of all cells to the main cell by tables from a proxy image (ours) [off]");
+}
+
+void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
+  declareSettings(app, settings, defaults);
+  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
+                   "Position of morphed vertices: by inverse distances (ours), or by equation 4 of the paper [ours]");
+  addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
+                       "Draw order: main cell first with a depth test (ours), or the paper's back to front without one "
+                       "[ours]");
+  app.remove_option(app.get_option("--colour"));
+  addChoice<ColourMapping>(
+      app, "--colour", settings.colourMapping, {kColourMappings.begin(), kColourMappings.end()},
+      "Match colours of all cells to the main cell: tables from a proxy image (ours), or the paper's sequence, applied "
+      "per pixel (paper) or by redrawing [off]");
   addChoice<ColourTable>(
       app, "--colour-table", settings.colourTable,
       {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
@@ -90,25 +110,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
          "and height");
   addInt(app, "--colour-period", settings.colourPeriod, 1, 1000,
          "--colour ours: along a path, number of frames after which colour tables are computed again");
-}
-
-void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
-  declarePictureSettings(app, settings, defaults);
-  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kMaxCellCount,
-                          "Maximum number of cells to draw; the "
-                          "hybrid composition draws at most 2");
-  addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
-                       "Draw order: main cell first with a depth test (ours), or the paper's back to front without one "
-                       "[ours]");
-  addChoice<ColourMapping>(
-      app, "--colour", settings.colourMapping,
-      [] {
-        std::vector<std::pair<std::string, ColourMapping>> choices;
-        for (const auto& [word, mapping] : kColourMappings) choices.emplace_back(word, mapping);
-        return choices;
-      }(),
-      "Match colours of all cells to the main cell: tables from a proxy image (ours), or the paper's sequence, applied "
-      "per pixel (paper) or by redrawing [off]");
+  addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
+                  "With two views: one colour table for both views, or one for each [shared]");
 }
 
 void declareOverlays(CLI::App& app, RenderSettings& settings) {

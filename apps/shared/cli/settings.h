@@ -13,12 +13,19 @@
 
 namespace ibr::app {
 
-/// Declares all render settings. `settings` is set to `defaults`. Without defaults, the preset `balanced` of the device
+/// Declares the render settings of products. `settings` is set to `defaults`. Without defaults, the preset `balanced` of the device
 /// of --device is set when the options are parsed. Its composition becomes cells if an option needs cells (the
 /// paper's methods, --solo).
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
-/// As declareSettings, without --cells, --order and --colour, for commands that compare several values of these.
+/// As declareSettings, with the paper's methods and the parameters of colour tables, for commands that measure.
+void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
+
+/// Keys in reports of the settings that only declareAllSettings declares.
+inline constexpr std::array kMeasuredSettings{"morph",         "order",       "eyeColours",  "colourTable",
+                                              "colourSamples", "colourProxy", "colourPeriod"};
+
+/// As declareSettings, without --cells and --colour, for commands that compare several values of these.
 void declarePictureSettings(CLI::App& app, RenderSettings& settings,
                             const std::optional<RenderSettings>& defaults = {});
 

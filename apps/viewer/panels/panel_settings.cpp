@@ -92,9 +92,6 @@ bool sceneSettings(RenderSettings& s) {
                         Light{"adapted", Exposure::adapted}},
              "Exposure of the photographs: unchanged (off), the mean of the scene, or the mean of the photographs in "
              "the main cell (adapted)");
-  using Shape = std::pair<const char*, Morph>;
-  changed |= choose("morphing", s.morph, std::array{Shape{"ours", Morph::ours}, Shape{"paper", Morph::paper}},
-                    "ours: exact for static points everywhere; paper: unclamped weights, no depth");
   changed |= ImGui::Checkbox("align cells", &s.alignCells);
   hint("Shift cells that share photographs slightly until the cells agree, for inaccurate poses");
   changed |= count("cells", s.maxCells, 1, int(kMaxCellCount), "Maximum number of cells to draw, best first");

@@ -66,10 +66,8 @@ TEST_CASE("render --path auto:N writes N frames, with every setting") {
   test::TemporaryFolder folder;
   const std::vector<std::vector<std::string>> settings{{},
                                                        {"--blend", "dither"},
-                                                       {"--morph", "paper", "--order", "paper", "--tiers", "0"},
+                                                       {"--tiers", "0"},
                                                        {"--colour", "ours"},
-                                                       {"--colour", "paper", "--colour-table", "strict"},
-                                                       {"--colour", "paper-redraw", "--colour-samples", "0.25"},
                                                        {"--cells", "1", "--extrapolation", "0.5"},
                                                        {"--composition", "cells"},
                                                        {"--composition", "gathered", "--photographs", "2"},

@@ -18,10 +18,6 @@ glm::dquat turnedY(double angle) {
   return glm::angleAxis(angle, glm::dvec3(0, 1, 0));
 }
 
-double angleBetween(glm::dquat a, glm::dquat b) {
-  return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b))));
-}
-
 // A path irregular in time, position and rotation.
 CameraPath bentPath() {
   return {64,

@@ -62,7 +62,7 @@ TEST_CASE("a scene's settings round trip through their options") {
   RenderSettings again;
   GpuSceneOptions gpuSceneAgain;
   CLI::App app;
-  declareSettings(app, again);
+  declareAllSettings(app, again);
   declareGpuScene(app, gpuSceneAgain);
   parse(app, settingWords(settingsJson(settings, gpuScene)));
   CHECK(settingsJson(again, gpuSceneAgain) == settingsJson(settings, gpuScene));
@@ -82,7 +82,7 @@ TEST_CASE("settings start from the preset balanced or from a command's defaults,
   const DeviceKind here = deviceKindFor("");
   RenderSettings settings = preset(Preset::reference, here);
   CLI::App plain;
-  declareSettings(plain, settings);
+  declareAllSettings(plain, settings);
   declareOverlays(plain, settings);
   parse(plain, {});
   CHECK((settings == preset(Preset::balanced, here)));
@@ -148,7 +148,7 @@ TEST_CASE("overlays and muted or soloed cells round trip through their options")
     if (line.overlay == Overlay::tiers) settings.soloCells = {3};
     RenderSettings again;
     CLI::App app;
-    declareSettings(app, again);
+    declareAllSettings(app, again);
     GpuSceneOptions gpuScene;
     declareGpuScene(app, gpuScene);
     declareOverlays(app, again);
