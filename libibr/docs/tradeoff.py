@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tradeoff.py OUT [--write]: settings over all places that libibr/docs/tradeoff.sh measured, as Markdown. Time and FLIP
-are geometric means over the places of their ratio to the default's; * marks the front of the two. --write puts tables
-and numbers between the markers of libibr/docs/tradeoff.md, and the figures of one place beside it. Exit code 1 where a
-preset is beaten by more than 3 % in both time and error, 2 where nothing can be said or written."""
+"""tradeoff.py OUT [--write]: prints the settings that libibr/docs/tradeoff.sh measured on all scenes, as Markdown. Time
+and FLIP are geometric means over the scenes, relative to the default; * marks the Pareto front of the two. --write puts
+tables and numbers between the markers of libibr/docs/tradeoff.md, and the figures of one scene into the folder pictures.
+Exit code 1: a preset is beaten by more than 3 % in both time and error; 2: reports are missing, or the page cannot be
+written."""
 import argparse
 import json
 import math
@@ -12,11 +13,11 @@ import sys
 
 DEFAULT = "preset balanced"
 PRESETS = ("fast", "balanced", "accurate", "reference")
-SHOWN = ("street", "hall")  # whose figures the page has: the first that was measured
+SHOWN = ("street", "hall")  # the page has the figures of the first of these that was measured
 FIGURES = ("pareto", "knobs", "memory", "passes", "histogram")
-LARGEST_PICTURE = 150_000  # bytes
+MAX_IMAGE_BYTES = 150_000
 PAGE = pathlib.Path(__file__).resolve().parent / "tradeoff.md"
-# A path from the root of a machine, and not a part of an address, a closing tag or a ratio.
+# An absolute path; not a part of an address, a closing tag or a ratio.
 MACHINE_PATH = re.compile(r"(?<![\w.:/<~)}-])(?:/[A-Za-z][\w.-]*){2,}|[A-Z]:\\\w|file://")
 
 
@@ -29,12 +30,12 @@ def read(folder):
     files = sorted(folder.glob("*/report/tradeoff.json"))
     reports = {file.parent.parent.name: json.loads(file.read_text()) for file in files}
     if not reports:
-        fail(f"{folder}: has no PLACE/report/tradeoff.json")
+        fail(f"{folder}: contains no SCENE/report/tradeoff.json; run tradeoff.sh first")
     return reports
 
 
 def rows_of(report):
-    """Settings that were drawn, for one view, by name."""
+    """Drawn settings of one view, by name."""
     return {r["setting"]: r for r in report["settings"] if "failure" not in r and r["knobs"]["views"] == 1}
 
 
@@ -43,25 +44,25 @@ def table(head, lines):
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in every)
 
 
-class Places:
+class Scenes:
     def __init__(self, reports):
         self.reports = reports
-        self.rows = {place: rows_of(report) for place, report in reports.items()}
+        self.rows = {scene: rows_of(report) for scene, report in reports.items()}
         first = next(iter(self.rows.values()))
         self.means = {name: self.mean(name) for name in first if all(name in of for of in self.rows.values())}
 
     def mean(self, name):
-        """Time and FLIP as ratios to the default's, PSNR as a difference, dB."""
+        """Time and FLIP relative to the default, and the difference of PSNR, dB."""
         pairs = [(of[name], of[DEFAULT]) for of in self.rows.values()]
 
         def ratio(figure):
-            return math.exp(sum(math.log(figure(row) / figure(usual)) for row, usual in pairs) / len(pairs))
+            return math.exp(sum(math.log(figure(row) / figure(default)) for row, default in pairs) / len(pairs))
 
         return (ratio(lambda r: r["ms"]["median"]), ratio(lambda r: r["truth"]["flip"]),
-                sum(row["truth"]["psnr"] - usual["truth"]["psnr"] for row, usual in pairs) / len(pairs))
+                sum(row["truth"]["psnr"] - default["truth"]["psnr"] for row, default in pairs) / len(pairs))
 
     def beaten(self):
-        """By preset: the settings that are more than 3 % better in both."""
+        """Settings that are more than 3 % better in time and error, by preset."""
         found = {}
         for preset in PRESETS:
             time, flip, _ = self.means["preset " + preset]
@@ -79,10 +80,11 @@ class Places:
         report = next(iter(self.reports.values()))
         sizes = sorted({view["size"][0] for each in self.reports.values() for view in each["views"]})
         wide = " to ".join(str(size) for size in sorted({sizes[0], sizes[-1]}))
-        return (f"Device: {report['device']}" + (", which is software" if report["software"] else "") +
-                f"; {report['cores']} processor cores. Rounds: {report['repeat']}, of {len(self.means)} settings in "
-                f"{len(self.rows)} places ({', '.join(self.rows)}); pictures are {wide} px wide." +
-                (" **So few rounds tell times to an order of magnitude, no more.**" if report["repeat"] < 3 else ""))
+        return (f"Device: {report['device']}" + (", a software device" if report["software"] else "") +
+                f"; {report['cores']} CPU cores. {report['repeat']} rounds of {len(self.means)} settings on "
+                f"{len(self.rows)} scene{'s' * (len(self.rows) > 1)} ({', '.join(self.rows)}); images are {wide} px wide." +
+                (" **With fewer than 3 rounds, times have the right order of magnitude only.**"
+                 if report["repeat"] < 3 else ""))
 
     def knobs(self):
         lines = []
@@ -104,44 +106,45 @@ class Places:
         def cell(row):
             return f"{row['ms']['median']:.1f}, {row['truth']['flip']:.4f}"
 
-        lines = [(place, *(cell(of["preset " + p]) for p in PRESETS)) for place, of in self.rows.items()]
+        lines = [(scene, *(cell(of["preset " + p]) for p in PRESETS)) for scene, of in self.rows.items()]
         means = [self.means["preset " + p] for p in PRESETS]
-        lines.append(("all, of balanced's", *(f"{time:.2f}, {flip:.3f}" for time, flip, _ in means)))
+        lines.append(("all, relative to balanced", *(f"{time:.2f}, {flip:.3f}" for time, flip, _ in means)))
         text = table(("ms, FLIP", *(f"`{p}`" for p in PRESETS)), lines)
         beaten = [f"`{p}` is beaten by {', '.join(by)}" for p, by in self.beaten().items() if by]
-        return text + "\n\nOver all places " + ("; ".join(beaten) if beaten else "no preset is beaten in both") + "."
+        return text + "\n\nOver all scenes, " + ("; ".join(beaten) if beaten else "no preset is beaten in both") + "."
 
     def gates(self):
-        lines = [(place, gate["gate"], gate["found"]) for place, report in self.reports.items()
+        lines = [(scene, gate["gate"], gate["found"]) for scene, report in self.reports.items()
                  for gate in report["gates"] if not gate["holds"]]
-        return table(("place", "promise that does not hold", "found"), lines) if lines else "All promises hold."
+        return table(("scene", "unmet guarantee", "measured"), lines) if lines else "All guarantees are met."
 
     def eyes(self):
         def cells(eyes):
             figures = (100 * eyes["seenByBoth"], 100 * (eyes["sameCell"] or 0), eyes["difference"], eyes["difference95"])
             return ["–" if figure is None else f"{figure:.2f}" for figure in figures]
 
-        lines = [(place, row["setting"], *cells(row["eyes"])) for place, report in self.reports.items()
+        lines = [(scene, row["setting"], *cells(row["eyes"])) for scene, report in self.reports.items()
                  for row in report["settings"] if "eyes" in row]
-        return table(("place", "setting", "seen by both, %", "by the same cell, %", "difference, levels",
-                      "95 % less than"), lines) if lines else "Two eyes were not measured."
+        return table(("scene", "setting", "seen by both, %", "by the same cell, %", "mean difference, 8-bit levels",
+                      "95 % quantile"), lines) if lines else "Two eyes were not measured."
 
-    def twin(self):
-        lines = [(place, view["name"], f"{100 * view['compared']:.1f}", f"{view['meanLevels']:.3f}",
+    def reference(self):
+        lines = [(scene, view["name"], f"{100 * view['compared']:.1f}", f"{view['meanLevels']:.3f}",
                   f"{view['largestLevels']:.1f}", f"{100 * view['beyondBound']:.4f}")
-                 for place, report in self.reports.items() for view in report["implementation"]]
-        return table(("place", "view", "compared, %", "mean, levels", "largest", "beyond the bound, %"), lines)
+                 for scene, report in self.reports.items() for view in report["implementation"]]
+        return table(("scene", "view", "compared pixels, %", "mean difference, 8-bit levels", "maximum",
+                      "beyond the bound, %"), lines)
 
 
 def worst_views(html, size, presets):
-    """A drawing of the views that presets show worst: what is shown, the truth, FLIP. From the report, which has them
-    as JPEG in the same order."""
+    """Drawing of the worst view of each preset: rendered image, truth, FLIP. The report has these as JPEG in this
+    order."""
     parts, top = [], 0
     height = round(240 * size[1] / size[0])
     for preset in presets:
         found = re.search(rf"<h3>({preset}: [^<]*)</h3>\s*<p>(.*?)</p>", html, re.S)
         if not found:
-            fail(f"report.html: has no worst view of {preset}")
+            fail(f"report.html: contains no worst view of {preset}")
         parts.append(f'<text x="4" y="{top + 14}">{found[1]}</text>')
         pictures = re.findall(r'alt="([^"]*)"[^>]*src="(data:image/jpeg;base64,[^"]*)"', found[2])
         for column, (name, source) in enumerate(pictures):
@@ -158,33 +161,33 @@ def machine_paths(text):
 
 
 def between(page, name, text):
-    """The page with `text` between the markers of that name."""
+    """Page with `text` between the markers of that name."""
     begin, end = f"<!-- measured: {name} -->", "<!-- end -->"
     at = page.find(begin)
     if at < 0 or page.find(end, at) < 0:
-        fail(f"{PAGE.name}: has no {begin} … {end}")
+        fail(f"{PAGE.name}: the markers {begin} … {end} are missing")
     return page[:at + len(begin)] + "\n" + text + "\n" + page[page.find(end, at):]
 
 
-def write(folder, places):
-    place = next((p for p in SHOWN if p in places.reports), next(iter(places.reports)))
-    report = folder / place / "report"
+def write(folder, scenes):
+    shown = next((s for s in SHOWN if s in scenes.reports), next(iter(scenes.reports)))
+    report = folder / shown / "report"
     page = PAGE.read_text()
-    for name in ("about", "knobs", "presets", "gates", "eyes", "twin"):
-        page = between(page, name, getattr(places, name)())
-    page = between(page, "shown", f"The figures are of the {place}.")
+    for name in ("about", "knobs", "presets", "gates", "eyes", "reference"):
+        page = between(page, name, getattr(scenes, name)())
+    page = between(page, "shown", f"The figures show the scene {shown}.")
     files = {PAGE: page}
     for name in (*FIGURES, *(["optimiser"] if (report / "optimiser.svg").exists() else [])):
         files[PAGE.parent / "pictures" / f"tradeoff-{name}.svg"] = (report / f"{name}.svg").read_text()
-    html, size = (report / "report.html").read_text(), places.reports[place]["views"][0]["size"]
+    html, size = (report / "report.html").read_text(), scenes.reports[shown]["views"][0]["size"]
     drawings = [worst_views(html, size, presets) for presets in (("fast", "reference"), ("fast",))]
     files[PAGE.parent / "pictures" / "tradeoff-worst.svg"] = next(
-        (drawing for drawing in drawings if len(drawing.encode()) <= LARGEST_PICTURE), drawings[-1])
+        (drawing for drawing in drawings if len(drawing.encode()) <= MAX_IMAGE_BYTES), drawings[-1])
     for file, text in files.items():
         if paths := machine_paths(text):
-            fail(f"{file.name}: has a path of this machine: {paths[0]}")
-        if file.suffix == ".svg" and len(text.encode()) > LARGEST_PICTURE:
-            fail(f"{file.name}: {len(text.encode())} bytes are more than {LARGEST_PICTURE}")
+            fail(f"{file.name}: contains a path of this machine: {paths[0]}")
+        if file.suffix == ".svg" and len(text.encode()) > MAX_IMAGE_BYTES:
+            fail(f"{file.name}: {len(text.encode())} bytes exceed the limit of {MAX_IMAGE_BYTES}")
     for file, text in files.items():
         file.write_text(text)
 
@@ -193,14 +196,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", metavar="OUT", type=pathlib.Path)
     parser.add_argument("--write", action="store_true", help="write the page and its figures")
-    wish = parser.parse_args()
-    places = Places(read(wish.folder))
-    print(f"{places.about()}\n\n{places.all_settings()}\n")
-    beaten = places.beaten()
+    options = parser.parse_args()
+    scenes = Scenes(read(options.folder))
+    print(f"{scenes.about()}\n\n{scenes.all_settings()}\n")
+    beaten = scenes.beaten()
     for preset, by in beaten.items():
         print(f"{preset}: {'beaten by ' + ', '.join(by) if by else 'not beaten'}")
-    if wish.write:
-        write(wish.folder, places)
+    if options.write:
+        write(options.folder, scenes)
     sys.exit(any(beaten.values()))
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Markdown page quality.md: a table of each kind of figure, with one line a set. Columns without any figure are
-left away."""
+"""Markdown page quality.md: one table for each kind of metric, with one row per set. Columns without values are left
+out."""
 from figures import added, is_number, largest_loss, summary
 
 
@@ -9,26 +9,26 @@ def text_of(value, decimals, factor=1):
 
 
 def signed(change):
-    """A change with its sign, and no "-0.00"."""
+    """A change with its sign, never "-0.00"."""
     return f"{round(change, 2) + 0.0:+.2f}" if is_number(change) else ""
 
 
 def pair(scores, decimals=(2, 3)):
-    """PSNR / SSIM; empty where there is none."""
+    """PSNR / SSIM; empty without a PSNR."""
     if not scores or not is_number(scores.get("psnr")):
         return ""
     return f"{text_of(scores['psnr'], decimals[0])} / {text_of(scores.get('ssim'), decimals[1])}"
 
 
 def table(head, rows):
-    """Markdown; without columns that are empty."""
+    """Markdown table without empty columns."""
     kept = [i for i in range(len(head)) if i == 0 or any(row[i] != "" for row in rows)]
     lines = [[line[i] for i in kept] for line in (head, ["---"] * len(head), *rows)]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
 def both(columns, key, decimals, factor=1):
-    """A figure of ours and of the reference composer: "now · gathered"; empty where neither has it."""
+    """A metric as "now · gathered" (program · reference implementation of the gather); empty if neither has a value."""
     values = [columns.get(column, {}).get("mean", {}).get(key) for column in ("now", "gathered")]
     if not any(is_number(value) for value in values):
         return ""
@@ -74,8 +74,8 @@ def cost_table(summaries, results, former, former_name):
         rows.append([name, worst_text(columns, "now"), worst_text(columns, "gathered"),
                      f"{loss[0]} {signed(loss[1])}" if loss else "", text_of(build["cpuSecondsPerMegapixel"], 1),
                      both(columns, "milliseconds", 0)])
-    return table(["worst views, PSNR dB / SSIM", "now", "gathered", f"least gain on {former_name}, dB",
-                  "build, CPU s/MP", "ms a frame, now · gathered"], rows)
+    return table(["worst views, PSNR dB / SSIM", "now", "gathered", f"smallest gain over {former_name}, dB",
+                  "build, CPU s/MP", "ms per frame, now · gathered"], rows)
 
 
 def depth_table(summaries):
@@ -86,14 +86,14 @@ def depth_table(summaries):
 
 
 def markdown(results, former, about):
-    """`former` is of freeze(): its figures have the first columns."""
+    """`former`: result of freeze(), whose values are in the first columns."""
     former_sets, former_name = former.get("sets", {}), former.get("program", "former")
     summaries = {name: columns for name, result in results.items() if (columns := summary(result))}
     devices = sorted({result["device"] for result in results.values() if result.get("device")})
-    parts = ["# Whole views of photographs that are left out", "",
+    parts = ["# Quality of held-out views", "",
              f"Program {about['program']['hash']} ({about['program']['describe']}), configuration "
              f"{about['configuration']}, on {', '.join(devices) or 'no device'}. “gathered” is the reference "
-             "composer. Cells are empty where a figure was not measured.", "",
+             "implementation of the gather. Empty cells were not measured.", "",
              views_table(summaries, former_sets, former_name), "", detail_table(summaries), "",
              cost_table(summaries, results, former_sets, former_name)]
     if depth := depth_table(summaries):
@@ -102,7 +102,7 @@ def markdown(results, former, about):
     if pictures:
         parts += ["", f"Pictures only: {', '.join(pictures)}."]
     if former_sets and former["configuration"] != about["configuration"]:
-        parts += ["", f"Figures of {former_name} were measured with another configuration, {former['configuration']}."]
+        parts += ["", f"{former_name} was measured with another configuration, {former['configuration']}."]
     for name, why in about["failed"].items():
         parts += ["", f"{name} failed: {why}"]
     return "\n".join(parts) + "\n"
