@@ -12,7 +12,7 @@ IBR_PACKAGES_DEMO="ffmpeg colmap"
 # To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package
 # gltf-validator, not in Debian), python3-jsonschema checks scenes against our schema. The viewer is driven by xdotool in
 # a display of Xvfb that openbox manages, its window is looked at through libx11.
-IBR_PACKAGES_TEST="catch2 clang-format-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
+IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
   openbox libx11-dev"
 
 # To build the OpenXR runtime that programs for headsets are tested on (tests/xr/runtime.sh). Its newer driver of Mesa

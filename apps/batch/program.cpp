@@ -110,11 +110,11 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     const Declared* sub = chosen();
     const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
-    return complain(name,
-                    fmt::format("{}\n{}: {} {}--help lists commands and options",
-                                unknown ? fmt::format("'{}' is not a command", argv[1]) : std::string(e.what()), name,
-                                name, sub ? sub->words + ' ' : std::string()),
-                    kExitCommandLine);
+    return printError(name,
+                      fmt::format("{}\n{}: {} {}--help lists commands and options",
+                                  unknown ? fmt::format("'{}' is not a command", argv[1]) : std::string(e.what()), name,
+                                  name, sub ? sub->words + ' ' : std::string()),
+                      kExitCommandLine);
   }
 
   const Context context(common);
@@ -125,7 +125,7 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
     return code;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
-    context.say(LogLevel::warning, "stopped. {}", chosen()->command->afterInterrupt);
+    context.logMessage(LogLevel::warning, "stopped. {}", chosen()->command->afterInterrupt);
     return kExitInterrupted;
   }
 }

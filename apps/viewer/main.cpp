@@ -74,12 +74,12 @@ void declare(CLI::App& app, Options& o) {
 }
 
 // Restarts the session after a lost device (a driver reset). Gives up at the fourth loss in a row, 10 s apart at most.
-void showPlaces(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options) {
+void runSessions(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options) {
   using Clock = std::chrono::steady_clock;
   int losses = 0;
   for (auto begun = Clock::now();; begun = Clock::now()) {
     try {
-      Session session(window, interface, viewer, options);
+      ViewerSession session(window, interface, viewer, options);
       session.run();
       if (session.validationMessages() > 0)
         fail(ErrorCode::vulkan, "Vulkan's validation layers reported {} messages", session.validationMessages());
@@ -87,7 +87,7 @@ void showPlaces(Window& window, Interface& interface, Viewer& viewer, const Sess
     } catch (const Error& e) {
       losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
       if (e.code() != ErrorCode::deviceLost || losses > 3) throw;
-      viewer.say(LogLevel::warning, std::string("the device was lost; the session restarts: ") + e.what());
+      viewer.logMessage(LogLevel::warning, std::string("the device was lost; the session restarts: ") + e.what());
     }
   }
 }
@@ -101,10 +101,10 @@ nlohmann::ordered_json trustJson(const OpenItem& place) {
 }
 
 // Measured presets. The PSNR of a picture identical to the reference is infinite, which JSON writes as null.
-nlohmann::ordered_json effectsJson(const OpenItem& place) {
+nlohmann::ordered_json comparisonJson(const OpenItem& place) {
   nlohmann::ordered_json lines = nlohmann::ordered_json::object();
-  if (place.effects)
-    for (const Effect& line : place.effects->lines)
+  if (place.comparison)
+    for (const ComparedSettings& line : place.comparison->lines)
       if (line.measured) lines[line.name] = {{"ms", line.measured->milliseconds}, {"psnr", line.measured->psnr}};
   return lines;
 }
@@ -130,18 +130,18 @@ std::uint64_t residentBytes() {
 std::string report(const Viewer& viewer, const Window& window) {
   using Json = nlohmann::ordered_json;
   Json places = Json::array();
-  for (const auto& place : viewer.places) {
-    const glm::dvec3& p = place->walk.pose.position;
-    const glm::dquat& q = place->walk.pose.rotation;
-    const auto& centre = place->walk.centre;
+  for (const auto& place : viewer.items) {
+    const glm::dvec3& p = place->navigation.pose.position;
+    const glm::dquat& q = place->navigation.pose.rotation;
+    const auto& centre = place->navigation.centre;
     places.push_back({{"place", place->path.string()},
                       {"photographs", place->viewpoints.size()},
                       {"position", {p.x, p.y, p.z}},
                       {"rotation", {q.x, q.y, q.z, q.w}},
-                      {"fovY", place->walk.fovY},
+                      {"fovY", place->navigation.fovY},
                       {"centre", centre ? Json{centre->x, centre->y, centre->z} : Json()},
                       {"trust", trustJson(*place)},
-                      {"effects", effectsJson(*place)},
+                      {"effects", comparisonJson(*place)},
                       {"settings", settingsOf(*place, {})}});
   }
   const VkExtent2D size = window.pixels();
@@ -179,13 +179,13 @@ ExitCode run(int argc, char** argv) {
   Viewer viewer;
   viewer.mirror = context.log();
   viewer.first = o.settings;
-  viewer.say(LogLevel::info, "settings: " + presetText(o.settings));
-  if (!o.path.empty()) viewer.firstRoute = readCameraPath(o.path);
+  viewer.logMessage(LogLevel::info, "settings: " + presetText(o.settings));
+  if (!o.path.empty()) viewer.initialCameraPath = readCameraPath(o.path);
   viewer.showInterface = !o.bare;
   for (const std::string& path : o.places) viewer.open(path);
-  showPlaces(window, interface, viewer, o.session);
+  runSessions(window, interface, viewer, o.session);
   context.report(report(viewer, window));
-  return viewer.failed && viewer.places.empty() ? kExitRunTime : kExitOk;
+  return viewer.failed && viewer.items.empty() ? kExitRunTime : kExitOk;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace ibr::app {
 namespace {
 
 constexpr std::uint32_t kScopes = 64;
-constexpr double kLongestStep = 0.1;  // s: limits the motion after a pause in drawing
+constexpr double kMaxStepSeconds = 0.1;  // s: limits the motion after a pause in drawing
 
 Device makeDevice(const SessionOptions& options, Viewer& viewer) {
   return Device::create(
@@ -25,14 +25,14 @@ Device makeDevice(const SessionOptions& options, Viewer& viewer) {
        .validation = options.validation,
        .instanceExtensions = Window::instanceExtensions(),
        .deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME},
-       .log = [&viewer](LogLevel level, std::string_view text) { viewer.say(level, std::string(text)); },
+       .log = [&viewer](LogLevel level, std::string_view text) { viewer.logMessage(level, std::string(text)); },
        .pipelineCache = options.pipelineCache});
 }
 
 // The previous frame may still be copying from the image.
-constexpr ImageUse kCopiedBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+constexpr ImageUse kImageInitialUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
 
-void copyPicture(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, VkImage to, VkExtent2D toExtent) {
+void blitImage(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, VkImage to, VkExtent2D toExtent) {
   const auto corner = [](VkExtent2D e) { return VkOffset3D{std::int32_t(e.width), std::int32_t(e.height), 1}; };
   const VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   const VkImageBlit region{layers, {{0, 0, 0}, corner(fromExtent)}, layers, {{0, 0, 0}, corner(toExtent)}};
@@ -42,7 +42,7 @@ void copyPicture(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, 
 
 }  // namespace
 
-Session::Session(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options)
+ViewerSession::ViewerSession(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options)
     : window_(window),
       interface_(interface),
       viewer_(viewer),
@@ -55,112 +55,112 @@ Session::Session(Window& window, Interface& interface, Viewer& viewer, const Ses
   for (auto& timer : timers_) timer = std::make_unique<ScopeTimer>(device_, kScopes);
 }
 
-Session::~Session() {
+ViewerSession::~ViewerSession() {
   vkDeviceWaitIdle(device_.handle());
 }
 
-double Session::pause() const {
-  if (redraws_ > 0 || pictureWanted_) return 0;
+double ViewerSession::pause() const {
+  if (redraws_ > 0 || imageOutdated_) return 0;
   const auto now = std::chrono::steady_clock::now();
   // Wake up to remove a message and to take results of loading and jobs.
   return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.jobs.empty() ? 0.1 : 3600;
 }
 
-void Session::run() {
+void ViewerSession::run() {
   int shown = 0;
-  while (!window_.closing() && !viewer_.wantsClose) {
+  while (!window_.closing() && !viewer_.closeRequested) {
     const double rest = pause();
-    rested_ |= rest > 0;
+    drawingPaused_ |= rest > 0;
     if (window_.handleEvents(rest)) redraws_ = 3;
     for (const std::filesystem::path& path : window_.takeDropped()) viewer_.open(path);
-    if (viewer_.takeOpened()) {
+    if (viewer_.collectOpenedItems()) {
       redraws_ = 3;
-      pictureWanted_ = true;
+      imageOutdated_ = true;
     }
     if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
-    if (interface_.keysWait()) redraws_ = 3;
+    if (interface_.hasPendingKeys()) redraws_ = 3;
     if (shaders_) reloadShaders();
-    if (redraws_ == 0 && !pictureWanted_) continue;
+    if (redraws_ == 0 && !imageOutdated_) continue;
     if (!draw()) {
       window_.handleEvents(0.1);
       continue;
     }
     redraws_ = std::max(0, redraws_ - 1);
-    forgetClosed();
+    releaseClosedItems();
     const bool ready = viewer_.opening.empty() && viewer_.jobs.empty();
     if (options_.frames > 0 && ready && ++shown >= options_.frames) break;
   }
   if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
 }
 
-PlaceOnDevice* Session::drawnPlace() {
-  OpenItem* place = viewer_.place();
-  if (!place) return nullptr;
-  std::unique_ptr<PlaceOnDevice>& drawn = drawn_[place->number];
+ItemOnDevice* ViewerSession::currentItemOnDevice() {
+  OpenItem* item = viewer_.item();
+  if (!item) return nullptr;
+  std::unique_ptr<ItemOnDevice>& drawn = itemsOnDevice_[item->number];
   if (!drawn) {
     GpuSceneOptions options = options_.gpuScene;
-    options.log = [this](LogLevel level, std::string_view text) { viewer_.say(level, std::string(text)); };
-    drawn = putOnDevice(device_, *place, options);
+    options.log = [this](LogLevel level, std::string_view text) { viewer_.logMessage(level, std::string(text)); };
+    drawn = uploadItem(device_, *item, options);
   }
   return drawn.get();
 }
 
-void Session::reloadShaders() {
+void ViewerSession::reloadShaders() {
   const ShaderReloader::Result result = shaders_->poll();
-  if (result.replaced.empty() && result.failed.empty() && viewer_.shaderFaults.size() == shaders_->failing().size())
+  if (result.replaced.empty() && result.failed.empty() && viewer_.shaderErrors.size() == shaders_->failures().size())
     return;
   redraws_ = 3;
-  viewer_.shaderFaults.clear();
-  for (const ShaderReloader::Failure& fault : shaders_->failing())
-    viewer_.shaderFaults.emplace_back(fault.file, fault.text);
+  viewer_.shaderErrors.clear();
+  for (const ShaderReloader::Failure& fault : shaders_->failures())
+    viewer_.shaderErrors.emplace_back(fault.file, fault.text);
   for (const ShaderReloader::Failure& fault : result.failed)
-    viewer_.say(LogLevel::warning, fmt::format("{}: {}", fault.file, fault.text));
+    viewer_.logMessage(LogLevel::warning, fmt::format("{}: {}", fault.file, fault.text));
   if (result.replaced.empty()) return;
-  const auto remake = [&] {
-    for (auto& [number, drawn] : drawn_) drawn->remakePipelines();
+  const auto rebuildAll = [&] {
+    for (auto& [number, drawn] : itemsOnDevice_) drawn->rebuildPipelines();
   };
   try {
-    remake();
+    rebuildAll();
     viewer_.show(fmt::format("{} loaded", fmt::join(result.replaced, ", ")));
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost) throw;
-    shaders_->takeBack();
-    remake();
-    viewer_.say(LogLevel::warning, fmt::format("{}: {}", fmt::join(result.replaced, ", "), e.what()));
+    shaders_->revert();
+    rebuildAll();
+    viewer_.logMessage(LogLevel::warning, fmt::format("{}: {}", fmt::join(result.replaced, ", "), e.what()));
   }
-  pictureWanted_ = true;
+  imageOutdated_ = true;
 }
 
-void Session::forgetClosed() {
-  std::erase_if(drawn_, [&](const auto& entry) {
+void ViewerSession::releaseClosedItems() {
+  std::erase_if(itemsOnDevice_, [&](const auto& entry) {
     const bool closed =
-        std::ranges::none_of(viewer_.places, [&](const auto& place) { return place->number == entry.first; });
+        std::ranges::none_of(viewer_.items, [&](const auto& item) { return item->number == entry.first; });
     if (closed) vkDeviceWaitIdle(device_.handle());
     return closed;
   });
-  viewer_.onDevice = drawn_.size();
+  viewer_.onDevice = itemsOnDevice_.size();
 }
 
-void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
-  if (!picture_ || picture_->target().extent.width != frame.extent.width ||
-      picture_->target().extent.height != frame.extent.height) {
+void ViewerSession::recordImage(const Swapchain::Frame& frame, double seconds) {
+  if (!sceneImage_ || sceneImage_->target().extent.width != frame.extent.width ||
+      sceneImage_->target().extent.height != frame.extent.height) {
     vkDeviceWaitIdle(device_.handle());
-    picture_ = std::make_unique<Offscreen>(device_, frame.extent);
-    pictureWanted_ = true;
+    sceneImage_ = std::make_unique<Offscreen>(device_, frame.extent);
+    imageOutdated_ = true;
   }
-  PlaceOnDevice* drawn = drawnPlace();
-  if (drawn && pictureWanted_) {
-    Target target = picture_->target();
-    target.initialUse = kCopiedBefore;
+  ItemOnDevice* drawn = currentItemOnDevice();
+  if (drawn && imageOutdated_) {
+    Target target = sceneImage_->target();
+    target.initialUse = kImageInitialUse;
     const std::uint64_t completed = frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0;
     drawn->record({frame.commands, frame_, completed, seconds}, target, timers_[frame.slot].get());
-    pictureWanted_ = drawn->restless();
+    imageOutdated_ = drawn->needsRedraw();
   }
-  transition(frame.commands, frame.image, Swapchain::kBefore, use::kTransferDestination);
+  transition(frame.commands, frame.image, Swapchain::kInitialUse, use::kTransferDestination);
   if (drawn) {
-    copyPicture(frame.commands, picture_->target().image, picture_->target().extent, frame.image, frame.extent);
+    blitImage(frame.commands, sceneImage_->target().image, sceneImage_->target().extent, frame.image, frame.extent);
   } else {
-    pictureWanted_ = false;
+    imageOutdated_ = false;
     const VkClearColorValue grey{.float32 = {0.11f, 0.12f, 0.13f, 1}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(frame.commands, frame.image, use::kTransferDestination.layout, &grey, 1, &all);
@@ -168,25 +168,25 @@ void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
 }
 
 // The monitor's scale may change when the window moves to another monitor.
-void Session::fitInterface() {
+void ViewerSession::updateInterfaceScale() {
   const double scale = options_.interfaceScale > 0 ? options_.interfaceScale : double(window_.scale());
   const bool isNew = interface_.setScale(float(scale) * viewer_.interfaceScale);
   if (drawer_ && !isNew) return;
   vkDeviceWaitIdle(device_.handle());
   drawer_.reset();  // ImGui supports one Vulkan backend at a time
   drawer_.emplace(device_, swapchain_.format(), kFramesInFlight);
-  viewer_.layOut |= isNew;
+  viewer_.resetLayout |= isNew;
   redraws_ = 3;
 }
 
-void Session::showPanels() {
+void ViewerSession::showPanels() {
   drawer_->beginFrame();
   interface_.beginFrame();
   PanelInput input{viewer_, window_, device_.name(), device_.kind()};
   input.sceneBudget = options_.gpuScene.budgetBytes;
   input.budget = memory_.read();
-  if (OpenItem* place = viewer_.place())
-    if (const auto found = drawn_.find(place->number); found != drawn_.end()) {
+  if (OpenItem* item = viewer_.item())
+    if (const auto found = itemsOnDevice_.find(item->number); found != itemsOnDevice_.end()) {
       input.plan = found->second->plan();
       input.memory = found->second->memory();
       input.streamed = found->second->streamed();
@@ -195,21 +195,21 @@ void Session::showPanels() {
     showAll(input);
   } catch (const Error& e) {
     ImGui::ErrorCheckEndFrameRecover(nullptr);  // ends windows that are still open
-    viewer_.say(LogLevel::error, e.what());
+    viewer_.logMessage(LogLevel::error, e.what());
   }
   ImGui::Render();
 }
 
-void Session::obeyHands(double seconds) try {
+void ViewerSession::handleInput(double seconds) try {
   press(viewer_, window_.takeKeys());
-  if (OpenItem* place = viewer_.place())
-    if (control(viewer_, *place, seconds)) pictureWanted_ = true;
+  if (OpenItem* item = viewer_.item())
+    if (control(viewer_, *item, seconds)) imageOutdated_ = true;
 } catch (const Error& e) {
-  viewer_.say(LogLevel::error, e.what());  // the request is invalid; the scene stays as it is
+  viewer_.logMessage(LogLevel::error, e.what());  // the request is invalid; the scene stays as it is
 }
 
-bool Session::draw() {
-  fitInterface();
+bool ViewerSession::draw() {
+  updateInterfaceScale();
   const std::optional<Swapchain::Frame> frame = swapchain_.begin();
   if (!frame) return false;
   const auto now = std::chrono::steady_clock::now();
@@ -219,41 +219,41 @@ bool Session::draw() {
   ++viewer_.frames;
   try {
     check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "--lose-device");
-    if (viewer_.frames == options_.loseSurfaceAtFrame) swapchain_.loseSurface();
+    if (viewer_.frames == options_.loseSurfaceAtFrame) swapchain_.simulateLostSurface();
     if (auto times = timers_[frame->slot]->read(); !times.empty()) {
       viewer_.history.addDevice(timed_[frame->slot], times);
       viewer_.deviceTimes = std::move(times);
     }
     timers_[frame->slot]->reset(frame->commands);
     timed_[frame->slot] = viewer_.frames;
-    viewer_.history.add(viewer_.frames, std::exchange(rested_, false) ? std::nanf("") : float(1e3 * seconds));
-    const std::size_t before = viewer_.current, places = viewer_.places.size();
+    viewer_.history.add(viewer_.frames, std::exchange(drawingPaused_, false) ? std::nanf("") : float(1e3 * seconds));
+    const std::size_t before = viewer_.current, items = viewer_.items.size();
     showPanels();
-    obeyHands(std::min(seconds, kLongestStep));
-    if (viewer_.current != before || viewer_.places.size() != places) pictureWanted_ = true;
-    if (pictureWanted_) redraws_ = std::max(redraws_, 1);
-    recordPicture(*frame, std::min(seconds, kLongestStep));
+    handleInput(std::min(seconds, kMaxStepSeconds));
+    if (viewer_.current != before || viewer_.items.size() != items) imageOutdated_ = true;
+    if (imageOutdated_) redraws_ = std::max(redraws_, 1);
+    recordImage(*frame, std::min(seconds, kMaxStepSeconds));
     drawer_->record(frame->commands, {frame->view, frame->extent, swapchain_.generation()});
   } catch (const Error& e) {
     swapchain_.abandon(*frame);
     --frame_;
-    if (e.code() == ErrorCode::deviceLost || !viewer_.place()) throw;
+    if (e.code() == ErrorCode::deviceLost || !viewer_.item()) throw;
     // Close a scene that cannot be drawn; the others stay open.
-    viewer_.say(LogLevel::error, fmt::format("{}: {}", viewer_.place()->name, e.what()));
+    viewer_.logMessage(LogLevel::error, fmt::format("{}: {}", viewer_.item()->name, e.what()));
     vkDeviceWaitIdle(device_.handle());
     viewer_.closeCurrent();
     redraws_ = 3;
-    pictureWanted_ = true;
+    imageOutdated_ = true;
     return true;
   }
   if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
-  const OpenItem* shown = viewer_.place();
+  const OpenItem* shown = viewer_.item();
   if (shown && !viewer_.firstPicture) {
     vkDeviceWaitIdle(device_.handle());
     viewer_.firstPicture = std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.begun).count();
   }
   window_.setTitle(shown ? shown->name + " - ibr" : "ibr");
-  grantWishes();
+  handleRequests();
   return true;
 }
 

@@ -12,7 +12,7 @@
 #include "ibr/shader_reload.h"
 #include "viewer/control/memory_budget.h"
 #include "viewer/control/viewer.h"
-#include "viewer/open/place_on_device.h"
+#include "viewer/open/item_on_device.h"
 #include "viewer/panels/panels.h"
 #include "window/interface.h"
 #include "window/interface_drawer.h"
@@ -37,12 +37,12 @@ struct SessionOptions {
   std::filesystem::path screenshots;              // folder for screenshots, camera paths and videos
 };
 
-class Session {
+class ViewerSession {
  public:
-  Session(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options);
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  ~Session();  // waits for the device
+  ViewerSession(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options);
+  ViewerSession(const ViewerSession&) = delete;
+  ViewerSession& operator=(const ViewerSession&) = delete;
+  ~ViewerSession();  // waits for the device
 
   /// Runs until the window closes or SessionOptions::frames frames were shown. Throws Error; after deviceLost another
   /// session may be created.
@@ -54,19 +54,19 @@ class Session {
  private:
   double pause() const;  // s to wait for events; 0: something moves
   bool draw();           // false: no frame could be drawn
-  void fitInterface();
+  void updateInterfaceScale();
   void showPanels();
-  void obeyHands(double seconds);
-  void recordPicture(const Swapchain::Frame& frame, double seconds);
-  void grantWishes();
+  void handleInput(double seconds);
+  void recordImage(const Swapchain::Frame& frame, double seconds);
+  void handleRequests();
   void paste();
-  std::filesystem::path saveRoute();  // returns the written file; empty: nothing to save
-  void makeVideo();
+  std::filesystem::path saveCameraPath();  // returns the written file; empty: nothing to save
+  void startVideoJob();
   void takeScreenshot(const std::filesystem::path& file);
-  void findOut();
-  void forgetClosed();
+  void runSceneQueries();
+  void releaseClosedItems();
   void reloadShaders();
-  PlaceOnDevice* drawnPlace();
+  ItemOnDevice* currentItemOnDevice();
 
   Window& window_;
   Interface& interface_;
@@ -79,13 +79,13 @@ class Session {
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
   std::array<std::size_t, kFramesInFlight> timed_{};  // numbers of the frames that the timers measure
   std::optional<ShaderReloader> shaders_;
-  std::map<std::uint64_t, std::unique_ptr<PlaceOnDevice>> drawn_;  // by OpenItem::number
-  std::unique_ptr<Offscreen> picture_;  // image without the interface, with the window's size
-  std::uint64_t frame_ = 0;             // number of the last frame, shown or being recorded
-  int redraws_ = 3;                     // frames to draw before drawing pauses: the interface settles within two
-  bool pictureWanted_ = true;           // the scene's image must be drawn again
+  std::map<std::uint64_t, std::unique_ptr<ItemOnDevice>> itemsOnDevice_;  // by OpenItem::number
+  std::unique_ptr<Offscreen> sceneImage_;  // image without the interface, with the window's size
+  std::uint64_t frame_ = 0;                // number of the last frame, shown or being recorded
+  int redraws_ = 3;                        // frames to draw before drawing pauses: the interface settles within two
+  bool imageOutdated_ = true;              // the scene's image must be drawn again
   std::chrono::steady_clock::time_point last_;
-  bool rested_ = true;  // drawing has paused since the last frame, so the next frame time is not recorded
+  bool drawingPaused_ = true;  // drawing has paused since the last frame, so the next frame time is not recorded
 };
 
 }  // namespace ibr::app

@@ -16,7 +16,7 @@
 #include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
-#include "vr/show/show.h"
+#include "vr/show/vr_app.h"
 
 namespace fs = std::filesystem;
 
@@ -24,9 +24,9 @@ namespace ibr::app {
 namespace {
 
 constexpr const char* kName = "ibr-vr";
-constexpr int kMostLosses = 3;                 // consecutive losses of a headset …
-constexpr std::chrono::seconds kLasting{10};   // … each less than this after the start
-constexpr std::chrono::seconds kPatience{60};  // time to wait for a lost headset
+constexpr int kMaxLosses = 3;                          // consecutive losses of a headset …
+constexpr std::chrono::seconds kQuickLossLimit{10};    // … each less than this after the start
+constexpr std::chrono::seconds kReconnectTimeout{60};  // time to wait for a lost headset
 
 struct Options {
   CommonOptions common;
@@ -100,46 +100,47 @@ void take(Options& o) {
   o.vr.walk.snapTurn = o.snapDegrees * std::numbers::pi / 180;
   if (o.space != "auto") o.vr.space = o.space == "stage" ? SpaceKind::stage : SpaceKind::local;
   o.vr.floor = !o.noFloor;
-  o.vr.governed = !o.noGovernor;
+  o.vr.governorEnabled = !o.noGovernor;
   o.vr.mirror = !o.noMirror;
   if (const fs::path cache = o.forget ? fs::path() : cacheFolder(); !cache.empty())
     o.vr.pipelineCache = cache / "vr-pipelines.bin";
 }
 
-bool mayComeBack(ErrorCode code) {
+bool isRecoverable(ErrorCode code) {
   return code == ErrorCode::deviceLost || code == ErrorCode::unsupported;  // the latter: no runtime, no headset
 }
 
 // A runtime that was lost may need a while to come back.
-std::unique_ptr<Show> makeShow(Visit& visit) {
+std::unique_ptr<VrApp> makeVrApp(VrState& state) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
   for (bool told = false;;) try {
-      return std::make_unique<Show>(visit);
+      return std::make_unique<VrApp>(state);
     } catch (const Error& e) {
-      const bool waits = visit.losses > 0 && mayComeBack(e.code()) && Clock::now() - begun < kPatience;
-      if (!waits || interrupted() || (visit.window && visit.window->closing())) throw;
-      if (!std::exchange(told, true)) visit.context.say(LogLevel::warning, "waiting for the headset: {}", e.what());
+      const bool waits = state.losses > 0 && isRecoverable(e.code()) && Clock::now() - begun < kReconnectTimeout;
+      if (!waits || interrupted() || (state.window && state.window->closing())) throw;
+      if (!std::exchange(told, true))
+        state.context.logMessage(LogLevel::warning, "waiting for the headset: {}", e.what());
       std::this_thread::sleep_for(std::chrono::seconds(1));
-      if (visit.window) visit.window->handleEvents(0);
+      if (state.window) state.window->handleEvents(0);
     }
 }
 
-// Restarts after losses of headset, runtime or device. Gives up after more than kMostLosses losses in a row.
-void visitAll(Visit& visit) {
+// Restarts after losses of headset, runtime or device. Gives up after more than kMaxLosses losses in a row.
+void runUntilExit(VrState& state) {
   using Clock = std::chrono::steady_clock;
   for (int losses = 0;;) {
-    const std::unique_ptr<Show> show = makeShow(visit);
+    const std::unique_ptr<VrApp> show = makeVrApp(state);
     const Clock::time_point begun = Clock::now();
     try {
       return show->run();
     } catch (const Error& e) {
       if (e.code() != ErrorCode::deviceLost) throw;
-      if (visit.leaving) return;
-      losses = Clock::now() - begun < kLasting ? losses + 1 : 1;
-      if (losses > kMostLosses) throw;
-      ++visit.losses;
-      visit.context.say(LogLevel::warning, "the headset was lost; the session restarts: {}", e.what());
+      if (state.leaving) return;
+      losses = Clock::now() - begun < kQuickLossLimit ? losses + 1 : 1;
+      if (losses > kMaxLosses) throw;
+      ++state.losses;
+      state.context.logMessage(LogLevel::warning, "the headset was lost; the session restarts: {}", e.what());
     }
   }
 }
@@ -149,23 +150,23 @@ std::unique_ptr<Window> mirrorWindow(const Context& context) try {
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return nullptr;
   return std::make_unique<Window>("ibr-vr", 800, 600);
 } catch (const Error& e) {
-  context.say(LogLevel::warning, "no mirror window: {}", e.what());
+  context.logMessage(LogLevel::warning, "no mirror window: {}", e.what());
   return nullptr;
 }
 
-double unitsPerMetre(const Visit& visit) {
-  return visit.walk ? visit.walk->tracking.unitsPerMetre : visit.firstScale(visit.current);
+double unitsPerMetre(const VrState& state) {
+  return state.walk ? state.walk->tracking.unitsPerMetre : state.initialScale(state.current);
 }
 
-std::string report(const Visit& visit, const nlohmann::ordered_json& summary) {
+std::string report(const VrState& state, const nlohmann::ordered_json& summary) {
   using Json = nlohmann::ordered_json;
   Json pictures = Json::array();
-  for (const fs::path& file : visit.pictures) pictures.push_back(file.string());
-  return Json{{"headset", visit.headset},
-              {"eyes", visit.eyes},
-              {"place", visit.options.places[visit.current].string()},
-              {"unitsPerMetre", unitsPerMetre(visit)},
-              {"losses", visit.losses},
+  for (const fs::path& file : state.pictures) pictures.push_back(file.string());
+  return Json{{"headset", state.headset},
+              {"eyes", state.eyes},
+              {"place", state.options.places[state.current].string()},
+              {"unitsPerMetre", unitsPerMetre(state)},
+              {"losses", state.losses},
               {"frames", summary},
               {"pictures", std::move(pictures)}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
@@ -193,29 +194,29 @@ ExitCode run(int argc, char** argv) {
   take(o);
   const Context context(o.common);
   watchForInterrupt();
-  context.say(LogLevel::info, "settings: {}", presetText(o.vr.settings));
+  context.logMessage(LogLevel::info, "settings: {}", presetText(o.vr.settings));
   FrameLog log(o.log);
   const fs::path settings = o.forget ? fs::path() : settingsFolder();
-  KeptScales scales(settings.empty() ? fs::path() : settings / "scales.json", context.log());
-  Visit visit{.options = o.vr, .context = context, .log = log, .scales = scales};
-  visit.files.resize(o.vr.places.size());
-  visit.walking = o.vr.walk;
-  visit.eyeHeight = o.vr.eyeHeight;
-  visit.governed = o.vr.governed;
-  visit.composition = o.vr.settings.composition;
+  ScaleCache scales(settings.empty() ? fs::path() : settings / "scales.json", context.log());
+  VrState state{.options = o.vr, .context = context, .log = log, .scales = scales};
+  state.files.resize(o.vr.places.size());
+  state.walking = o.vr.walk;
+  state.eyeHeight = o.vr.eyeHeight;
+  state.governorEnabled = o.vr.governorEnabled;
+  state.composition = o.vr.settings.composition;
   const std::unique_ptr<Window> window = o.vr.mirror ? mirrorWindow(context) : nullptr;
-  visit.window = window.get();
+  state.window = window.get();
   try {
-    visitAll(visit);
+    runUntilExit(state);
   } catch (...) {
     log.finish();
     throw;
   }
-  check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers reported {} messages",
-        visit.validationMessages.load());
-  if (visit.keepScale())
-    context.say(LogLevel::info, "the scale is now --scale {:.4g}, saved for the next run", unitsPerMetre(visit));
-  context.report(report(visit, log.finish()));
+  check(state.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers reported {} messages",
+        state.validationMessages.load());
+  if (state.saveScale())
+    context.logMessage(LogLevel::info, "the scale is now --scale {:.4g}, saved for the next run", unitsPerMetre(state));
+  context.report(report(state, log.finish()));
   log.check();
   return interrupted() ? kExitInterrupted : kExitOk;
 }

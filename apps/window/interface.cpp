@@ -50,7 +50,7 @@ Interface::~Interface() {
 
 // ImGui 1.86 samples key states once per frame. On a slow device most keys go down and up between two frames and would
 // be missed. Each frame therefore applies the changes in order, at most one per key.
-void Interface::pressKeys() {
+void Interface::applyKeyChanges() {
   ImGuiIO& io = ImGui::GetIO();
   for (const KeyChange& change : window_.takeKeyChanges())
     if (change.key >= 0 && change.key < IM_ARRAYSIZE(io.KeysDown)) keyChanges_.push_back(change);
@@ -66,7 +66,7 @@ void Interface::pressKeys() {
 
 void Interface::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
-  pressKeys();
+  applyKeyChanges();
   ImGui::NewFrame();
 }
 

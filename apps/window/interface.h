@@ -26,10 +26,10 @@ class Interface {
   void beginFrame();
 
   /// Returns true if key changes are waiting for the next frame: one frame applies at most one change per key.
-  bool keysWait() const noexcept { return !keyChanges_.empty(); }
+  bool hasPendingKeys() const noexcept { return !keyChanges_.empty(); }
 
  private:
-  void pressKeys();
+  void applyKeyChanges();
 
   std::string layout_;
   Window& window_;

@@ -29,8 +29,8 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, VkFormat format, std::uin
                                            .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
                                            .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                            .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                                           .initialLayout = kBefore.layout,
-                                           .finalLayout = kAfter.layout};
+                                           .initialLayout = kInitialUse.layout,
+                                           .finalLayout = kFinalUse.layout};
   const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkSubpassDescription subpass{
       .pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &reference};

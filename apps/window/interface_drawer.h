@@ -27,7 +27,7 @@ class InterfaceDrawer {
   ~InterfaceDrawer();  // the device must be idle
 
   /// Uses of the image before and after `record`.
-  static constexpr ImageUse kBefore = use::kTransferDestination, kAfter = use::kTransferSource;
+  static constexpr ImageUse kInitialUse = use::kTransferDestination, kFinalUse = use::kTransferSource;
 
   /// Call before ImGui::NewFrame.
   void beginFrame();

@@ -14,9 +14,9 @@
 namespace ibr::app {
 namespace {
 
-constexpr int kMostLosses = 3;                       // consecutive losses of the surface
-constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never provide one
-constexpr int kRest = 20;                            // calls of `begin`
+constexpr int kMaxLosses = 3;                      // consecutive losses of the surface
+constexpr std::uint64_t kMaxWaitNs = 500'000'000;  // ns, for an image: a hidden window may never provide one
+constexpr int kStableCalls = 20;                   // calls of `begin`
 constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
 
 // Surface formats, best first.
@@ -145,9 +145,9 @@ void Swapchain::drop() noexcept {
 }
 
 // Returns true if `call` succeeded. Lost surfaces and outdated images are replaced by the next frame.
-bool Swapchain::goesOn(VkResult result, const char* call) {
+bool Swapchain::handleSurfaceResult(VkResult result, const char* call) {
   if (result == VK_ERROR_SURFACE_LOST_KHR) {
-    check(++losses_ <= kMostLosses, ErrorCode::deviceLost, "{}: the window's surface was lost repeatedly", call);
+    check(++losses_ <= kMaxLosses, ErrorCode::deviceLost, "{}: the window's surface was lost repeatedly", call);
     lost_ = true;
   }
   outdated_ |= lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
@@ -160,11 +160,11 @@ void Swapchain::makeImages() {
   vk(waitIdle(device_), "vkDeviceWaitIdle");
   drop();
   VkSurfaceCapabilitiesKHR can{};
-  if (!goesOn(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice(), surface_->get(), &can),
-              "vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))
+  if (!handleSurfaceResult(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice(), surface_->get(), &can),
+                           "vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))
     return;
-  madeFor_ = window_.pixels();
-  extent_ = extentOf(can, madeFor_);
+  createdFor_ = window_.pixels();
+  extent_ = extentOf(can, createdFor_);
   if (extent_.width == 0 || extent_.height == 0) return;
   check(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT, ErrorCode::unsupported,
         "{} cannot copy images to this window", device_.name());
@@ -182,7 +182,8 @@ void Swapchain::makeImages() {
                                       .compositeAlpha = compositeAlpha(can.supportedCompositeAlpha),
                                       .presentMode = chosenMode(),
                                       .clipped = VK_TRUE};
-  if (!goesOn(vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_), "vkCreateSwapchainKHR")) return;
+  if (!handleSurfaceResult(vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_), "vkCreateSwapchainKHR"))
+    return;
   std::uint32_t count = 0;
   vk(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR");
   std::vector<VkImage> images(count);
@@ -200,25 +201,25 @@ void Swapchain::makeImages() {
   outdated_ = false;
 }
 
-bool Swapchain::rests(VkExtent2D wanted) noexcept {
-  rested_ = same(wanted, wanted_) ? rested_ + 1 : 0;
+bool Swapchain::sizeIsStable(VkExtent2D wanted) noexcept {
+  stableCalls_ = same(wanted, wanted_) ? stableCalls_ + 1 : 0;
   wanted_ = wanted;
-  return rested_ >= kRest;
+  return stableCalls_ >= kStableCalls;
 }
 
 std::optional<Swapchain::Frame> Swapchain::begin() {
   const VkExtent2D wanted = window_.pixels();
   if (wanted.width == 0 || wanted.height == 0) return std::nullopt;
   if (lost_) replaceSurface();
-  const bool stale = outdated_ || !same(wanted, madeFor_), rested = rests(wanted);
-  // Creating images waits for the device. With Pace::whenever, wait for the window to keep its size for some calls.
-  if (stale && !rested && options_.pace == Pace::whenever && generation_ > 0) return std::nullopt;
+  const bool stale = outdated_ || !same(wanted, createdFor_), rested = sizeIsStable(wanted);
+  // Creating images waits for the device. With Pace::immediate, wait for the window to keep its size for some calls.
+  if (stale && !rested && options_.pace == Pace::immediate && generation_ > 0) return std::nullopt;
   if (stale) makeImages();
   if (images_.empty()) return std::nullopt;
   const Slot& slot = slots_[slot_];
   const VkFence done = slot.done.get();
   const VkResult waited =
-      vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, options_.pace == Pace::whenever ? 0 : kForever);
+      vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, options_.pace == Pace::immediate ? 0 : kForever);
   if (waited == VK_TIMEOUT) return std::nullopt;
   vk(device_, waited, "vkWaitForFences");
   beginCommands(device_, slot);
@@ -227,11 +228,11 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
 
 std::optional<std::uint32_t> Swapchain::acquire(const Slot& slot) {
   std::uint32_t index = 0;
-  const std::uint64_t longest = options_.pace == Pace::whenever ? 0 : kLongestWait;
-  VkResult result = std::exchange(acquires_, VK_SUCCESS);
+  const std::uint64_t longest = options_.pace == Pace::immediate ? 0 : kMaxWaitNs;
+  VkResult result = std::exchange(simulatedResult_, VK_SUCCESS);
   if (result == VK_SUCCESS)
     result = vkAcquireNextImageKHR(device_.handle(), swapchain_, longest, slot.acquired.get(), VK_NULL_HANDLE, &index);
-  return goesOn(result, "vkAcquireNextImageKHR") ? std::optional(index) : std::nullopt;
+  return handleSurfaceResult(result, "vkAcquireNextImageKHR") ? std::optional(index) : std::nullopt;
 }
 
 void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
@@ -264,7 +265,7 @@ void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) con
                                  .pCommandBufferInfos = &commands,
                                  .signalSemaphoreInfoCount = index ? 1u : 0u,
                                  .pSignalSemaphoreInfos = &signal};
-  const auto held = holdQueue(device_.queueMutex());
+  const auto held = lockQueue(device_.queueMutex());
   vk(device_, vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 
@@ -284,8 +285,8 @@ bool Swapchain::end(const Frame& frame) {
                                  .swapchainCount = 1,
                                  .pSwapchains = &swapchain_,
                                  .pImageIndices = &*index};
-  const auto held = holdQueue(device_.queueMutex());
-  if (!goesOn(vkQueuePresentKHR(device_.queue(), &present), "vkQueuePresentKHR")) return false;
+  const auto held = lockQueue(device_.queueMutex());
+  if (!handleSurfaceResult(vkQueuePresentKHR(device_.queue(), &present), "vkQueuePresentKHR")) return false;
   losses_ = 0;
   return true;
 }

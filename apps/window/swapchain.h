@@ -45,8 +45,8 @@ class Surface {
 
 /// Synchronisation of frames with the display.
 enum class Pace {
-  refresh,   // waits for the display: every frame is shown, without tearing
-  whenever,  // never waits: frames that come too early are dropped, so the window never delays other rendering
+  refresh,    // waits for the display: every frame is shown, without tearing
+  immediate,  // never waits: frames that come too early are dropped, so the window never delays other rendering
 };
 
 struct SwapchainOptions {
@@ -71,26 +71,26 @@ class Swapchain {
     VkExtent2D extent;
   };
   /// Use of the image as returned by `begin`, and as `end` expects the image.
-  static constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
-  static constexpr ImageUse kAfter = use::kTransferSource;
+  static constexpr ImageUse kInitialUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  static constexpr ImageUse kFinalUse = use::kTransferSource;
 
   /// Returns nullopt if no frame can be drawn yet. Waits for the device, at any pace, when images are created again;
-  /// Pace::whenever delays that until the window has kept its size for some calls. Throws Error: outOfMemory;
+  /// Pace::immediate delays that until the window has kept its size for some calls. Throws Error: outOfMemory;
   /// deviceLost, also if the surface cannot be replaced or is lost more than three times in a row.
   std::optional<Frame> begin();
   /// Submits and presents the frame. Returns false if the frame is not shown: the window has changed or is hidden, or
-  /// has no free image (Pace::whenever).
+  /// has no free image (Pace::immediate).
   bool end(const Frame& frame);
   /// Ends the commands without submitting them.
   void abandon(const Frame& frame) noexcept;
 
   VkFormat format() const noexcept { return format_.drawn; }  // of Frame::image; UNORM
-  /// Increases whenever the image is replaced. The device is idle then; framebuffers of the old image are invalid.
+  /// Increases when the image is replaced. The device is idle then; framebuffers of the old image are invalid.
   std::uint64_t generation() const noexcept { return generation_; }
 
   /// Simulates a lost surface, or no free image, at the next `end`; for tests.
-  void loseSurface() noexcept { acquires_ = VK_ERROR_SURFACE_LOST_KHR; }
-  void keepImages() noexcept { acquires_ = VK_NOT_READY; }
+  void simulateLostSurface() noexcept { simulatedResult_ = VK_ERROR_SURFACE_LOST_KHR; }
+  void simulateNoImage() noexcept { simulatedResult_ = VK_NOT_READY; }
 
  private:
   struct Format {
@@ -106,8 +106,8 @@ class Swapchain {
   void replaceSurface();
   void makeImages();
   void drop() noexcept;
-  bool rests(VkExtent2D wanted) noexcept;
-  bool goesOn(VkResult result, const char* call);
+  bool sizeIsStable(VkExtent2D wanted) noexcept;
+  bool handleSurfaceResult(VkResult result, const char* call);
   std::optional<std::uint32_t> acquire(const Slot& slot);
   void recordCopy(VkCommandBuffer commands, VkImage image) const;
   void submit(const Slot& slot, std::optional<std::uint32_t> index) const;
@@ -118,17 +118,17 @@ class Swapchain {
   std::optional<Surface> surface_;
   Format format_{};
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
-  VkExtent2D madeFor_{0, 0};  // window size when the images were created
-  VkExtent2D wanted_{0, 0};   // window size at the last call of `begin`
-  int rested_ = 0;            // calls of `begin` since the window size changed
-  VkExtent2D extent_{0, 0};   // of the images
+  VkExtent2D createdFor_{0, 0};  // window size when the images were created
+  VkExtent2D wanted_{0, 0};      // window size at the last call of `begin`
+  int stableCalls_ = 0;          // calls of `begin` since the window size changed
+  VkExtent2D extent_{0, 0};      // of the images
   std::vector<VkImage> images_;
   std::vector<SemaphoreHandle> rendered_;  // by image
   GpuImage drawn_;
   std::array<Slot, kFramesInFlight> slots_;
   std::uint32_t slot_ = 0;
   std::uint64_t generation_ = 0;
-  VkResult acquires_ = VK_SUCCESS;  // simulated result of the next acquisition, for tests; VK_SUCCESS: none
+  VkResult simulatedResult_ = VK_SUCCESS;  // simulated result of the next acquisition, for tests; VK_SUCCESS: none
   bool outdated_ = true, lost_ = false;
   int losses_ = 0;  // of the surface, since the last shown frame
 };

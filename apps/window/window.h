@@ -15,7 +15,7 @@ namespace ibr::app {
 /// A key press, also one shorter than a frame; GLFW key codes. Letters follow the user's keyboard layout.
 struct KeyPress {
   int key = 0;
-  int place = 0;  // key code of this position on a US keyboard
+  int physicalKey = 0;  // key code of this position on a US keyboard
   bool control = false, shift = false;
 };
 

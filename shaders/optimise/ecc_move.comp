@@ -33,8 +33,9 @@ EccScore judgedScore(uint member, uint point, uint instance, int step, int phase
   const StarSums sums = judgedStar(member, point, offset, step, phase);
   ++judged;
   pixels += pixelsOf(sums);
-  const int64_t toll = eccToll(wayOf(member, point, offset), wayOf(member, point, ivec2(0)), todo.rigidity);
-  return scoreOf(sums, todo.definition, todo.floor, toll);
+  const int64_t increase = eccAddedCost(displacementOf(member, point, offset),
+                                        displacementOf(member, point, ivec2(0)), todo.rigidity);
+  return scoreOf(sums, todo.definition, todo.floor, increase);
 }
 
 // True if candidate a precedes b: a greater score, or an equal score and a smaller index.
@@ -55,18 +56,19 @@ void choose(uint member, uint point, uint lane, inout uint judged, inout int64_t
       if (chosen[m] != 0u) chosen[chosenCount++] = m;
   }
   barrier();
-  if (todo.prune == 0u || chosenCount <= kAlignmentLeft) return;
+  if (todo.prune == 0u || chosenCount <= kAlignmentSurvivors) return;
   // Candidate 0 is scored too, as in the CPU implementation, so that both count the same work.
   if (lane == 0u)
-    judgedScore(member, point, 0u, int(kAlignmentRows), int(seed % kAlignmentRows), judged, pixels);
+    judgedScore(member, point, 0u, int(kAlignmentPruneRows), int(seed % kAlignmentPruneRows), judged, pixels);
   for (uint i = lane; i < chosenCount; i += kAlignmentGroup)
-    scores[i] = judgedScore(member, point, chosen[i], int(kAlignmentRows), int(seed % kAlignmentRows), judged, pixels);
+    scores[i] = judgedScore(member, point, chosen[i], int(kAlignmentPruneRows), int(seed % kAlignmentPruneRows), judged,
+                            pixels);
   barrier();
   for (uint i = lane; i < chosenCount; i += kAlignmentGroup) {
     uint rank = 0u;
     for (uint j = 0u; j < chosenCount; ++j)
       if (j != i && comesBefore(scores[j], j, scores[i], i)) ++rank;
-    left[i] = rank < kAlignmentLeft;
+    left[i] = rank < kAlignmentSurvivors;
   }
   barrier();
   if (lane == 0u) {
@@ -82,9 +84,9 @@ void main() {
   const uint lane = gl_LocalInvocationID.x, at = todo.first + gl_WorkGroupID.x;
   const uint member = todo.member, point = points[at], outcome = todo.firstOutcome + gl_WorkGroupID.x;
   if (lane == 0u) {
-    reach = reachOf(member, point, todo.radius);
+    reach = maxMove(member, point, todo.radius);
     instanceCount =
-        todo.scaled != 0u ? eccInstances(todo.instances, reach, todo.radius) : todo.instances;
+        todo.scaled != 0u ? eccCandidateCount(todo.instances, reach, todo.radius) : todo.instances;
     if (reach == 0) instanceCount = 0u;
   }
   barrier();

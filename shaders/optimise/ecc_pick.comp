@@ -34,8 +34,8 @@ EccScore scoreOf(uint instance) {
   }
   if (todo.definition == kEccConcatenated) return score;
   const ivec2 offset = offsetOf(todo.member, todo.first, todo.radius, todo.seed, instance);
-  const int64_t cost = samples * eccToll(wayOf(todo.member, todo.first, offset),
-                                         wayOf(todo.member, todo.first, ivec2(0)), todo.rigidity);
+  const int64_t cost = samples * eccAddedCost(displacementOf(todo.member, todo.first, offset),
+                                         displacementOf(todo.member, todo.first, ivec2(0)), todo.rigidity);
   const int64_t added = todo.floor * samples;
   return EccScore(score.covariance + added - cost, score.varianceX + added, score.varianceY + added);
 }

@@ -23,6 +23,6 @@ ivec2 sumOfPositions(uint point) {
 }
 
 /// Returns the vector from the point's initial match to the candidate.
-ivec2 wayOf(uint member, uint point, ivec2 offset) {
+ivec2 displacementOf(uint member, uint point, ivec2 offset) {
   return positionIn(member, point) + offset - starts[member * mesh.points + point];
 }

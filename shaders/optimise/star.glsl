@@ -25,10 +25,10 @@ ivec3 sampled(int texel, int stride, int x, int y) {  // coordinates relative to
 void addRun(PairMaps maps, int column, int row, int pixels, inout EccTarget sums) {
   const int dropped = kEccCoordinateBits - kEccRunBits;
   const int64_t fraction = (int64_t(1) << kEccCoordinateBits) - int64_t(1);
-  const int64_t ax = eccAt(maps.source.originX, maps.source.xByX, maps.source.xByY, maps.origin, column, row);
-  const int64_t ay = eccAt(maps.source.originY, maps.source.yByX, maps.source.yByY, maps.origin, column, row);
-  const int64_t bx = eccAt(maps.target.originX, maps.target.xByX, maps.target.xByY, maps.origin, column, row);
-  const int64_t by = eccAt(maps.target.originY, maps.target.yByX, maps.target.yByY, maps.origin, column, row);
+  const int64_t ax = eccCoordinateAt(maps.source.originX, maps.source.xByX, maps.source.xByY, maps.origin, column, row);
+  const int64_t ay = eccCoordinateAt(maps.source.originY, maps.source.yByX, maps.source.yByY, maps.origin, column, row);
+  const int64_t bx = eccCoordinateAt(maps.target.originX, maps.target.xByX, maps.target.xByY, maps.origin, column, row);
+  const int64_t by = eccCoordinateAt(maps.target.originY, maps.target.yByX, maps.target.yByY, maps.origin, column, row);
   const AlignmentPicture a = mesh.pictures[maps.member], b = mesh.pictures[maps.other];
   const int aTexel = int(a.firstTexel) + (int(ay >> kEccCoordinateBits) + 1) * int(a.stride) +
                      int(ax >> kEccCoordinateBits) + 1;
@@ -86,14 +86,14 @@ bool addTriangle(uint member, uint other, ivec2 sa, ivec2 sb, ivec2 sc, ivec2 ta
                  int phase, inout EccTarget sums) {
   const ivec2 a = sa + ta, b = sb + tb, c = sc + tc;
   const int64_t area = eccArea(a, b, c);
-  if (area <= int64_t(0) || !eccSmall(a, b, c)) return false;
+  if (area <= int64_t(0) || !eccSizeFits(a, b, c)) return false;
   PairMaps maps;
   maps.source = eccMap(a, b, c, sa, sb, sc, area);
   maps.target = eccMap(a, b, c, ta, tb, tc, area);
   maps.member = member;
   maps.other = other;
   maps.origin = a;
-  if (!eccGentle(maps.source) || !eccGentle(maps.target)) return false;
+  if (!eccGradientFits(maps.source) || !eccGradientFits(maps.target)) return false;
   ivec2 top = a, middle = b, bottom = c, swapped;
   if (middle.y < top.y) swapped = top, top = middle, middle = swapped;
   if (bottom.y < middle.y) swapped = middle, middle = bottom, bottom = swapped;
@@ -133,8 +133,8 @@ EccScore scoreOf(StarSums sums, uint definition, int64_t floor, int64_t cost) {
   if (!sums.whole) return score;
   EccTarget all = kNoSums;
   for (uint t = 0u; t < 3u; ++t) {
-    score = eccPlus(score, sums.targets[t]);
+    score = eccAdd(score, sums.targets[t]);
     all = eccSum(all, sums.targets[t]);
   }
-  return eccFinished(score, all, definition, floor, cost);
+  return eccFinalScore(score, all, definition, floor, cost);
 }

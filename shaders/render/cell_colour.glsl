@@ -9,7 +9,7 @@
 #include "shared/panorama.h"
 
 layout(constant_id = 0) const int kMembers = 4;
-layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one array, one sampler
+layout(constant_id = 1) const bool kSingleArray = false;   // all members' photographs are layers of one array
 layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: some pixels are left to surfaces behind
 
 // Bit i: member i is a panorama. A specialisation constant, so that a scene of pinholes pays nothing, fragments of a
@@ -193,7 +193,7 @@ vec3 cellColour(uvec2 pixel, float more) {
       for (int i = 0; i < kMembers; ++i)
         if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k).rgb;
     if (kBlending != kBlend) {
-      if (kOnePage) {
+      if (kSingleArray) {
         dithered += tap(0, chosen, samplings[chosen], k).rgb;
       } else {
         for (int i = 0; i < kMembers; ++i)

@@ -8,14 +8,14 @@
 #include "shared/hidden_area.h"
 
 layout(constant_id = 0) const bool kEncodedByTarget = false;  // an SRGB format
-layout(constant_id = 1) const bool kFormer = false;           // two draw orders are cross-faded
+layout(constant_id = 1) const bool kPrevious = false;           // two draw orders are cross-faded
 layout(constant_id = 2) const bool kFill = false;
 layout(constant_id = 3) const bool kScaled = false;  // the image in the canvas has another size than the target
 layout(constant_id = 4) const bool kFloor = false;
 layout(constant_id = 5) const bool kHidden = false;  // there is a hidden area
 
 layout(set = 0, binding = 0) uniform sampler2D canvas;
-layout(set = 0, binding = 1) uniform sampler2D formerCanvas;  // image of the previous draw order
+layout(set = 0, binding = 1) uniform sampler2D previousCanvas;  // image of the previous draw order
 layout(set = 0, binding = 2) uniform sampler2D fill;          // half the canvas's size, linear filter
 layout(push_constant, scalar) uniform Constants {
   vec3 background;     // display-encoded
@@ -55,7 +55,7 @@ vec4 texel(sampler2D image, ivec2 pixel, vec4 back) {
 // Cross-fades both images. A pixel that is empty in the previous image shows the current one alone.
 vec4 shownAt(ivec2 pixel, vec4 back) {
   const vec4 now = texel(canvas, pixel, back);
-  return kFormer ? vec4(mix(now.rgb, texel(formerCanvas, pixel, now).rgb, previousWeight), now.a) : now;
+  return kPrevious ? vec4(mix(now.rgb, texel(previousCanvas, pixel, now).rgb, previousWeight), now.a) : now;
 }
 
 // Interpolates colours, also of empty pixels in between, but not of hidden ones. The tier code is that of the nearest

@@ -102,13 +102,13 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   const float own = views[v].candidate[k].depthScale * depth.r;
   const float unsure = uncertainty * here + gatherUncertainty(depth.g) * own;
   const float tolerance = 2.0 * gatherTolerance(views[v].candidate[k].step, here) + views[v].candidate[k].residual +
-                          kGatherUnsureSigmas * unsure;
+                          kGatherOcclusionSigmas * unsure;
   const float before = clamp((own - here) / tolerance - 1.0, 0.0, 1.0),
               behind = clamp((here - own) / tolerance - 1.0, 0.0, 1.0);
   const float visible = max((1.0 - before) * (1.0 - (1.0 - kGatherBehind) * behind), kGatherHidden);
-  const float apart = smoothstep(0.0, kGatherOwnPlace, beyond);
+  const float apart = smoothstep(0.0, kGatherOwnPoseCost, beyond);
   sight.weight = views[v].candidate[k].weight * resolution * resolution * mix(1.0, border, apart) *
-                 mix(1.0, visible, apart) / ((kGatherAngleFloor + beyond) * max(apart, kGatherLeastApart));
+                 mix(1.0, visible, apart) / ((kGatherAngleFloor + beyond) * max(apart, kGatherMinApart));
   const float moved = uncertainty * angle * views[v].candidate[k].focalPx;  // px
   sight.lod = max(log2(max(finer * views[v].detail, moved)), 0.0);
   return sight;

@@ -63,7 +63,7 @@ vec3 surfaceAt(int peak, float step) {
 }
 
 // Composites from front to back. The last surface has nothing behind it, so it counts as opaque.
-Shown[2] mostShown(float step) {
+Shown[2] maxShown(float step) {
   Shown most[2] = Shown[2](Shown(-1, 0.0), Shown(-1, 0.0));
   uint left = 0u;
   for (int i = 0; i < kCandidates; ++i)
@@ -95,7 +95,7 @@ float spreadAbout(float surface) {
   float sum = 0.0, square = 0.0;
   int count = 0;
   for (int j = 0; j < kCandidates; ++j) {
-    const float off = min(abs(rho[j] - surface) / max(surface, kGatherLeastApart), 1.0);
+    const float off = min(abs(rho[j] - surface) / max(surface, kGatherMinApart), 1.0);
     sum += weight[j];
     square += weight[j] * off * off;
     count += weight[j] > 0.0 ? 1 : 0;
@@ -109,7 +109,7 @@ void main() {
   const float step = views[c.view].step;
   readHypotheses(pixel);
   findPresences(step);
-  Shown shown[2] = mostShown(step);
+  Shown shown[2] = maxShown(step);
   if (kLayers == 1) shown[1].who = -1;
   if (shown[1].who >= 0 && rho[shown[1].who] > rho[shown[0].who])
     shown = Shown[2](shown[1], shown[0]);

@@ -10,8 +10,8 @@ IBR_SHARED_BEGIN
 IBR_CONSTANT uint kAlignmentGroup = 64u;     // lanes: candidates of a point, or points that are scored in place
 IBR_CONSTANT uint kAlignmentMembers = 4u;    // maximum number of images
 IBR_CONSTANT uint kAlignmentInstances = 256u;
-IBR_CONSTANT uint kAlignmentLeft = 8u;       // candidates that pruning keeps, beside the first
-IBR_CONSTANT uint kAlignmentRows = 8u;       // pruning scores one of so many rows
+IBR_CONSTANT uint kAlignmentSurvivors = 8u;       // candidates that pruning keeps, beside the first
+IBR_CONSTANT uint kAlignmentPruneRows = 8u;       // pruning scores one of so many rows
 
 IBR_CONSTANT uint kBorderInterior = 0u;
 IBR_CONSTANT uint kBorderSlides = 1u;

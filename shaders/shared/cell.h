@@ -28,7 +28,7 @@ const uvec2 kDissolveOffset = uvec2(29, 17);
 
 /// Minimum weight of a member of a mesh with masks: the member must show where all other members are masked, also where
 /// its own blend weight is 0.
-IBR_CONSTANT float kLeastMaskedWeight = 1e-4f;
+IBR_CONSTANT float kMinMaskedWeight = 1e-4f;
 
 // Factor on gradients, √½: half a mip level finer than the footprint, since bilinear filtering blurs as much.
 IBR_CONSTANT float kFinerDetail = 0.70710678f;
@@ -92,14 +92,15 @@ IBR_FUNCTION float exposedValue(float value, float gain, float slope) {
   return gain < 1.0f ? max(curved, straight) : min(curved, straight);
 }
 
-/// Applies the gain to a photograph's colour. A clipped value was at least as bright as it is stored. From kClips on,
-/// darkening is therefore reduced, and from kClipped on omitted, so that white does not turn grey or brown.
-IBR_CONSTANT float kClips = 0.9f, kClipped = 0.99f;
+/// Applies the gain to a photograph's colour. A clipped value was at least as bright as it is stored. From kClipStart on,
+/// darkening is therefore reduced, and from kClipEnd on omitted, so that white does not turn grey or brown.
+IBR_CONSTANT float kClipStart = 0.9f, kClipEnd = 0.99f;
 IBR_FUNCTION vec3 exposedColour(vec3 colour, vec3 gain, vec3 slope) {
   const vec3 exposed =
       vec3(exposedValue(colour.r, gain.r, slope.r), exposedValue(colour.g, gain.g, slope.g),
            exposedValue(colour.b, gain.b, slope.b));
-  const float share = clamp((max(colour.r, max(colour.g, colour.b)) - kClips) / (kClipped - kClips), 0.0f, 1.0f);
+  const float brightest = max(colour.r, max(colour.g, colour.b));
+  const float share = clamp((brightest - kClipStart) / (kClipEnd - kClipStart), 0.0f, 1.0f);
   const vec3 lost = colour - exposed;
   return exposed + share * vec3(max(lost.r, 0.0f), max(lost.g, 0.0f), max(lost.b, 0.0f));
 }

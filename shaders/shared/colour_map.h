@@ -109,7 +109,7 @@ IBR_FUNCTION uint pixelState(float alpha) {
 }
 
 // Histograms: M[k] of cell k of n, then joint ones H[k][j], j < k (ours), or reference histograms R[k] (paper).
-IBR_CONSTANT int kLargestMapped = 64;  // cells
+IBR_CONSTANT int kMaxMappedCells = 64;  // cells
 IBR_FUNCTION uint modifyOffset(uint k) { return k * uint(kCounters); }
 IBR_FUNCTION uint jointOffset(uint n, uint k, uint j) { return (n + k * (k - 1u) / 2u + j) * uint(kCounters); }
 IBR_FUNCTION uint referenceOffset(uint n, uint k) { return (n + k) * uint(kCounters); }
@@ -137,9 +137,9 @@ struct ColourFrame {
   uint largestStep;  // per frame, 1/256 levels
   uint tileColumns;  // of the proxy
   uint tileWidth, tileHeight;
-  uint slot[kLargestMapped];
-  uint owner[kLargestMapped];  // cell + 1
-  uint fresh[kLargestMapped];  // kColourFresh, kColourUnseen
+  uint slot[kMaxMappedCells];
+  uint owner[kMaxMappedCells];  // cell + 1
+  uint fresh[kMaxMappedCells];  // kColourFresh, kColourUnseen
 };
 
 // Descriptor bindings of the set of these passes.

@@ -35,8 +35,8 @@ IBR_CONSTANT int kEccCoordinateBits = 24;
 IBR_CONSTANT int kEccRunBits = 22;  // fraction bits of texture coordinates along a run
 IBR_CONSTANT int kEccRun = 64;      // maximum number of pixels of a run; the next run starts from exact coordinates
 IBR_CONSTANT int kEccWeightBits = 14;
-IBR_CONSTANT int kEccLongest = 262144;  // longest side of a triangle's box, in units of the mean: 1024 px
-IBR_CONSTANT int kEccSteepest = 4;      // largest change of a texture coordinate from pixel to pixel, px
+IBR_CONSTANT int kEccMaxSide = 262144;  // longest side of a triangle's box, in units of the mean: 1024 px
+IBR_CONSTANT int kEccMaxGradient = 4;      // largest change of a texture coordinate from pixel to pixel, px
 
 IBR_FUNCTION int64_t eccFloorDivide(int64_t a, int64_t b) {  // b > 0
   const int64_t quotient = a / b;
@@ -120,20 +120,20 @@ IBR_FUNCTION bool eccWithin(int64_t value, int64_t most) {
   return value >= -most && value <= most;
 }
 
-IBR_FUNCTION bool eccGentle(EccMap map) {
-  const int64_t most = int64_t(kEccSteepest) << kEccCoordinateBits;
+IBR_FUNCTION bool eccGradientFits(EccMap map) {
+  const int64_t most = int64_t(kEccMaxGradient) << kEccCoordinateBits;
   return eccWithin(map.xByX, most) && eccWithin(map.xByY, most) && eccWithin(map.yByX, most) &&
          eccWithin(map.yByY, most);
 }
 
-IBR_FUNCTION bool eccSmall(ivec2 a, ivec2 b, ivec2 c) {
+IBR_FUNCTION bool eccSizeFits(ivec2 a, ivec2 b, ivec2 c) {
   const int width = max(a.x, max(b.x, c.x)) - min(a.x, min(b.x, c.x));
   const int height = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y));
-  return width <= kEccLongest && height <= kEccLongest;
+  return width <= kEccMaxSide && height <= kEccMaxSide;
 }
 
 /// Returns a coordinate at the centre of pixel (column, row) of the mean, whose corner a is at `ma`.
-IBR_FUNCTION int64_t eccAt(int64_t origin, int64_t byX, int64_t byY, ivec2 ma, int column, int row) {
+IBR_FUNCTION int64_t eccCoordinateAt(int64_t origin, int64_t byX, int64_t byY, ivec2 ma, int column, int row) {
   const int64_t x = int64_t(column) * int64_t(kEccPixel) + int64_t(kEccPixel / 2 - ma.x);
   const int64_t y = int64_t(row) * int64_t(kEccPixel) + int64_t(kEccPixel / 2 - ma.y);
   return origin + ((byX * x + byY * y) >> 8);
@@ -145,7 +145,7 @@ IBR_FUNCTION ivec3 eccTexel(uint texel) {
 }
 
 /// Interpolates bilinearly, in 2⁻⁸ levels; weights of the right and lower neighbours in 2⁻¹⁴. Within ±32767.
-IBR_FUNCTION int eccMixed(int t00, int t10, int t01, int t11, int wx, int wy) {
+IBR_FUNCTION int eccBilinear(int t00, int t10, int t01, int t11, int wx, int wy) {
   const int whole = 1 << kEccWeightBits;
   const int upper = (t00 * (whole - wx) + t10 * wx + 32) >> 6;
   const int lower = (t01 * (whole - wx) + t11 * wx + 32) >> 6;
@@ -155,8 +155,8 @@ IBR_FUNCTION int eccMixed(int t00, int t10, int t01, int t11, int wx, int wy) {
 
 IBR_FUNCTION ivec3 eccSample(uint t00, uint t10, uint t01, uint t11, int wx, int wy) {
   const ivec3 a = eccTexel(t00), b = eccTexel(t10), c = eccTexel(t01), d = eccTexel(t11);
-  return ivec3(eccMixed(a.x, b.x, c.x, d.x, wx, wy), eccMixed(a.y, b.y, c.y, d.y, wx, wy),
-               eccMixed(a.z, b.z, c.z, d.z, wx, wy));
+  return ivec3(eccBilinear(a.x, b.x, c.x, d.x, wx, wy), eccBilinear(a.y, b.y, c.y, d.y, wx, wy),
+               eccBilinear(a.z, b.z, c.z, d.z, wx, wy));
 }
 
 // --- Sums and scores ---
@@ -185,7 +185,7 @@ IBR_CONSTANT uint kEccChannels = 0u;      // one mean per channel and target, wi
 IBR_CONSTANT uint kEccConcatenated = 1u;  // [T] eqs 1–3
 
 /// Adds a target's sums to a score of definition kEccChannels.
-IBR_FUNCTION EccScore eccPlus(EccScore score, EccTarget t) {
+IBR_FUNCTION EccScore eccAdd(EccScore score, EccTarget t) {
   if (t.n == int64_t(0)) return score;
   const int64_t none = int64_t(0);
   score.covariance +=
@@ -206,12 +206,12 @@ IBR_FUNCTION int64_t eccCost(ivec2 way, int64_t rigidity) {
 
 /// Returns the additional cost of a move: the cost there less the cost here, at least 0. Moving back is free, but not
 /// rewarded, so that a move that wins never lowers the ECC itself.
-IBR_FUNCTION int64_t eccToll(ivec2 wayThere, ivec2 wayHere, int64_t rigidity) {
-  return max(eccCost(wayThere, rigidity) - eccCost(wayHere, rigidity), int64_t(0));
+IBR_FUNCTION int64_t eccAddedCost(ivec2 displacementThere, ivec2 displacementHere, int64_t rigidity) {
+  return max(eccCost(displacementThere, rigidity) - eccCost(displacementHere, rigidity), int64_t(0));
 }
 
 /// `all`: sums over the targets. `floor` and `cost`: 2⁻¹⁶ grey², per sample and channel.
-IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definition, int64_t floor, int64_t cost) {
+IBR_FUNCTION EccScore eccFinalScore(EccScore channels, EccTarget all, uint definition, int64_t floor, int64_t cost) {
   EccScore score = channels;
   if (definition == kEccConcatenated) {
     const int64_t n = all.n * int64_t(3), x = all.x0 + all.x1 + all.x2, y = all.y0 + all.y1 + all.y2;
@@ -246,12 +246,12 @@ IBR_FUNCTION bool eccDefined(EccScore s) {
 }
 
 /// 256-bit integer, lowest limb first.
-struct EccWide {
+struct EccWideInt {
   uint limb[8];
 };
 
 /// Returns a² · b · c; all arguments >= 0.
-IBR_FUNCTION EccWide eccProduct(int64_t a, int64_t b, int64_t c) {
+IBR_FUNCTION EccWideInt eccProduct(int64_t a, int64_t b, int64_t c) {
   uint factors[8];
   factors[0] = factors[2] = uint(a);
   factors[1] = factors[3] = uint(a >> 32);
@@ -259,13 +259,13 @@ IBR_FUNCTION EccWide eccProduct(int64_t a, int64_t b, int64_t c) {
   factors[5] = uint(b >> 32);
   factors[6] = uint(c);
   factors[7] = uint(c >> 32);
-  EccWide product;
+  EccWideInt product;
   for (int i = 0; i < 8; ++i) product.limb[i] = 0u;
   product.limb[0] = factors[0];
   product.limb[1] = factors[1];
   for (int f = 1; f < 4; ++f) {  // product · factor, limb by limb from the lowest
     const uint64_t low = uint64_t(factors[2 * f]), high = uint64_t(factors[2 * f + 1]);
-    EccWide next;
+    EccWideInt next;
     uint64_t carry = uint64_t(0);
     uint64_t before = uint64_t(0);
     for (int i = 0; i < 8; ++i) {
@@ -281,7 +281,7 @@ IBR_FUNCTION EccWide eccProduct(int64_t a, int64_t b, int64_t c) {
   return product;
 }
 
-IBR_FUNCTION int eccCompare(EccWide a, EccWide b) {
+IBR_FUNCTION int eccCompare(EccWideInt a, EccWideInt b) {
   for (int i = 7; i >= 0; --i)
     if (a.limb[i] != b.limb[i]) return a.limb[i] > b.limb[i] ? 1 : -1;
   return 0;
@@ -295,8 +295,8 @@ IBR_FUNCTION bool eccGreater(EccScore a, EccScore b) {
   const int signA = a.covariance > none ? 1 : (a.covariance < none ? -1 : 0);
   const int signB = b.covariance > none ? 1 : (b.covariance < none ? -1 : 0);
   if (signA != signB) return signA > signB;
-  const EccWide left = eccProduct(signA < 0 ? -a.covariance : a.covariance, b.varianceX, b.varianceY);
-  const EccWide right = eccProduct(signB < 0 ? -b.covariance : b.covariance, a.varianceX, a.varianceY);
+  const EccWideInt left = eccProduct(signA < 0 ? -a.covariance : a.covariance, b.varianceX, b.varianceY);
+  const EccWideInt right = eccProduct(signB < 0 ? -b.covariance : b.covariance, a.varianceX, a.varianceY);
   const int order = eccCompare(left, right);
   return signA > 0 ? order > 0 : (signA < 0 && order < 0);
 }
@@ -322,7 +322,7 @@ IBR_FUNCTION uint eccPointSeed(uint cycleSeed, uint member, uint point) {
 }
 
 /// Returns ⌈√v⌉.
-IBR_FUNCTION int64_t eccRootUp(int64_t v) {  // 0 <= v < 2⁵⁰
+IBR_FUNCTION int64_t eccCeilSqrt(int64_t v) {  // 0 <= v < 2⁵⁰
   int64_t root = int64_t(0);
   for (int bit = 24; bit >= 0; --bit) {
     const int64_t next = root + (int64_t(1) << bit);
@@ -332,10 +332,10 @@ IBR_FUNCTION int64_t eccRootUp(int64_t v) {  // 0 <= v < 2⁵⁰
 }
 
 /// Returns the largest displacement of p: (1 − 2⁻¹⁰) of its distance to the line a–b; 0 if p is on or behind the line.
-IBR_FUNCTION int eccReach(ivec2 p, ivec2 a, ivec2 b) {
+IBR_FUNCTION int eccMaxMove(ivec2 p, ivec2 a, ivec2 b) {
   const int64_t area = eccArea(p, a, b);
   const int64_t dx = int64_t(b.x - a.x), dy = int64_t(b.y - a.y);
-  const int64_t edge = eccRootUp(dx * dx + dy * dy);
+  const int64_t edge = eccCeilSqrt(dx * dx + dy * dy);
   if (area <= int64_t(0) || edge == int64_t(0)) return 0;
   const int64_t reach = area / edge;
   const int64_t less = reach - (reach + int64_t(1023)) / int64_t(1024);
@@ -343,13 +343,13 @@ IBR_FUNCTION int eccReach(ivec2 p, ivec2 a, ivec2 b) {
 }
 
 /// Returns M′ = M·r²/R², at least 8 ([T] §3.7); r <= R.
-IBR_FUNCTION uint eccInstances(uint instances, int radius, int most) {
+IBR_FUNCTION uint eccCandidateCount(uint instances, int radius, int most) {
   const int64_t scaled = int64_t(instances) * int64_t(radius) * int64_t(radius) / (int64_t(most) * int64_t(most));
   return min(instances, max(8u, uint(scaled)));
 }
 
 /// Returns a uniformly distributed point of the disc with this radius; `seed` is the candidate's.
-IBR_FUNCTION ivec2 eccInDisc(uint seed, int radius) {
+IBR_FUNCTION ivec2 eccOffsetInDisc(uint seed, int radius) {
   uint h = seed;
   for (int attempt = 0; attempt < 16; ++attempt) {
     h = eccHash(h, uint(attempt));
@@ -361,10 +361,10 @@ IBR_FUNCTION ivec2 eccInDisc(uint seed, int radius) {
 }
 
 /// Returns a uniformly distributed displacement of at most `radius` along `chord`, rounded towards 0.
-IBR_FUNCTION ivec2 eccAlong(uint seed, int radius, ivec2 chord) {
+IBR_FUNCTION ivec2 eccOffsetAlong(uint seed, int radius, ivec2 chord) {
   const uint h = eccHash(seed, 0u);
   const int64_t way = int64_t(int(((h & 0xffffu) * uint(2 * radius + 1)) >> 16) - radius);
-  const int64_t edge = eccRootUp(int64_t(chord.x) * int64_t(chord.x) + int64_t(chord.y) * int64_t(chord.y));
+  const int64_t edge = eccCeilSqrt(int64_t(chord.x) * int64_t(chord.x) + int64_t(chord.y) * int64_t(chord.y));
   if (edge == int64_t(0)) return ivec2(0, 0);
   return ivec2(int(int64_t(chord.x) * way / edge), int(int64_t(chord.y) * way / edge));
 }

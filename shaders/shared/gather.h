@@ -41,8 +41,8 @@ IBR_CONSTANT float kGatherBorder = 0.04f;         // share of the photograph's w
 IBR_CONSTANT float kGatherMaxResolution = 1.5f;   // relative to the view's: a finer photograph is no better
 IBR_CONSTANT float kGatherHidden = 0.002f;        // minimum visibility: a hidden photograph is better than none
 IBR_CONSTANT float kGatherBehind = 0.25f;         // visibility if the photograph's own surface is behind
-IBR_CONSTANT float kGatherOwnPlace = 0.01f;       // radians of cost below which hiding and borders cease to count
-IBR_CONSTANT float kGatherLeastApart = 1e-6f;
+IBR_CONSTANT float kGatherOwnPoseCost = 0.01f;       // radians of cost below which hiding and borders cease to count
+IBR_CONSTANT float kGatherMinApart = 1e-6f;
 IBR_CONSTANT float kGatherSameSurface = 0.25f;  // kernel from which on the lesser hypothesis is not a surface
 IBR_CONSTANT float kGatherFullConsensus = 0.9f;  // consensus from which on a present surface is opaque
 IBR_CONSTANT float kGatherColourSpread = 15.0f;  // 8-bit levels; a surface whose colours deviate so has half the weight
@@ -53,14 +53,14 @@ IBR_CONSTANT float kGatherShare = 0.01f;         // … plus a share of ρ
 IBR_CONSTANT float kGatherStepDeviation = 0.18f;    // steps
 IBR_CONSTANT float kGatherSpreadDeviation = 0.85f;  // of the spread …
 IBR_CONSTANT float kGatherColourDeviation = 4.0f;   // … times 1 + this × the colours' deviation / kGatherColourSpread …
-IBR_CONSTANT float kGatherMostColours = 2.0f;       // … of which at most this counts
+IBR_CONSTANT float kGatherMaxColourFactor = 2.0f;       // … of which at most this counts
 IBR_CONSTANT float kGatherAloneSpread = 0.05f;      // spread of a hypothesis if it is the only one at the pixel
 IBR_CONSTANT float kGatherSpreadLevels = 31.0f;     // largest code: spread 1; kGatherSpreadOctave codes per factor of 2
 IBR_CONSTANT float kGatherSpreadOctave = 3.0f;
 IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust below which a hypothesis is completed, not matched
-IBR_CONSTANT float kGatherSureConsensus = 0.5f;  // consensus from which on ρ counts as exact; below …
-IBR_CONSTANT float kGatherUnsure = 0.1f;         // … its standard deviation is up to this share of ρ
-IBR_CONSTANT float kGatherUnsureSigmas = 3.0f;   // nothing is hidden within so many deviations of both surfaces
+IBR_CONSTANT float kGatherExactConsensus = 0.5f;  // consensus from which on ρ counts as exact; below …
+IBR_CONSTANT float kGatherMaxRelativeError = 0.1f;         // … its standard deviation is up to this share of ρ
+IBR_CONSTANT float kGatherOcclusionSigmas = 3.0f;   // nothing is hidden within so many deviations of both surfaces
 
 /// A photograph's parameters for one view. Photograph axes: axes of its camera.
 struct GatherCandidate {
@@ -127,14 +127,14 @@ IBR_FUNCTION float gatherKernel(float here, float there, float step) {
 
 /// Returns the uncertainty of a surface's ρ, as a share of ρ.
 IBR_FUNCTION float gatherUncertainty(float consensus) {
-  return kGatherUnsure * max(0.0f, 1.0f - consensus / kGatherSureConsensus);
+  return kGatherMaxRelativeError * max(0.0f, 1.0f - consensus / kGatherExactConsensus);
 }
 
 /// Returns one standard deviation of a pixel's ρ: all of ρ for completed and filled depth. `spread`: of the vote's
 /// hypotheses about the surface, a share of ρ. `variance`: of the photographs' colours, 8-bit levels².
 IBR_FUNCTION float gatherSigma(int tier, float inverseDepth, float step, float spread, float variance) {
   if (tier != 0) return inverseDepth;
-  const float colours = min(sqrt(variance) / kGatherColourSpread, kGatherMostColours);
+  const float colours = min(sqrt(variance) / kGatherColourSpread, kGatherMaxColourFactor);
   const float apart = kGatherSpreadDeviation * (1.0f + kGatherColourDeviation * colours) * spread * inverseDepth;
   const float sure = kGatherStepDeviation * step;
   return sqrt(sure * sure + apart * apart);

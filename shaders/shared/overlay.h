@@ -81,14 +81,14 @@ IBR_FUNCTION vec3 memberColour(int member) {
 }
 
 // Uncertainty of depth, σ / ρ: light is certain. The scale is logarithmic.
-IBR_CONSTANT float kLeastUncertainty = 0.001f;
-IBR_CONSTANT float kLargestUncertainty = 1.0f;
+IBR_CONSTANT float kMinUncertainty = 0.001f;
+IBR_CONSTANT float kMaxUncertainty = 1.0f;
 
 /// Points without depth (ρ = 0) have the largest uncertainty.
 IBR_FUNCTION vec3 confidenceColour(float inverseDistance, float uncertainty) {
   if (!(inverseDistance > 0.0f)) return rampColour(0.0f);
-  const float certain = kLargestUncertainty / max(uncertainty / inverseDistance, kLeastUncertainty);
-  return rampColour(log2(certain) / log2(kLargestUncertainty / kLeastUncertainty));
+  const float certain = kMaxUncertainty / max(uncertainty / inverseDistance, kMinUncertainty);
+  return rampColour(log2(certain) / log2(kMaxUncertainty / kMinUncertainty));
 }
 
 // Depth along the viewing axis, in units of FramePlan::nearDistance: light is near. The scale is logarithmic.
@@ -111,7 +111,7 @@ IBR_FUNCTION vec3 overlapColour(int cells) {
 // Agreement of photographs: zero-mean normalised correlation of their luminances in a window of the image, mean over
 // the pairs of members.
 IBR_CONSTANT int kAgreementReach = 3;               // pixels to each side
-IBR_CONSTANT float kLeastContrast = 2.0f / 255.0f;  // standard deviation below which a window is flat: no value
+IBR_CONSTANT float kMinContrast = 2.0f / 255.0f;  // standard deviation below which a window is flat: no value
 
 /// Sums over a window: values v of four members, and their products.
 struct WindowSums {
@@ -123,7 +123,7 @@ struct WindowSums {
 /// Returns the mean correlation over pairs of members that both have contrast, −1 to 1; 2: there is no such pair.
 IBR_FUNCTION float agreementOf(WindowSums sums, int members) {
   float total = 0.0f, pairs = 0.0f;
-  const float least = sums.count * kLeastContrast * kLeastContrast;
+  const float least = sums.count * kMinContrast * kMinContrast;
   for (int i = 1; i < members; ++i)
     for (int j = 0; j < i; ++j) {
       const float a = sums.products[i][i] - sums.sum[i] * sums.sum[i] / sums.count;

@@ -11,7 +11,7 @@
 IBR_SHARED_BEGIN
 
 IBR_CONSTANT float kHalfPi = 1.57079633f;
-IBR_CONSTANT float kLargestPanoramaReach = 8.0f;
+IBR_CONSTANT float kMaxPanoramaReach = 8.0f;
 
 /// Returns atan2(y, x), accurate to 3e-7 rad; 0 for (0, 0).
 IBR_FUNCTION float angleOf(float y, float x) {
@@ -40,7 +40,7 @@ IBR_FUNCTION vec2 panoramaCoordinate(vec3 direction) {
 struct PanoramaFootprint {
   float texels;   // size of the pixel in texels of the equator; selects the mip level
   float spacing;  // texture coordinate
-  float reach;    // 0 to kLargestPanoramaReach; 0: one tap
+  float reach;    // 0 to kMaxPanoramaReach; 0: one tap
 };
 
 /// `ray`: unit. `dx`, `dy`: its differences to the neighbouring pixels. `size`: of the panorama, texels.
@@ -63,8 +63,8 @@ IBR_FUNCTION PanoramaFootprint panoramaFootprint(vec3 ray, vec3 dx, vec3 dy, vec
   const float apart = max(result.texels, 1.0f);
   const float width = min(sqrt(eastX * eastX + eastY * eastY) / max(across, 1e-6f), size.x);
   const float wanted = 0.5f * max(width / apart - 1.5f, 0.0f);
-  result.reach = min(wanted, kLargestPanoramaReach);
-  result.spacing = apart / size.x * max(wanted / kLargestPanoramaReach, 1.0f);
+  result.reach = min(wanted, kMaxPanoramaReach);
+  result.spacing = apart / size.x * max(wanted / kMaxPanoramaReach, 1.0f);
   return result;
 }
 

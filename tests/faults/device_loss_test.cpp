@@ -34,7 +34,7 @@ void expectLost(const char* what, Call call) {
 }  // namespace
 
 TEST_CASE("a device lost at any call stays lost, and the scene renders again on a new device") {
-  const SmallPlace place;
+  const SmallScene place;
   const DeviceOptions options{.validation = true, .log = testLog()};
   const FramePlan plan = place.plan({});
   std::optional<Image8> expected;
@@ -46,7 +46,7 @@ TEST_CASE("a device lost at any call stays lost, and the scene renders again on 
     std::optional<Offscreen> offscreen;
     const auto show = [&](const std::optional<Renderer>& by, std::optional<Offscreen>& into) {
       return into->render([&](VkCommandBuffer commands) {
-        if (scene->streams()) scene->stream(commands, plan, 1, 0);
+        if (scene->needsStreaming()) scene->stream(commands, plan, 1, 0);
         by->record(commands, plan, into->target());
       });
     };

@@ -82,7 +82,7 @@ std::vector<Look> looks() {
 }  // namespace
 
 TEST_CASE("a scene can be opened and rendered after a failure of any Vulkan call", "[P10]") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
   const auto show = [&] { return place.pictures(device, place.open(device), plan); };
@@ -93,7 +93,7 @@ TEST_CASE("a scene can be opened and rendered after a failure of any Vulkan call
 }
 
 TEST_CASE("every pass can be created and drawn after a failure of any Vulkan call") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
   const Look look = GENERATE(from_range(looks()));
@@ -106,7 +106,7 @@ TEST_CASE("every pass can be created and drawn after a failure of any Vulkan cal
 }
 
 TEST_CASE("buffers can be rendered and read after a failure of any Vulkan call") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
   const FramePlan plan = place.plan({});
@@ -126,7 +126,7 @@ TEST_CASE("buffers can be rendered and read after a failure of any Vulkan call")
 }
 
 TEST_CASE("a failed resize leaves the previous renderer unchanged") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const GpuScene scene = place.open(device);
   const FramePlan small = place.plan({}), large = place.plan({}, 1, 96, 72);
@@ -159,7 +159,7 @@ TEST_CASE("a failed resize leaves the previous renderer unchanged") {
 }
 
 TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
   const std::uint64_t all = place.open(device).memory().sum();
@@ -190,7 +190,7 @@ TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
 }
 
 TEST_CASE("allocated bytes stay within the budget, staging excluded", "[P10]") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
   const std::uint64_t all = place.open(device).memory().sum(), staging = 1 << 20;
@@ -202,7 +202,7 @@ TEST_CASE("allocated bytes stay within the budget, staging excluded", "[P10]") {
     for (std::uint64_t frame = 1; frame < 8; ++frame) {
       submitAndWait(device, [&](VkCommandBuffer commands) { scene.stream(commands, plan, frame, frame - 1); });
       CHECK(scene.memory().sum() <= budget);
-      CHECK(deviceMemory().bytes - before <= budget + (scene.streams() ? staging : 0));
+      CHECK(deviceMemory().bytes - before <= budget + (scene.needsStreaming() ? staging : 0));
     }
     CHECK(scene.memory().sum() <= deviceMemory().bytes - before);
     CHECK(deviceMemory().most - before <= budget + 2 * staging);
@@ -250,7 +250,7 @@ TEST_CASE("a harmonised model can be opened, rendered and replaced after a failu
     const auto record = [&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); };
     const Image8 first = offscreen.render(record);
     model.replace(bumpy.model, bumpy.source());
-    renderer.show(model);
+    renderer.setModel(model);
     expectSame(offscreen.render(record), first);
     return first;
   };
@@ -283,7 +283,7 @@ TEST_CASE("a device with a pipeline cache is created completely or not at all") 
 }
 
 TEST_CASE("an unknown fault of any Vulkan call throws Error{vulkan} that names the call") {
-  const SmallPlace place;
+  const SmallScene place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
   const WalkedFaults walked = failEachCall(

@@ -8,17 +8,19 @@
 
 namespace ibr::test {
 
-class SmallPlace {
+class SmallScene {
  public:
-  SmallPlace() : place_(twoCells()), bounds_(sceneBounds(place_.scene)) {
+  SmallScene() : place_(twoCells()), bounds_(sceneBounds(place_.scene)) {
     for (const Image8& photograph : place_.photographs) mips_.push_back(buildMips(photograph));
   }
-  SmallPlace(const SmallPlace&) = delete;
-  SmallPlace& operator=(const SmallPlace&) = delete;
+  SmallScene(const SmallScene&) = delete;
+  SmallScene& operator=(const SmallScene&) = delete;
 
   const Scene& scene() const { return place_.scene; }
   TextureSource source() const {
-    return [this](const Scene&, std::size_t node, int firstLevel) { return smallerLevels(mips_[node], firstLevel); };
+    return [this](const Scene&, std::size_t node, int firstLevel) {
+      return withoutLargestLevels(mips_[node], firstLevel);
+    };
   }
   GpuScene open(Device& device, GpuSceneOptions options = {}) const {
     options.source = source();

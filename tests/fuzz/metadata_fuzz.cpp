@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const io::Exif exif = io::readExif(bytes);
     demand(exif.orientation >= 1 && exif.orientation <= 8);
     relativeExposure(exif.capture);
-    io::setUpright(bytes);
+    io::resetOrientation(bytes);
     demand(io::readExif(bytes).orientation == 1);
     return 0;
   }

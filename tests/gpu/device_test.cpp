@@ -74,7 +74,7 @@ TEST_CASE("the software device is chosen only without another device") {
   const Environment none("IBR_DEVICE", "");
   bool gpu = false, software = false;
   for (const DeviceDescription& description : Device::list()) {
-    if (!description.lacking.empty()) continue;
+    if (!description.missing.empty()) continue;
     (description.type == VK_PHYSICAL_DEVICE_TYPE_CPU ? software : gpu) = true;
   }
   const bool onSoftware = Device::create().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -91,7 +91,7 @@ TEST_CASE("the device list describes the devices that can be created") {
     CHECK(description.apiVersion >= VK_API_VERSION_1_0);
     if (description.name != testDevice().properties().deviceName) continue;
     ++same;
-    CHECK(description.lacking.empty());
+    CHECK(description.missing.empty());
     CHECK(description.memoryBytes > 0);
     CHECK(testDevice().name() == description.name + ", " + description.driver);
   }
@@ -109,7 +109,7 @@ TEST_CASE("a device is chosen by index or part of its name, and the option overr
   CHECK(Device::create({.device = name}).properties().deviceName == name);
   REQUIRE(Device::preferred(name));
   CHECK(Device::preferred(name)->name == name);
-  CHECK(kindOf(Device::preferred(name)->type) == testDevice().kind());
+  CHECK(deviceKindOf(Device::preferred(name)->type) == testDevice().kind());
   CHECK_FALSE(Device::preferred());  // IBR_DEVICE decides
   CHECK(Device::create({.device = std::to_string(index)}).properties().deviceName == name);
   CHECK_THAT(Device::create({.device = upper}).name(), Contains(name.substr(0, 4)));
@@ -156,7 +156,7 @@ TEST_CASE("discrete, integrated, virtual and software devices are preferred in t
   const auto chosen = [&](const std::string& option) { return devices[choose(devices, option)].name; };
   CHECK(chosen("") == (devices[0].name == "unknown" ? "card A" : "card B"));  // the first of equal devices
   for (DeviceDescription& device : devices)
-    if (device.type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) device.lacking = {"depthClamp", "scalarBlockLayout"};
+    if (device.type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) device.missing = {"depthClamp", "scalarBlockLayout"};
   CHECK(chosen("") == "laptop");
   CHECK(chosen("soft") == "software");
   CHECK(chosen("3") == devices[3].name);

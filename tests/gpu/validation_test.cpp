@@ -45,7 +45,7 @@ TEST_CASE("a missing barrier between commands is reported, counted and sent to t
   const Buffer a(device, 64, kCopied, MemoryKind::device, "a"), b(device, 64, kCopied, MemoryKind::device, "b");
   const auto fillAndCopy = [&](bool barrier) {
     submitAndWait(device, [&](VkCommandBuffer commands) {
-      bufferBarrier(commands, use::kAnything, use::kAnything);
+      bufferBarrier(commands, use::kAllCommands, use::kAllCommands);
       fill(commands, a);
       if (barrier) bufferBarrier(commands, use::kTransferWrite, use::kTransferRead);
       copy(commands, a, b);

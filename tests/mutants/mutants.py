@@ -191,7 +191,7 @@ MUTANTS = [
         ("hypotheses are not divided by depth", "gather_layer.frag", "inHypothesis.x * gl_FragCoord.w", "inHypothesis.x"),
         ("meshes of photographs are not moved", "gather_layer.vert", "rho * views[c.view].candidate[gl_InstanceIndex].place;",
          "0.0 * views[c.view].candidate[gl_InstanceIndex].place;"),
-        ("certain and uncertain surfaces hide alike", "gather.glsl", "kGatherUnsureSigmas * unsure", "0.0 * unsure"),
+        ("certain and uncertain surfaces hide alike", "gather.glsl", "kGatherOcclusionSigmas * unsure", "0.0 * unsure"),
         ("a photograph's own depth is certain", "gather.glsl", "+ gatherUncertainty(depth.g) * own", ""),
         ("uncertain surfaces are read finely", "gather.glsl", "max(finer * views[v].detail, moved)",
          "finer * views[v].detail"),

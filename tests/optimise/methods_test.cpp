@@ -5,7 +5,7 @@
 #include "base/vulkan/submit.h"
 #include "ibr/ecc_pass.h"
 #include "ibr/optimiser.h"
-#include "optimise/mover.h"
+#include "optimise/alignment_backend.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
 #include "support/planted.h"
@@ -130,7 +130,7 @@ TEST_CASE("a caller's command buffer moves points like the optimiser", "[int64]"
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
       for (std::uint32_t picture = 0; move && picture < 2; ++picture)
         for (std::uint32_t k = 0; k < pass.classCount(); ++k) pass.recordMove(commands, {picture, k, 3.0, 77});
-      pass.recordJudge(commands);
+      pass.recordEvaluation(commands);
       pass.recordReadback(commands);
     });
   };
@@ -152,6 +152,6 @@ TEST_CASE("a caller's command buffer moves points like the optimiser", "[int64]"
   std::vector<Texels> pictures;
   for (const Image8& picture : planted.pictures) pictures.push_back(texelsOf(picture));
   Positions at = planted.alignment.position;
-  cpuMover({mesh, pictures, options, planted.alignment})->cycle({3 * kAlignmentUnitsPerPixel, 77}, at, [] {});
+  makeCpuBackend({mesh, pictures, options, planted.alignment})->cycle({3 * kAlignmentUnitsPerPixel, 77}, at, [] {});
   CHECK(pass.positions() == at);
 }

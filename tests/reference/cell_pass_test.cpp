@@ -16,8 +16,8 @@ TEST_CASE("the cell pass equals the reference implementation", "[P9]") {
         settings.blend = blend;
         settings.morph = morph;
         INFO(members << " members, blend " << int(blend) << ", morph " << int(morph));
-        compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));  // inside
-        compareWithTwin(stage, stage.plan(cameraAt({1.3, -0.4, 0.5}, 0.1), settings));   // outside
+        compareWithReference(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));  // inside
+        compareWithReference(stage, stage.plan(cameraAt({1.3, -0.4, 0.5}, 0.1), settings));   // outside
       }
   }
 }
@@ -25,10 +25,10 @@ TEST_CASE("the cell pass equals the reference implementation", "[P9]") {
 TEST_CASE("the cell pass draws odd sizes, wide angles and off-centre principal points", "[N6][P9]") {
   const Stage stage(testDevice(), makeScene(place(3)));
   Camera view = cameraAt({0.4, 0.3, 0}, 0, 0, 333, 201, 1.9);
-  compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
+  compareWithReference(stage, stage.plan(view, withTiers()), 0.05);
   view.intrinsics.cx = 40;
   view.intrinsics.cy = 170;
-  compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
+  compareWithReference(stage, stage.plan(view, withTiers()), 0.05);
 }
 
 TEST_CASE("cells with rejected triangles: rank decides between cells, depth within a cell") {
@@ -43,7 +43,7 @@ TEST_CASE("cells with rejected triangles: rank decides between cells, depth with
   const Stage stage(testDevice(), place);
   const Camera view = cameraAt({0.45, 0.3, 0.2}, 0.02);
   REQUIRE(stage.plan(view).cells.size() == 3);
-  compareWithTwin(stage, stage.plan(view, withTiers()));
+  compareWithReference(stage, stage.plan(view, withTiers()));
 }
 
 TEST_CASE("dissolving cells with mixed blending equal the reference implementation") {
@@ -59,7 +59,7 @@ TEST_CASE("dissolving cells with mixed blending equal the reference implementati
   REQUIRE(plan.cells.size() == 2);
   CHECK(plan.cells[0].opacity < 1);
   CHECK(plan.cells[0].opacity > 0);
-  compareWithTwin(stage, plan, 0.25, 0.1);  // noise leaves few pixels whose neighbours show the same draw item
+  compareWithReference(stage, plan, 0.25, 0.1);  // noise leaves few pixels whose neighbours show the same draw item
   settings.fadeShare = 0;
   CHECK(stage.render(plan) != stage.render(view, settings));
 }
@@ -75,7 +75,7 @@ TEST_CASE("aligned cells equal the reference implementation") {
   const FramePlan plan = stage.plan(view, settings);
   REQUIRE(plan.cells.size() == 2);
   for (const PlannedCell& cell : plan.cells) CHECK_FALSE((cell.correction == Correction{}));
-  compareWithTwin(stage, plan);
+  compareWithReference(stage, plan);
   CHECK_FALSE((stage.render(plan).values == stage.render(view, withTiers()).values));
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("a cross-fade of a switch shows both draw orders") {
   plan.previous = plan.cells;
   std::swap(plan.previous[0], plan.previous[1]);
   plan.previousWeight = 0.4;
-  compareWithTwin(stage, plan);
+  compareWithReference(stage, plan);
 }
 
 TEST_CASE("the new draw order is shown at once where the previous order shows nothing") {
@@ -132,7 +132,7 @@ TEST_CASE("the new draw order is shown at once where the previous order shows no
   mixing.previousWeight = 0.7;
   CHECK(stage.render(mixing) == stage.render(plan));
   mixing.previous = {plan.cells.back()};  // covers a part of the view
-  compareWithTwin(stage, mixing);
+  compareWithReference(stage, mixing);
 }
 
 TEST_CASE("cells that fade out are drawn at their previous rank") {
@@ -144,7 +144,7 @@ TEST_CASE("cells that fade out are drawn at their previous rank") {
   PlannedCell gone = plan.cells[1];
   gone.opacity = 0.97;  // noise leaves pixels whose neighbour shows another draw item
   plan.fadingOut = {{gone, 0}, {plan.cells[0], 2}};
-  compareWithTwin(stage, plan, 0.25, 0.1);
+  compareWithReference(stage, plan, 0.25, 0.1);
   const FramePlan without = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
   CHECK(stage.render(plan) != stage.render(without));
 }

@@ -157,8 +157,8 @@ Camera middle(int width = 160, int height = 120) {
 }
 
 // Tables of the reference implementation for the same tiles. Inputs come from the device, the tables do not.
-std::vector<reference::CellTable> twin(const std::vector<Image8>& tiles, const RenderSettings& settings,
-                                       const shader::ColourFrame& frame) {
+std::vector<reference::CellTable> ref(const std::vector<Image8>& tiles, const RenderSettings& settings,
+                                      const shader::ColourFrame& frame) {
   return reference::tables(
       {tiles, blueNoise(shader::kNoiseSize, 1), frame.kept, frame.method, settings.colourMinSamples});
 }
@@ -203,7 +203,7 @@ TEST_CASE("tables of the proxy equal the reference implementation and undo plant
         passes.makeTables(plan);
         const std::vector<Image8> tiles = passes.tiles(plan);
         const std::vector<reference::CellTable> tables = passes.tables(plan);
-        CHECK(tables == twin(tiles, settings, passes.frameOf(plan)));
+        CHECK(tables == ref(tiles, settings, passes.frameOf(plan)));
         if (proxy == 4) continue;  // an overlap of few samples: checked against the reference, not for accuracy
         CHECK(overlapDifference(tiles, identities(3)) > 15);
         CHECK(overlapDifference(tiles, tables) <= 1.5);

@@ -120,7 +120,7 @@ class Bench {
   VkDescriptorSet set_;
 };
 
-reference::MappedCells twinOf(const std::vector<Image8>& pictures, const shader::ColourFrame& frame) {
+reference::MappedCells expectedTables(const std::vector<Image8>& pictures, const shader::ColourFrame& frame) {
   return {pictures, blueNoise(shader::kNoiseSize, 1), frame.kept, frame.method, frame.least};
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("colour tables of the device equal the reference bit for bit", "[N9][T
         frame.kept = kept;
         std::fill_n(frame.fresh, count, 1u);
         INFO(count << " cells, method " << method << ", kept " << kept);
-        CHECK(bench.run(pictures, frame) == reference::tables(twinOf(pictures, frame)));
+        CHECK(bench.run(pictures, frame) == reference::tables(expectedTables(pictures, frame)));
       }
   }
 }
@@ -167,7 +167,7 @@ TEST_CASE("colour tables are exact without overlap, with one level, no pixels, a
     frame.least = least;
     std::fill_n(frame.fresh, 4, 1u);
     const std::vector<reference::CellTable> tables = bench.run(pictures, frame);
-    CHECK(tables == reference::tables(twinOf(pictures, frame)));
+    CHECK(tables == reference::tables(expectedTables(pictures, frame)));
     CHECK(tables[0] == identity());
     CHECK(tables[1] == identity());
   }
@@ -178,7 +178,7 @@ TEST_CASE("64 cells are counted, and nothing is written outside the histograms")
   const std::vector<Image8> pictures = cellPictures(64, 21);
   shader::ColourFrame frame = frameOf(64);
   for (std::uint32_t k = 0; k < 64; ++k) frame.slot[k] = 127 - k;
-  CHECK(bench.run(pictures, frame) == reference::tables(twinOf(pictures, frame)));
+  CHECK(bench.run(pictures, frame) == reference::tables(expectedTables(pictures, frame)));
 
   // A smaller frame uses only the beginning of the counters. The rest of the large frame serves as a canary.
   const std::vector<std::byte> before = readBuffer(testDevice(), bench.tables().counters());
@@ -196,8 +196,8 @@ TEST_CASE("a table approaches its target in bounded steps and stays there") {
   const std::vector<Image8> before = cellPictures(3, 31), after = cellPictures(3, 32);
   shader::ColourFrame frame = frameOf(3);
   std::vector<reference::CellTable> shown = bench.run(before, frame);  // no previous tables: shown at once
-  CHECK(shown == reference::tables(twinOf(before, frame)));
-  const std::vector<reference::CellTable> target = reference::tables(twinOf(after, frame));
+  CHECK(shown == reference::tables(expectedTables(before, frame)));
+  const std::vector<reference::CellTable> target = reference::tables(expectedTables(after, frame));
   REQUIRE(largestStep(shown, target) > 8);
   frame.share = shader::kWhole / 4;
   frame.largestStep = 2 * shader::kFine;
@@ -241,7 +241,7 @@ TEST_CASE("a table approaches its target in bounded steps and stays there") {
     CHECK(bench.run(after, frame) == target);
     // A plan that assumes the unsubmitted frame finds slots of another owner, so its tables start from the beginning.
     other.share = 0;
-    CHECK(bench.run(before, other) == reference::tables(twinOf(before, other)));
+    CHECK(bench.run(before, other) == reference::tables(expectedTables(before, other)));
   }
 }
 

@@ -136,7 +136,7 @@ std::vector<Camera> eyesOf(const Camera& head) {
 Errors measure(const Stage& stage, const Camera& head, Morph morph) {
   RenderSettings settings;
   settings.morph = morph;
-  settings.maxTier = kTierAgrees;
+  settings.maxTier = kTierConsistent;
   settings.alpha = AlphaContent::tier;
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyesOf(head), settings});
   const std::vector<Image8> pictures = stage.renderViews(plan);

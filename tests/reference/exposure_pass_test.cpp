@@ -50,7 +50,7 @@ TEST_CASE("photographs with gains equal the reference implementation") {
         settings.blend = blend;
         settings.exposure = exposure;
         INFO(members << " members, blend " << int(blend) << ", exposure " << int(exposure));
-        compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));
+        compareWithReference(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));
       }
   }
 }
@@ -64,7 +64,7 @@ TEST_CASE("photographs with gains in several cells equal the reference implement
   const Stage stage(testDevice(), made);
   RenderSettings settings = withTiers();
   settings.exposure = Exposure::scene;
-  compareWithTwin(stage, stage.plan(cameraAt({0.45, 0.3, 0.2}, 0.02), settings));
+  compareWithReference(stage, stage.plan(cameraAt({0.45, 0.3, 0.2}, 0.02), settings));
 }
 
 TEST_CASE("gains of 1 and disabled gains do not change the image") {

@@ -38,7 +38,7 @@ TEST_CASE("holes are filled like in the reference implementation, and other pixe
     const Image8 empty = stage.render(view, settings);
     settings.maxTier = kTierFilled;
     const Image8 picture = stage.render(view, settings);
-    const FillLevel<glm::dvec3> twin = filled(empty);
+    const FillLevel<glm::dvec3> ref = filled(empty);
     int wrong = 0, holes = 0;
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) {
@@ -48,7 +48,7 @@ TEST_CASE("holes are filled like in the reference implementation, and other pixe
         wrong += after[3] != (hole ? 63 : before[3]);
         // Tolerance for half floats and 8-bit filter weights, accumulated over the levels.
         for (std::size_t c = 0; c < 3; ++c)
-          wrong += std::abs(after[c] - 255 * twin.value[twin.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
+          wrong += std::abs(after[c] - 255 * ref.value[ref.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
       }
     INFO(picture.width << "x" << picture.height);
     CHECK(holes > 0);
@@ -85,7 +85,7 @@ TEST_CASE("pixels of the hidden area are not filled and do not contribute to fil
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   };
   const Image8 empty = rendered(kTierCompleted), picture = rendered(kTierFilled);
-  const FillLevel<glm::dvec3> twin = filled(empty);
+  const FillLevel<glm::dvec3> ref = filled(empty);
   int wrong = 0, holes = 0;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
@@ -95,7 +95,7 @@ TEST_CASE("pixels of the hidden area are not filled and do not contribute to fil
       wrong += hidden != (pixel[3] == 0) || hole != (pixel[3] == 63);
       for (std::size_t c = 0; c < 3; ++c)
         wrong += hidden ? pixel[c] != std::array{0, 102, 255}[c]
-                        : std::abs(pixel[c] - 255 * twin.value[twin.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
+                        : std::abs(pixel[c] - 255 * ref.value[ref.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
     }
   CHECK(holes > 1000);
   CHECK(wrong == 0);
@@ -121,7 +121,7 @@ TEST_CASE("a frame has the counted cost") {
   options.formats = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB};
   options.blends = {BlendMode::blend, BlendMode::dither};
   const Renderer whole(testDevice(), gpuScene, options);
-  options.switchMixing = options.fill = false;
+  options.crossFadeOrders = options.fill = false;
   const Renderer bare(testDevice(), gpuScene, options);
   RenderSettings filling;
   filling.maxTier = kTierFilled;

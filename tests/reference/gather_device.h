@@ -85,11 +85,12 @@ class OnDevice {
                                           : encodeTexture(stage_.textures[node], format);
   }
   GpuSceneOptions options(std::uint64_t budget, TextureFormat format) const {
-    return {.source = [this, format](const Scene&, std::size_t node,
-                                     int firstLevel) { return smallerLevels(encoded(node, format), firstLevel); },
-            .budgetBytes = budget,
-            .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
-            .filter = stage_.filter};
+    return {
+        .source = [this, format](const Scene&, std::size_t node,
+                                 int firstLevel) { return withoutLargestLevels(encoded(node, format), firstLevel); },
+        .budgetBytes = budget,
+        .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
+        .filter = stage_.filter};
   }
 
   const GatherStage& stage_;

@@ -22,9 +22,9 @@ namespace {
 
 // Maximum share of pixels at edges of the candidates' meshes that the device's sub-pixel grid assigns to another
 // surface.
-constexpr double kMostSnapped = 0.002;
+constexpr double kMaxSnapped = 0.002;
 // Maximum share of other depths: hole depth is stored as half floats, and opacity ½ selects another surface.
-constexpr double kMostOtherDepth = 0.01;
+constexpr double kMaxOtherDepth = 0.01;
 
 const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter radian away from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
@@ -39,12 +39,12 @@ ImageF depthOf(const FrameBuffers& buffers) {
 void checkAgainstReference(const GatherStage& stage, const OnDevice& device, const FramePlan& plan) {
   const std::vector<Image8> images = device.render(plan);
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
-    const reference::Composed twin = stage.compose(plan, view);
+    const reference::Composed ref = stage.compose(plan, view);
     const GatherComparison compared =
-        compareGathered(twin, images[view], view == 0 ? depthOf(device.buffers(plan)) : ImageF());
+        compareGathered(ref, images[view], view == 0 ? depthOf(device.buffers(plan)) : ImageF());
     INFO("differing " << compared.differing << ", excused " << compared.excused << ", depth " << compared.wrongDepth);
-    CHECK(compared.differing <= kMostSnapped);
-    CHECK(compared.wrongDepth <= kMostOtherDepth);
+    CHECK(compared.differing <= kMaxSnapped);
+    CHECK(compared.wrongDepth <= kMaxOtherDepth);
     CHECK(compared.isExcusable());
   }
 }
@@ -241,15 +241,15 @@ TEST_CASE("gather pass: deviations agree with the reference implementation", "[P
   const GatherStage stage = gatherStage(options);
   const FramePlan plan = stage.plan(kBetween);
   const FrameBuffers buffers = OnDevice(stage).buffers(plan);
-  const reference::Composed twin = stage.compose(plan);
+  const reference::Composed ref = stage.compose(plan);
   std::size_t compared = 0, wrong = 0, completed = 0;
   double least = 1e9, most = 0;
   for (int y = 0; y < buffers.surface.height; ++y)
     for (int x = 0; x < buffers.surface.width; ++x) {
       const int tier = int(buffers.surface.pixel(x, y)[1]);
-      if (tier < 0 || int(255 - 64 * tier) != int(twin.picture.pixel(x, y)[3])) continue;
-      if (double(twin.supportMargin.pixel(x, y)[0]) < 1e-3) continue;
-      const double deviation = double(buffers.confidence.pixel(x, y)[1]), truth = double(twin.deviation.pixel(x, y)[0]);
+      if (tier < 0 || int(255 - 64 * tier) != int(ref.picture.pixel(x, y)[3])) continue;
+      if (double(ref.supportMargin.pixel(x, y)[0]) < 1e-3) continue;
+      const double deviation = double(buffers.confidence.pixel(x, y)[1]), truth = double(ref.deviation.pixel(x, y)[0]);
       ++compared;
       wrong += !(std::abs(deviation - truth) <= 0.13 * truth);
       completed += tier != 0;
@@ -381,9 +381,9 @@ TEST_CASE("gather pass: with a budget the image is the same once its photographs
   const FramePlan plan = wall().plan(kBetween);
   const std::uint64_t all = whole.memory().sum();
   OnDevice streamed(wall(), all - 1);
-  REQUIRE(streamed.gpuScene().streams());
+  REQUIRE(streamed.gpuScene().needsStreaming());
   std::uint64_t frame = 0;
-  GpuScene::Streamed state;
+  GpuScene::StreamStatus state;
   do {
     ++frame;
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
@@ -393,7 +393,7 @@ TEST_CASE("gather pass: with a budget the image is the same once its photographs
   CHECK(state.needed == 3);
   CHECK(streamed.gpuScene().memory().sum() <= all);
   const Image8 image = streamed.image(plan);
-  if (state.withoutRoom == 0) CHECK(image == whole.image(plan));
+  if (state.overBudget == 0) CHECK(image == whole.image(plan));
   CHECK(psnr(image, whole.image(plan)) > 25);
 }
 
@@ -418,7 +418,7 @@ TEST_CASE("gather pass: tiers beyond maxTier are not drawn") {
   const OnDevice device(stage);
   RenderSettings settings = GatherStage::gatherSettings();
   const Image8 all = device.image(stage.plan(std::vector{kBetween}, settings));
-  settings.maxTier = kTierAgrees;
+  settings.maxTier = kTierConsistent;
   const Image8 agreed = device.image(stage.plan(std::vector{kBetween}, settings));
   std::size_t left = 0;
   for (std::size_t p = 0; p < all.values.size(); p += 4) {
@@ -454,15 +454,15 @@ TEST_CASE("gather pass: depth of a target is that of the nearest opaque surface"
   const Image8 picture = offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); });
   CHECK(picture == device.image(plan));  // a depth target does not change colours
   const std::vector<std::byte> bytes = depthOfTarget();
-  const reference::Composed twin = wall().compose(plan);
+  const reference::Composed ref = wall().compose(plan);
   std::size_t wrong = 0;
-  for (std::size_t p = 0; p < twin.opaqueInverseDepth.values.size(); ++p) {
+  for (std::size_t p = 0; p < ref.opaqueInverseDepth.values.size(); ++p) {
     float value;
     std::memcpy(&value, &bytes[4 * p], sizeof value);
     const double rho = (1 - double(value)) / 0.5;  // for an infinite far plane
-    wrong += std::abs(rho - double(twin.opaqueInverseDepth.values[p])) > 1e-3;
+    wrong += std::abs(rho - double(ref.opaqueInverseDepth.values[p])) > 1e-3;
   }
-  CHECK(double(wrong) <= kMostOtherDepth * double(twin.opaqueInverseDepth.values.size()));
+  CHECK(double(wrong) <= kMaxOtherDepth * double(ref.opaqueInverseDepth.values.size()));
   plan.settings.overlay = Overlay::tiers;
   CHECK(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); }) != picture);
   CHECK(depthOfTarget() == bytes);
@@ -527,8 +527,8 @@ TEST_CASE("gather pass: a hybrid shows cells and gathers the other pixels") {
     settings.maxTier = maxTier;
     return device.image(planFrame(scene, bounds, {{kBetween}, settings}));
   };
-  const Image8 agreed = drawn(Composition::cells, kTierAgrees), gathered = drawn(Composition::gathered, kTierFilled),
-               hybrid = drawn(Composition::hybrid, kTierFilled);
+  const Image8 agreed = drawn(Composition::cells, kTierConsistent),
+               gathered = drawn(Composition::gathered, kTierFilled), hybrid = drawn(Composition::hybrid, kTierFilled);
   std::size_t cellPixels = 0, gatheredPixels = 0;
   for (std::size_t p = 0; p < hybrid.values.size(); p += 4) {
     const bool isCell = agreed.values[p + 3] == 255;

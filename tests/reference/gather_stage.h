@@ -136,7 +136,7 @@ inline Cell gatherBackdrop(const SyntheticScene& made, std::uint32_t node, const
     const auto pixel = [&](std::size_t i) { return glm::dvec2(mesh.match[0][corners[i]]); };
     bool one = onPlane((pixel(0) + pixel(1) + pixel(2)) / 3.0);
     for (std::size_t i = 0; i < 3; ++i) one = one && onPlane(0.5 * (pixel(i) + pixel((i + 1) % 3)));
-    tiers[one ? kTierAgrees : kTierRejected].push_back({corners[0], corners[1], corners[2]});
+    tiers[one ? kTierConsistent : kTierRejected].push_back({corners[0], corners[1], corners[2]});
   };
   const auto across = std::uint32_t(columns.size());
   for (std::uint32_t j = 0; j + 1 < rows.size(); ++j)
@@ -145,7 +145,7 @@ inline Cell gatherBackdrop(const SyntheticScene& made, std::uint32_t node, const
       add({corner, corner + 1, corner + across});
       add({corner + 1, corner + across + 1, corner + across});
     }
-  for (const int tier : {kTierAgrees, kTierRejected})
+  for (const int tier : {kTierConsistent, kTierRejected})
     for (const glm::uvec3& triangle : tiers[std::size_t(tier)]) {
       mesh.triangles.push_back(triangle);
       mesh.tier.push_back(std::uint8_t(tier));
@@ -263,31 +263,31 @@ struct GatherComparison {
   double excused = 0;     // share of pixels that differ, but where rounding decides which support peak wins
   double wrongDepth = 0;  // share of pixels whose depth differs, without excused pixels; 0 without a depth
   static constexpr double kColourTolerance = 2;    // 8-bit levels
-  static constexpr double kLeastMargin = 1e-4;     // of the two largest supports, relative: smaller margins are excused
-  static constexpr double kMostExcused = 0.002;    // maximum share of the pixels
+  static constexpr double kMinMargin = 1e-4;       // of the two largest supports, relative: smaller margins are excused
+  static constexpr double kMaxExcused = 0.002;     // maximum share of the pixels
   static constexpr double kDepthTolerance = 1e-3;  // relative to the largest ρ
 
-  bool isExcusable() const { return excused <= kMostExcused; }
+  bool isExcusable() const { return excused <= kMaxExcused; }
 };
 
 /// `image`: RGBA with AlphaContent::tier over a black background. `depth`: first channel of BufferTargets, along the
 /// view's axis, infinity in holes; an empty image is not compared.
-inline GatherComparison compareGathered(const reference::Composed& twin, const Image8& image, const ImageF& depth) {
+inline GatherComparison compareGathered(const reference::Composed& ref, const Image8& image, const ImageF& depth) {
   GatherComparison result;
-  const double share = 1.0 / (double(twin.picture.width) * twin.picture.height);
+  const double share = 1.0 / (double(ref.picture.width) * ref.picture.height);
   double largest = 0;
-  for (const float rho : twin.opaqueInverseDepth.values) largest = std::max(largest, double(rho));
-  for (int y = 0; y < twin.picture.height; ++y)
-    for (int x = 0; x < twin.picture.width; ++x) {
-      bool differs = image.pixel(x, y)[3] != twin.picture.pixel(x, y)[3];
+  for (const float rho : ref.opaqueInverseDepth.values) largest = std::max(largest, double(rho));
+  for (int y = 0; y < ref.picture.height; ++y)
+    for (int x = 0; x < ref.picture.width; ++x) {
+      bool differs = image.pixel(x, y)[3] != ref.picture.pixel(x, y)[3];
       for (std::size_t c = 0; c < 3; ++c)
-        differs = differs || std::abs(double(image.pixel(x, y)[c]) - double(twin.colour.pixel(x, y)[c])) >
+        differs = differs || std::abs(double(image.pixel(x, y)[c]) - double(ref.colour.pixel(x, y)[c])) >
                                  GatherComparison::kColourTolerance;
-      const bool close = double(twin.supportMargin.pixel(x, y)[0]) < GatherComparison::kLeastMargin;
+      const bool close = double(ref.supportMargin.pixel(x, y)[0]) < GatherComparison::kMinMargin;
       if (differs) (close ? result.excused : result.differing) += share;
       if (depth.empty() || (differs && close)) continue;
       const double rho = 1 / double(depth.pixel(x, y)[0]);
-      if (std::abs(rho - double(twin.opaqueInverseDepth.pixel(x, y)[0])) > GatherComparison::kDepthTolerance * largest)
+      if (std::abs(rho - double(ref.opaqueInverseDepth.pixel(x, y)[0])) > GatherComparison::kDepthTolerance * largest)
         result.wrongDepth += share;
     }
   return result;

@@ -180,7 +180,7 @@ TEST_CASE("gathered: a single photograph is shown, and holes are filled from its
   plan.photographs.resize(1);
   const Composed alone = wall().compose(plan);
   const Image8 truth = truthOf(wall(), plan.views[0]);
-  CHECK(shareOf(alone, kTierAgrees) > 0.85);
+  CHECK(shareOf(alone, kTierConsistent) > 0.85);
   CHECK(shareOf(alone, kTierCompleted) == 0);
   CHECK(shareOf(alone, kTierFilled) > 0.01);
   Image8 confirmed(160, 120, 1, 0);
@@ -193,7 +193,7 @@ TEST_CASE("gathered: a single photograph is shown, and holes are filled from its
   const Composed unfilled = wall().compose(few);
   CHECK(shareOf(unfilled, kTierFilled) == 0);
   CHECK(shareOf(unfilled, -1) == Approx(shareOf(alone, kTierFilled) + shareOf(alone, -1)));
-  CHECK(shareOf(unfilled, kTierAgrees) == shareOf(alone, kTierAgrees));
+  CHECK(shareOf(unfilled, kTierConsistent) == shareOf(alone, kTierConsistent));
 
   Composed coloured = unfilled;
   fillColours(coloured);
@@ -219,13 +219,13 @@ TEST_CASE("gathered: content at infinity looks the same from every position") {
   const GatherStage stage = gatherStage(options);
   const Composed far = stage.compose(kBetween);
   CHECK(std::ranges::all_of(far.inverseDepth.values, [](float rho) { return rho == 0; }));
-  CHECK(shareOf(far, kTierAgrees) == 1);
+  CHECK(shareOf(far, kTierConsistent) == 1);
   CHECK(psnr(far.picture, truthOf(stage, kBetween)) > 36);
   Camera distant = kBetween;
   distant.pose.position += glm::dvec3(300, -200, 500);
   const Composed again = stage.compose(distant);
   CHECK(psnr(again.picture, truthOf(stage, distant)) > 36);
-  CHECK(shareOf(again, kTierAgrees) == 1);
+  CHECK(shareOf(again, kTierConsistent) == 1);
 }
 
 TEST_CASE("gathered: a panorama votes and is shown in every direction, seam and poles included") {
@@ -235,7 +235,7 @@ TEST_CASE("gathered: a panorama votes and is shown in every direction, seam and 
       view.pose.rotation = glm::angleAxis(quarter * kPi / 2, axis);
       const Composed composed = room().compose(view);
       CHECK(shareOf(composed, -1) == 0);
-      CHECK(shareOf(composed, kTierAgrees) > 0.88);  // no triangle connects two sides of a corner
+      CHECK(shareOf(composed, kTierConsistent) > 0.88);  // no triangle connects two sides of a corner
       CHECK(psnr(composed.picture, truthOf(room(), view)) > 28);
     }
   for (const std::size_t n : {1u, 2u})  // the pinholes beside the panorama
@@ -328,9 +328,9 @@ TEST_CASE("gathered: tiers distinguish confirmed, completed and filled depth") {
   GatherOptions options = wallOptions();
   options.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
   const GatherStage stage = gatherStage(options);
-  CHECK(shareOf(stage.compose(kBetween), kTierAgrees) == 0);
+  CHECK(shareOf(stage.compose(kBetween), kTierConsistent) == 0);
   CHECK(shareOf(stage.compose(kBetween), kTierCompleted) > 0.9);
-  CHECK(shareOf(wall().compose(kBetween), kTierAgrees) > 0.9);
+  CHECK(shareOf(wall().compose(kBetween), kTierConsistent) > 0.9);
 }
 
 TEST_CASE("gathered: both views of a stereo plan use the photographs of their midpoint") {
@@ -354,7 +354,7 @@ TEST_CASE("gathered: the vote scale changes the image little") {
   CHECK(psnr(half, full) > 30);
   CHECK(half != full);
   plan.settings.voteScale = 0.03;  // the vote has 4 × 3 pixels
-  CHECK(shareOf(wall().compose(plan), kTierAgrees) > 0.5);
+  CHECK(shareOf(wall().compose(plan), kTierConsistent) > 0.5);
 }
 
 TEST_CASE("gathered: a camera step of a thousandth of the spacing changes the image little") {
@@ -386,29 +386,29 @@ TEST_CASE("gathered: invalid plans are refused") {
 }
 
 TEST_CASE("an image is compared with the reference by colour, tier and depth") {
-  Composed twin = wall().compose(kBetween);
-  const double pixels = double(twin.picture.width) * twin.picture.height;
-  ImageF depth = twin.opaqueInverseDepth;
+  Composed ref = wall().compose(kBetween);
+  const double pixels = double(ref.picture.width) * ref.picture.height;
+  ImageF depth = ref.opaqueInverseDepth;
   for (float& value : depth.values) value = 1 / value;
-  std::ranges::fill(twin.supportMargin.values, 0.1f);
-  const auto of = [&](const Image8& image) { return compareGathered(twin, image, depth); };
-  const GatherComparison same = of(twin.picture);
+  std::ranges::fill(ref.supportMargin.values, 0.1f);
+  const auto of = [&](const Image8& image) { return compareGathered(ref, image, depth); };
+  const GatherComparison same = of(ref.picture);
   CHECK(same.differing == 0);
   CHECK(same.excused == 0);
   CHECK(same.wrongDepth == 0);
 
-  Image8 image = twin.picture;
+  Image8 image = ref.picture;
   image.pixel(50, 40)[1] ^= 16;                     // changed colour
   image.pixel(60, 40)[3] = 255 - 64 * kTierFilled;  // changed tier
   image.pixel(70, 40)[0] =
       std::uint8_t(image.pixel(70, 40)[0] < 128 ? image.pixel(70, 40)[0] + 1 : image.pixel(70, 40)[0] - 1);  // rounding
   CHECK(of(image).differing == Approx(2 / pixels));
-  twin.supportMargin.pixel(50, 40)[0] = 1e-5f;
+  ref.supportMargin.pixel(50, 40)[0] = 1e-5f;
   CHECK(of(image).differing == Approx(1 / pixels));
   CHECK(of(image).excused == Approx(1 / pixels));
   CHECK(of(image).isExcusable());
-  std::ranges::fill(twin.supportMargin.values, 0.0f);
-  CHECK_FALSE(of(Image8(twin.picture.width, twin.picture.height, 4, 0)).isExcusable());
+  std::ranges::fill(ref.supportMargin.values, 0.0f);
+  CHECK_FALSE(of(Image8(ref.picture.width, ref.picture.height, 4, 0)).isExcusable());
   depth.pixel(10, 10)[0] *= 1.1f;
   depth.pixel(50, 40)[0] *= 1.1f;  // excused, because its colour differs
   CHECK(of(image).wrongDepth == Approx(1 / pixels));

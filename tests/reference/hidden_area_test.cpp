@@ -120,13 +120,13 @@ Shown show(const Stage& stage, const FramePlan& plan, const Triangles& hidden, b
 }
 
 // Made once, because generating the scene takes longer than rendering an image.
-const SyntheticScene& shownPlace() {
+const SyntheticScene& shownScene() {
   static const SyntheticScene place = twoCells();
   return place;
 }
 
 FramePlan planned(const RenderSettings& settings) {
-  return planFrame(shownPlace().scene, sceneBounds(shownPlace().scene), {headset(), settings});
+  return planFrame(shownScene().scene, sceneBounds(shownScene().scene), {headset(), settings});
 }
 
 RenderSettings with(auto change) {
@@ -139,7 +139,7 @@ RenderSettings with(auto change) {
 }  // namespace
 
 TEST_CASE("pixels in the hidden area show the background at far depth, and other pixels are unchanged", "[multiview]") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   struct Row {
     const char* name;
     RenderSettings settings;
@@ -202,7 +202,7 @@ TEST_CASE("pixels in the hidden area show the background at far depth, and other
 }
 
 TEST_CASE("at any render scale the hidden area does not blend with visible pixels") {
-  SyntheticScene grey = shownPlace();
+  SyntheticScene grey = shownScene();
   for (Image8& photograph : grey.photographs) std::ranges::fill(photograph.values, std::uint8_t(200));
   const Stage stage(testDevice(), grey);
   for (const double scale : {0.5, 1.6}) {
@@ -232,7 +232,7 @@ TEST_CASE("at any render scale the hidden area does not blend with visible pixel
 }
 
 TEST_CASE("the hidden area may cover all, none or one of the views, or lie outside the image", "[multiview]") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   const FramePlan plan = planned(with([](auto&) {}));
   const Shown all = show(stage, plan, {}, true, {});
   const std::vector<glm::vec2> everything{{-1e6f, -1e6f}, {1e6f, -1e6f}, {0.0f, 1e6f}};
@@ -258,7 +258,7 @@ TEST_CASE("the hidden area may cover all, none or one of the views, or lie outsi
 }
 
 TEST_CASE("with skipHiddenArea off the whole image is drawn at any render scale") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   for (const double scale : {1.0, 0.7})
     for (const int tier : {kTierCompleted, kTierFilled}) {
       const FramePlan plan = planned(with([&](auto& s) {
@@ -273,7 +273,7 @@ TEST_CASE("with skipHiddenArea off the whole image is drawn at any render scale"
 }
 
 TEST_CASE("the hidden area applies to single views and is ignored by the paper's draw order") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   const RenderSettings paper = with([](auto& s) {
     s.order = DrawOrder::paper;
     s.maxTier = kTierFilled;  // fills holes of the scene
@@ -286,7 +286,7 @@ TEST_CASE("the hidden area applies to single views and is ignored by the paper's
 }
 
 TEST_CASE("a hidden area costs a pipeline and a draw, and an empty one nothing", "[multiview]") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   const FramePlan plan = planned(with([](auto&) {}));
   const bool atOnce = multiviewWorks(testDevice());
   for (const bool multiview : {false, true}) {
@@ -303,7 +303,7 @@ TEST_CASE("a hidden area costs a pipeline and a draw, and an empty one nothing",
 }
 
 TEST_CASE("invalid hidden areas are refused by field and index") {
-  const Stage stage(testDevice(), shownPlace());
+  const Stage stage(testDevice(), shownScene());
   const auto refusal = [&](const Triangles& hidden) {
     const Error error = errorOf([&] {
       RendererOptions options{.maxExtent = kExtent};

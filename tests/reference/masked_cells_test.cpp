@@ -52,7 +52,7 @@ TEST_CASE("masked members equal the reference implementation") {
         settings.blend = blend;
         settings.morph = morph;
         INFO(members << " members, blend " << int(blend) << ", morph " << int(morph));
-        compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));
+        compareWithReference(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));
       }
   }
 }
@@ -97,7 +97,7 @@ TEST_CASE("at a masked photograph's pose other photographs of weight 0 fill the 
   CHECK(shown > 1000);
   CHECK(empty == 0);
   CHECK(wrong < shown / 50);  // leaked magenta would exceed this in nearly every pixel
-  compareWithTwin(stage, plan);
+  compareWithReference(stage, plan);
 }
 
 TEST_CASE("cells show through masks of cells in front") {
@@ -108,7 +108,7 @@ TEST_CASE("cells show through masks of cells in front") {
   const Stage stage(testDevice(), made);
   const FramePlan plan = stage.plan(cameraAt({0.5, 0.35, 0.1}, 0.02), withTiers());
   REQUIRE(plan.cells.size() == 2);
-  compareWithTwin(stage, plan);
+  compareWithReference(stage, plan);
 }
 
 TEST_CASE("a completely masked photograph is not shown") {
@@ -116,7 +116,7 @@ TEST_CASE("a completely masked photograph is not shown") {
   maskBlocks(made, 1, {{0, 0, 1000, 1000}});
   const Stage stage(testDevice(), made);
   const FramePlan plan = stage.plan(cameraAt({0.5, 0, 0}), withTiers());
-  compareWithTwin(stage, plan);
+  compareWithReference(stage, plan);
   const Image8 picture = stage.render(plan);
   std::size_t magenta = 0;
   for (std::size_t p = 0; p < picture.values.size(); p += 4)
@@ -128,7 +128,7 @@ TEST_CASE("masks with bicubic filtering and of panoramas equal the reference for
   GpuSceneOptions cubic;
   cubic.filter = TextureFilter::bicubic;
   const Stage sharp(testDevice(), maskedPlace(3), cubic);
-  compareWithTwin(sharp, sharp.plan(cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 480, 360, 0.5), withTiers()));
+  compareWithReference(sharp, sharp.plan(cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 480, 360, 0.5), withTiers()));
 
   SyntheticOptions options;
   options.cameras = {
@@ -141,7 +141,7 @@ TEST_CASE("masks with bicubic filtering and of panoramas equal the reference for
   maskBlocks(made, 0, {{200, 60, 320, 250}});
   maskBlocks(made, 1, {{0, 100, 640, 160}});
   const Stage round(testDevice(), made);
-  compareWithTwin(round, round.plan(cameraAt({0.4, 0.1, 0.2}, 0.3, -0.9, 160, 121, 1.3), withTiers()));
+  compareWithReference(round, round.plan(cameraAt({0.4, 0.1, 0.2}, 0.3, -0.9, 160, 121, 1.3), withTiers()));
 }
 
 TEST_CASE("requirements count photographs with masks") {

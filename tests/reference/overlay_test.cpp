@@ -54,7 +54,7 @@ double lightness(shader::vec3 colour) {
 
 // Two cells with rejected triangles, which leave holes, and photographs that all differ. Made once, because generating
 // them takes longer than rendering an image.
-const SyntheticScene& richPlace() {
+const SyntheticScene& richScene() {
   static const SyntheticScene place = [] {
     SyntheticScene made = twoCells();
     for (std::size_t i = 0; i < made.photographs.size(); ++i) {
@@ -65,7 +65,7 @@ const SyntheticScene& richPlace() {
             v = std::uint8_t(v / 2 + 20 * i + (x / 40 % 2 == 0 ? std::size_t(x * 7919 + y * 104729) % 50 : 0));
     }
     for (Cell& cell : made.scene.cells)
-      for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p)
+      for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p)
         cell.mesh.uncertainty[p] = cell.mesh.inverseDistance[p] * std::pow(10.0f, -float(p % 7) / 2);
     for (Cell& cell : made.scene.cells)
       for (std::size_t t = 0; t < cell.mesh.triangles.size(); ++t)
@@ -81,9 +81,9 @@ Camera richView() {
 }
 
 // Colour that an overlay shows at a pixel, from the reference implementation.
-shader::vec3 expected(const reference::Picture& twin, const FramePlan& plan, std::size_t at) {
-  const reference::Known& known = twin.known[at];
-  const shader::vec3 picture(twin.colour[at]);
+shader::vec3 expected(const reference::RenderedImage& ref, const FramePlan& plan, std::size_t at) {
+  const reference::BufferValues& known = ref.known[at];
+  const shader::vec3 picture(ref.colour[at]);
   shader::vec3 members(0.0f);
   for (int i = 0; i < 4; ++i) members += float(known.shares[std::size_t(i)]) * shader::memberColour(i);
   switch (plan.settings.overlay) {
@@ -96,7 +96,7 @@ shader::vec3 expected(const reference::Picture& twin, const FramePlan& plan, std
     case Overlay::depth:
       return shader::depthColour(float(1 / known.depth), float(plan.nearDistance));
     case Overlay::overlap:
-      return shader::overlapColour(twin.overlap[at]);
+      return shader::overlapColour(ref.overlap[at]);
     case Overlay::agreement:
       return shader::agreementColour(float(known.agreement));
     default:
@@ -210,8 +210,8 @@ TEST_CASE("overlay scales brighten evenly, and category colours differ") {
   evenly(shader::rampColour, 0, 1, 0.6, 1.6);
   CHECK(lightness(shader::rampColour(0)) < 20);
   CHECK(lightness(shader::rampColour(1)) > 85);
-  evenly([](float t) { return shader::confidenceColour(1, shader::kLargestUncertainty * std::pow(0.001f, t)); }, 0, 1,
-         0.6, 1.6);
+  evenly([](float t) { return shader::confidenceColour(1, shader::kMaxUncertainty * std::pow(0.001f, t)); }, 0, 1, 0.6,
+         1.6);
   evenly([](float t) { return shader::depthColour(std::exp2(-11 + 8 * t), 1); }, 0, 1, 0.6, 1.6);
   evenly(shader::agreementColour, 0, 1, 0.6, 1.6);
   for (int n = 0; n < 21; ++n) {
@@ -227,7 +227,7 @@ TEST_CASE("overlay scales brighten evenly, and category colours differ") {
 }
 
 TEST_CASE("overlays equal the reference implementation") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   for (const Overlay overlay :
        {Overlay::tiers, Overlay::weights, Overlay::confidence, Overlay::depth, Overlay::overlap, Overlay::agreement})
     for (const BlendMode blend : {BlendMode::blend, BlendMode::dither, BlendMode::mixed}) {
@@ -236,18 +236,18 @@ TEST_CASE("overlays equal the reference implementation") {
       settings.blend = blend;
       const FramePlan plan = stage.plan(richView(), settings);
       const Image8 picture = stage.render(plan);
-      const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+      const reference::RenderedImage ref = reference::render(stage.scene(), stage.textures(), plan);
       std::size_t compared = 0, wrong = 0, wrongTier = 0;
       std::set<std::uint32_t> colours;
-      for (int y = 0; y < twin.height; ++y)
-        for (int x = 0; x < twin.width; ++x) {
-          const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
-          if (!twin.safe[at] || twin.known[at].tier < 0) continue;
+      for (int y = 0; y < ref.height; ++y)
+        for (int x = 0; x < ref.width; ++x) {
+          const std::size_t at = std::size_t(y) * std::size_t(ref.width) + std::size_t(x);
+          if (!ref.safe[at] || ref.known[at].tier < 0) continue;
           ++compared;
           const auto pixel = picture.pixel(x, y);
-          wrongTier += pixel[3] != std::lround(twin.colour[at].a * 255);
+          wrongTier += pixel[3] != std::lround(ref.colour[at].a * 255);
           colours.insert(std::uint32_t(pixel[0]) << 16 | std::uint32_t(pixel[1]) << 8 | pixel[2]);
-          wrong += distance(pixel, expected(twin, plan, at)) > (overlay == Overlay::agreement ? 12 : 4);
+          wrong += distance(pixel, expected(ref, plan, at)) > (overlay == Overlay::agreement ? 12 : 4);
         }
       INFO("overlay " << int(overlay) << ", blending " << int(blend));
       CHECK(compared > 15000);
@@ -258,7 +258,7 @@ TEST_CASE("overlays equal the reference implementation") {
 }
 
 TEST_CASE("the agreement overlay compares photographs with their gains") {
-  SyntheticScene made = richPlace();
+  SyntheticScene made = richScene();
   for (std::size_t n = 0; n < made.scene.nodes.size(); ++n)
     made.scene.nodes[n].gain = std::array<glm::dvec3, 3>{{{0.05, 6, 0.1}, {1, 1, 1}, {8, 0.1, 2}}}[n % 3];
   const Stage stage(testDevice(), made);
@@ -266,21 +266,21 @@ TEST_CASE("the agreement overlay compares photographs with their gains") {
   settings.exposure = Exposure::scene;
   const FramePlan plan = stage.plan(richView(), settings);
   const Image8 picture = stage.render(plan);
-  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+  const reference::RenderedImage ref = reference::render(stage.scene(), stage.textures(), plan);
   std::size_t compared = 0, wrong = 0;
-  for (int y = 0; y < twin.height; ++y)
-    for (int x = 0; x < twin.width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
-      if (!twin.safe[at] || twin.known[at].tier != 0) continue;
+  for (int y = 0; y < ref.height; ++y)
+    for (int x = 0; x < ref.width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(ref.width) + std::size_t(x);
+      if (!ref.safe[at] || ref.known[at].tier != 0) continue;
       ++compared;
-      wrong += distance(picture.pixel(x, y), expected(twin, plan, at)) > 12;
+      wrong += distance(picture.pixel(x, y), expected(ref, plan, at)) > 12;
     }
   CHECK(compared > 5000);
   CHECK(double(wrong) <= 0.02 * double(compared));
 }
 
 TEST_CASE("overlays keep the tiers of the image in both draw orders") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   for (const Camera& view : {richView(), cameraAt({-1.9, 0.4, 0.2}, -0.1, 0, 240, 180)}) {  // inside, and fading out
     const Image8 plain = stage.render(view, withTiers());
     for (const Overlay overlay : kAll) {
@@ -303,7 +303,7 @@ TEST_CASE("overlays keep the tiers of the image in both draw orders") {
 }
 
 TEST_CASE("overlays do not fill holes, except beneath a wireframe") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   for (const Overlay overlay : kAll) {
     INFO("overlay " << int(overlay));
     RenderSettings settings = with(overlay);
@@ -326,7 +326,7 @@ TEST_CASE("overlays do not fill holes, except beneath a wireframe") {
 }
 
 TEST_CASE("overlap counts the cells that cover a pixel when drawn alone") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   const Camera view = richView();
   FramePlan plan = stage.plan(view, with(Overlay::overlap));
   const Image8 picture = stage.render(plan);
@@ -350,7 +350,7 @@ TEST_CASE("overlap counts the cells that cover a pixel when drawn alone") {
 }
 
 TEST_CASE("tiers and depth overlays equal the buffers") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   const FramePlan plan = stage.plan(richView(), with(Overlay::depth));
   const VkExtent2D extent{240, 180};
   const Renderer renderer(
@@ -385,7 +385,7 @@ TEST_CASE("tiers and depth overlays equal the buffers") {
 }
 
 TEST_CASE("the tiers overlay tints the colour-mapped image") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   RenderSettings settings = withTiers();
   settings.colourMapping = ColourMapping::ours;
   const Image8 plain = stage.render(richView(), settings),
@@ -476,7 +476,7 @@ TEST_CASE("overlays colour content at infinity, panoramas and empty pixels") {
       high += lightness(shader::vec3(exact.pixel(x, y)[0], exact.pixel(x, y)[1], exact.pixel(x, y)[2]) / 255.0f) > 75;
   CHECK(high > 40 * 120 * 8 / 10);
 
-  const Stage rich(testDevice(), richPlace());
+  const Stage rich(testDevice(), richScene());
   const Camera away = cameraAt({0.6, 0.4, 0.2}, std::numbers::pi, 0, 64, 48);
   for (const Overlay overlay : kAll) {
     const Image8 nothing = rich.render(away, with(overlay));
@@ -488,7 +488,7 @@ TEST_CASE("overlays colour content at infinity, panoramas and empty pixels") {
 }
 
 TEST_CASE("each of two views has its overlay, and the previous draw order is cross-faded") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   const Camera left = richView();
   Camera right = left;
   right.pose.position.x += 0.06;
@@ -551,7 +551,7 @@ TEST_CASE("overlays of a gathered or hybrid image equal its buffers") {
       CHECK(wrong == 0);
       CHECK(wrongTier == 0);
       CHECK((composition == Composition::hybrid ? cells > 1000 : cells == 0));
-      CHECK(gathered[kTierAgrees] > 500);
+      CHECK(gathered[kTierConsistent] > 500);
       CHECK(gathered[kTierCompleted] > 500);
       CHECK(gathered[kTierFilled] > 20);
       CHECK(colours.size() >= (overlay == Overlay::agreement ? 1 : overlay == Overlay::confidence ? 2 : 20));
@@ -560,7 +560,7 @@ TEST_CASE("overlays of a gathered or hybrid image equal its buffers") {
 }
 
 TEST_CASE("the confidence overlay requires uncertaintyScene") {
-  const Stage stage(testDevice(), richPlace());
+  const Stage stage(testDevice(), richScene());
   const Error error = errorOf([&] {
     Renderer(testDevice(), stage.gpuScene(), {.maxExtent = {8, 8}, .overlays = {Overlay::confidence}});
   });

@@ -82,9 +82,9 @@ TEST_CASE("panoramas equal the reference implementation in every direction, with
         RenderSettings settings = withTiers();
         settings.blend = way % 2 ? BlendMode::dither : BlendMode::blend;
         INFO(members << " members, view " << way << " from x = " << position.x);
-        compareWithTwin(stage, stage.plan(viewAlong(way, position), settings), 1.0);
+        compareWithReference(stage, stage.plan(viewAlong(way, position), settings), 1.0);
         settings.morph = Morph::paper;
-        compareWithTwin(stage, stage.plan(viewAlong(way, position), settings), 0.5);
+        compareWithReference(stage, stage.plan(viewAlong(way, position), settings), 0.5);
       }
   }
 }
@@ -263,7 +263,7 @@ TEST_CASE("a cell of a panorama and a pinhole equals the reference implementatio
       for (BlendMode blend : {BlendMode::blend, BlendMode::dither}) {
         RenderSettings settings = withTiers();
         settings.blend = blend;
-        compareWithTwin(stage, stage.plan(cameraAt(position, 0.3, -0.1, 160, 121, 1.2), settings), 0.5);
+        compareWithReference(stage, stage.plan(cameraAt(position, 0.3, -0.1, 160, 121, 1.2), settings), 0.5);
       }
     RenderSettings alone = withTiers();
     alone.maxCells = 1;

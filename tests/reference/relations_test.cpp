@@ -116,7 +116,7 @@ TEST_CASE("the order of cells, triangles, vertices and members does not change t
     std::reverse(cell.mesh.inverseDistance.begin(), cell.mesh.inverseDistance.end());
     for (auto& match : cell.mesh.match) std::reverse(match.begin(), match.end());
     for (auto& ratio : cell.mesh.ratio) std::reverse(ratio.begin(), ratio.end());
-    const auto last = std::uint32_t(cell.mesh.pointCount() - 1);
+    const auto last = std::uint32_t(cell.mesh.vertexCount() - 1);
     for (glm::uvec3& t : cell.mesh.triangles) t = {last - t.z, last - t.x, last - t.y};
   }
   const Stage a(testDevice(), sorted), b(testDevice(), shuffled);
@@ -211,7 +211,7 @@ TEST_CASE("textures of the wrong size or number are refused with the photograph'
   const SyntheticScene place = makeScene(test::place(2));
   auto refused = [&](auto change) {
     const auto source = [&](const Scene&, std::size_t node, int firstLevel) {
-      Texture texture = smallerLevels(buildMips(place.photographs[node]), firstLevel);
+      Texture texture = withoutLargestLevels(buildMips(place.photographs[node]), firstLevel);
       if (node == 1) change(texture);
       return texture;
     };

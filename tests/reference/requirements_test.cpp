@@ -142,7 +142,7 @@ std::vector<Row> table() {
   rows.push_back({"a wireframe", pinholes({{0, 1, 2}}), with([](auto& s) { s.overlay = Overlay::wireframe; }), 1,
                   counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   SyntheticScene known = pinholes({{0, 1, 2}});
-  const std::uint64_t uncertainties = 4 * known.scene.cells[0].mesh.pointCount();
+  const std::uint64_t uncertainties = 4 * known.scene.cells[0].mesh.vertexCount();
   rows.push_back({"confidence", known, with([](auto& s) { s.overlay = Overlay::confidence; }), 1,
                   counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise, uncertainties})});
   rows.push_back({"overlap, for which hidden cells are drawn", pinholes({{0, 1, 2}, {2, 1, 0}}),
@@ -282,13 +282,13 @@ TEST_CASE("requirements follow the scene, and every stage has a reason") {
   settings.colourMapping = ColourMapping::ours;
   RendererOptions options = optionsFor(settings, kExtent);
   const Requirements r = requirementsOf(place.scene, options);
-  CHECK((r.cells == 3 && r.cellsOf[2] == 1 && r.cellsOf[3] == 1 && r.cellsOf[4] == 1));
+  CHECK((r.cells == 3 && r.cellsByMemberCount[2] == 1 && r.cellsByMemberCount[3] == 1 && r.cellsByMemberCount[4] == 1));
   CHECK((r.pinholes == 4 && r.panoramas == 0 && r.mixedCells == 0));
-  CHECK((r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
+  CHECK((r.colourTables && !r.colourSequence && r.crossFadeOrders && r.depthOrder && !r.painterOrder));
   CHECK(r.maxDrawItems == 3 + 16);
   CHECK_FALSE((r.multiview || !r.overlays.empty() || r.buffers || r.floor));
   Cell backdrop = place.scene.cells[0];
-  for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
+  for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierConsistent;
   place.scene.backdrops.assign(3, backdrop);
   CHECK(requirementsOf(place.scene, options).maxDrawItems == 3 + 16);  // backdrops are not drawn here
   place.scene.backdrops.clear();
@@ -296,7 +296,7 @@ TEST_CASE("requirements follow the scene, and every stage has a reason") {
   CHECK(requirementsOf(room(3).scene, options).panoramas == 3);
   CHECK_FALSE(requirementsOf(room(3).scene, options).colourTables);
   const auto runs = [&](const std::string& name, const Requirements& of) {
-    for (const StageReason& stage : explain(of, options)) {
+    for (const StageExplanation& stage : explain(of, options)) {
       CHECK(!stage.why.empty());
       if (stage.name == name) return stage.runs;
     }
@@ -347,7 +347,7 @@ TEST_CASE("culling hidden cells changes no pixel") {
           for (PlannedCell& cell : plan.cells) {
             hidden += cell.hidden;
             cell.hidden = false;
-            cell.colourNeeded = true;
+            cell.colourTableNeeded = true;
           }
           CHECK(picture() == culled);
         }

@@ -40,7 +40,7 @@ inline SyntheticOptions place(std::size_t members) {
 /// Texture source of the source images. `place` must outlive it.
 inline TextureSource photographsOf(const SyntheticScene& place) {
   return [&place](const Scene&, std::size_t node, int firstLevel) {
-    return smallerLevels(buildMips(place.photographs[node]), firstLevel);
+    return withoutLargestLevels(buildMips(place.photographs[node]), firstLevel);
   };
 }
 
@@ -65,8 +65,9 @@ class Stage {
 
   /// Texture source of the source images. The stage must outlive it.
   TextureSource source() const {
-    return
-        [this](const Scene&, std::size_t node, int firstLevel) { return smallerLevels(textures_[node], firstLevel); };
+    return [this](const Scene&, std::size_t node, int firstLevel) {
+      return withoutLargestLevels(textures_[node], firstLevel);
+    };
   }
 
   FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
@@ -134,7 +135,7 @@ inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options)
     MorphMesh& mesh = backdrop.mesh;
     mesh.match.resize(1);
     mesh.ratio.resize(1);
-    for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
       mesh.inverseDistance[p] /= mesh.ratio[0][p];  // relative to this member alone
       mesh.ratio[0][p] = 1;
     }
@@ -146,8 +147,8 @@ inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options)
 /// (farDepths) are at infinity.
 inline void addEvidence(SyntheticScene& place) {
   for (Cell& backdrop : place.scene.backdrops) {
-    backdrop.mesh.confirmations.assign(backdrop.mesh.pointCount(), 3);
-    backdrop.mesh.consensus.assign(backdrop.mesh.pointCount(), 0.9f);
+    backdrop.mesh.confirmations.assign(backdrop.mesh.vertexCount(), 3);
+    backdrop.mesh.consensus.assign(backdrop.mesh.vertexCount(), 0.9f);
     Node& node = place.scene.nodes[backdrop.members[0]];
     node.depthFile = "depth/" + node.name + ".ktx2";
     node.depthScale = 1;

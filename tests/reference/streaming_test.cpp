@@ -38,7 +38,7 @@ Scene gridScene(int side, int width, int height) {
     cell.mesh.inverseDistance.assign(4, 0.0f);
     cell.mesh.uncertainty.assign(4, 0.0f);
     cell.mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
-    cell.mesh.tier.assign(2, kTierAgrees);
+    cell.mesh.tier.assign(2, kTierConsistent);
     cell.mesh.ecc.assign(2, 1.0f);
   };
   for (std::uint32_t z = 0; z + 1 < std::uint32_t(side); ++z)
@@ -53,7 +53,7 @@ Scene gridScene(int side, int width, int height) {
 /// One colour a photograph, different from its neighbours. The stand-in has the same hue, but is darker.
 struct Colours {
   TextureFormat format = TextureFormat::rgba8;
-  static constexpr int kStandInSide = 64;
+  static constexpr int kMaxStandInSide = 64;
 
   static std::array<std::uint8_t, 3> of(std::size_t node, bool standIn) {
     const auto value = [&](std::size_t factor) { return std::uint8_t(128 + (node * factor % 8) * 16); };
@@ -70,7 +70,7 @@ struct Colours {
     texture.width = std::max(1, k.width >> firstLevel);
     texture.height = std::max(1, k.height >> firstLevel);
     for (int w = texture.width, h = texture.height;; w = std::max(1, w / 2), h = std::max(1, h / 2)) {
-      const auto colour = of(node, std::max(w, h) <= kStandInSide);
+      const auto colour = of(node, std::max(w, h) <= kMaxStandInSide);
       std::vector<std::byte> block;
       if (format == TextureFormat::rgba8) {
         block = {std::byte(colour[0]), std::byte(colour[1]), std::byte(colour[2]), std::byte(255)};
@@ -121,7 +121,7 @@ class Walker {
 
  public:
   GpuScene gpuScene;
-  GpuScene::Streamed streamed;
+  GpuScene::StreamStatus streamed;
   std::uint64_t number = 0, most = 0, uploaded = 0;
 
  private:
@@ -172,15 +172,16 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   const Scene scene = gridScene(side, 512, 512);
   const Colours colours{format};
   Messages messages;
-  Walker walker(scene, {.source = colours, .budgetBytes = budget, .blocks = BlockTextures::keep, .log = messages.log()},
+  Walker walker(scene,
+                {.source = colours, .budgetBytes = budget, .blocks = BlockTextureMode::keep, .log = messages.log()},
                 {256, 256});
-  REQUIRE(walker.gpuScene.streams());
-  std::uint32_t withoutRoom = 0;
+  REQUIRE(walker.gpuScene.needsStreaming());
+  std::uint32_t overBudget = 0;
   const auto show = [&](double along) {
     const Image8 picture = walker.frame(walker.planAt({along, 0, along}));
     REQUIRE(walker.gpuScene.memory().sum() <= budget);
     REQUIRE(emptyPixels(picture) == 0);
-    withoutRoom = std::max(withoutRoom, walker.streamed.withoutRoom);
+    overBudget = std::max(overBudget, walker.streamed.overBudget);
     return picture;
   };
   const auto standAt = [&](int node) {
@@ -198,7 +199,7 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   const Shares jumped = sharesOf(show(0), 0);
   CHECK(jumped.own + jumped.standIn > 0.99);
   standAt(0);
-  CHECK(withoutRoom == 0);
+  CHECK(overBudget == 0);
   CHECK(walker.most <= budget);
   CHECK(walker.most > budget * 3 / 4);  // the budget is used
   CHECK(walker.uploaded > budget / 2);
@@ -224,7 +225,7 @@ TEST_CASE("a walk through ten thousand photographs of 1.7 GB stays within 128 Mi
 TEST_CASE("photographs of cells that fade out are streamed") {
   const Scene scene = gridScene(12, 256, 256);
   Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB}, {128, 128});
-  REQUIRE(walker.gpuScene.streams());
+  REQUIRE(walker.gpuScene.needsStreaming());
   FramePlan plan = walker.planAt({11, 0, 11});
   do walker.frame(plan);
   while (walker.streamed.waiting > 0);
@@ -243,14 +244,14 @@ TEST_CASE("a walk through ten thousand photographs of 14 GB stays within 1 GiB",
 TEST_CASE("photographs that fit into the budget are not streamed") {
   const Scene scene = gridScene(3, 256, 256);
   GpuScene all(testDevice(), scene, {.source = Colours{}});
-  CHECK_FALSE(all.streams());
+  CHECK_FALSE(all.needsStreaming());
   const std::uint64_t bytes = all.memory().sum();
   Walker walker(scene, {.source = Colours{}, .budgetBytes = bytes}, {64, 64});
-  CHECK_FALSE(walker.gpuScene.streams());
+  CHECK_FALSE(walker.gpuScene.needsStreaming());
   walker.frame(walker.planAt({1, 0, 1}));
   CHECK(walker.streamed.needed == 0);
   CHECK(walker.gpuScene.memory().sum() == bytes);
-  CHECK(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = bytes - 1}).streams());
+  CHECK(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = bytes - 1}).needsStreaming());
 }
 
 TEST_CASE("a stand-in is shown while a photograph loads, and the main cell's members load first") {
@@ -264,7 +265,7 @@ TEST_CASE("a stand-in is shown while a photograph loads, and the main cell's mem
   for (int frame = 0; frame < 40; ++frame) {
     picture = walker.frame(plan);
     const GpuScene::State& state = stateOf(walker.gpuScene);
-    missing.push_back(walker.streamed.waiting + walker.streamed.withoutRoom);
+    missing.push_back(walker.streamed.waiting + walker.streamed.overBudget);
     const Shares shares = sharesOf(picture, node);
     const bool there = state.photographs->at(std::uint32_t(node)).view != VK_NULL_HANDLE && shares.own > 0.99;
     CHECK((there || shares.standIn > 0.99));
@@ -283,13 +284,13 @@ TEST_CASE("the image is the same with and without streaming of photographs") {
   const Stage stage(testDevice(), makeScene(options));
   const std::uint64_t all = GpuScene(testDevice(), stage.scene(), {.source = stage.source()}).memory().sum();
   Walker walker(stage.scene(), {.source = stage.source(), .budgetBytes = all * 9 / 10}, {320, 240});
-  REQUIRE(walker.gpuScene.streams());
+  REQUIRE(walker.gpuScene.needsStreaming());
   for (const glm::dvec3 at : {glm::dvec3(0.4, 0.25, 0.1), glm::dvec3(0.1, 0, 0.1), glm::dvec3(0.9, 0.3, 0.3)}) {
     const FramePlan plan = walker.planAt(at);
     Image8 picture;
     do picture = walker.frame(plan);
     while (walker.streamed.waiting > 0);
-    if (walker.streamed.withoutRoom == 0) CHECK(picture == stage.render(plan));
+    if (walker.streamed.overBudget == 0) CHECK(picture == stage.render(plan));
     CHECK(walker.most <= all * 9 / 10);
   }
 }
@@ -325,7 +326,7 @@ TEST_CASE("a small budget reduces the size of photographs with a warning") {
     const FramePlan plan = walker.planAt({2, 0, 2});
     do walker.frame(plan);
     while (walker.streamed.waiting > 0);
-    CHECK(walker.streamed.withoutRoom == 0);
+    CHECK(walker.streamed.overBudget == 0);
     CHECK(sharesOf(walker.frame(plan), 2 * 6 + 2).own > 0.99);
     CHECK(walker.most <= 10 * kMiB);
   }
@@ -339,7 +340,7 @@ TEST_CASE("a small budget reduces the size of photographs with a warning") {
     do walker.frame(plan);
     while (walker.streamed.waiting > 0);
     CHECK(walker.streamed.needed == 36);
-    CHECK(walker.streamed.withoutRoom > 15);
+    CHECK(walker.streamed.overBudget > 15);
     REQUIRE(messages.warnings.size() == 1);
     CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("36"));
     walker.frame(plan);

@@ -11,7 +11,7 @@
 #include "ibr/metrics.h"
 #include "reference/compare_pictures.h"
 #include "reference/stage.h"
-#include "render/resident/pages.h"
+#include "render/resident/texture_arrays.h"
 #include "render/resident/photograph_stream.h"
 #include "support/gpu.h"
 
@@ -34,10 +34,10 @@ struct Encoded {
     }
   }
   TextureSource source() const {
-    return [this](const Scene&, std::size_t node, int first) { return smallerLevels(textures[node], first); };
+    return [this](const Scene&, std::size_t node, int first) { return withoutLargestLevels(textures[node], first); };
   }
   TextureSource decodedSource() const {
-    return [this](const Scene&, std::size_t node, int first) { return smallerLevels(decoded[node], first); };
+    return [this](const Scene&, std::size_t node, int first) { return withoutLargestLevels(decoded[node], first); };
   }
 };
 
@@ -134,7 +134,7 @@ TEST_CASE("compressed textures give the image of decoded textures, close to unco
        {Expected{TextureFormat::bc1, 3, 34}, Expected{TextureFormat::bc7, 1, 42}}) {
     INFO(textureFormatName(format));
     const Encoded encoded(place, format);
-    const Stage blocks(testDevice(), place, {.source = encoded.source(), .blocks = BlockTextures::keep});
+    const Stage blocks(testDevice(), place, {.source = encoded.source(), .blocks = BlockTextureMode::keep});
     const Stage decoded(testDevice(), place, {.source = encoded.decodedSource()});
     const Image8 picture = blocks.render(view);
     CHECK(difference(picture, decoded.render(view), levels).shareAbove == 0);
@@ -165,7 +165,7 @@ TEST_CASE("bilinear and trilinear filtering differ only slightly") {
 TEST_CASE("bicubic filtering equals the reference at any size, and at a photograph's pose the photograph") {
   const Stage stage(testDevice(), makeScene(test::place(3)), {.filter = TextureFilter::bicubic});
   for (const int width : {640, 320, 240})  // magnified; between two levels; smaller
-    compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03, 0, width, width * 3 / 4), withTiers()));
+    compareWithReference(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03, 0, width, width * 3 / 4), withTiers()));
   SyntheticOptions room;
   for (const double x : {0.0, 1.0}) {
     Camera camera = cameraAt({x, 0, 0}, 3);  // the seam is ahead
@@ -175,7 +175,7 @@ TEST_CASE("bicubic filtering equals the reference at any size, and at a photogra
   room.planes = roomPlanes({-3, -1.5, -2.5}, {4, 1.9, 3.5}, 0.5);
   room.surfaceStep = 1;
   const Stage panoramas(testDevice(), makeScene(room), {.filter = TextureFilter::bicubic});
-  compareWithTwin(panoramas, panoramas.plan(cameraAt({0.4, 0.1, 0}, 0, 0, 160, 121, 1.2), withTiers()));
+  compareWithReference(panoramas, panoramas.plan(cameraAt({0.4, 0.1, 0}, 0, 0, 160, 121, 1.2), withTiers()));
 
   const Image8& photograph = stage.place().photographs[0];
   const Image8 own = stage.render(stage.scene().nodes[0].camera, withTiers());
@@ -230,7 +230,7 @@ TEST_CASE("allocated memory equals the prediction up to alignment", "[P12][bc]")
       };
       const std::vector<TextureFormat> formats(scene.nodes.size(), format);
       const MemoryDemand demand = memoryDemand(scene, formats);
-      const GpuScene gpuScene(testDevice(), scene, {.source = source, .blocks = BlockTextures::keep});
+      const GpuScene gpuScene(testDevice(), scene, {.source = source, .blocks = BlockTextureMode::keep});
       const GpuScene::Memory memory = gpuScene.memory();
       CAPTURE(textureFormatName(format), scene.cells.size(), demand.textures, memory.textures);
       CHECK(memory.positions >= demand.positions);
@@ -260,7 +260,7 @@ TEST_CASE("memory demand follows the corrected equation 21 of [T] in an example"
   backdrop.members = {2};
   backdrop.mesh.inverseDistance.resize(3);
   backdrop.mesh.triangles.resize(1);
-  backdrop.mesh.tier = {kTierAgrees};
+  backdrop.mesh.tier = {kTierConsistent};
   scene.backdrops = {backdrop};
   using enum TextureFormat;
   const MemoryDemand demand = memoryDemand(scene, std::vector{rgba8, bc1, bc7, rgba8});
@@ -276,7 +276,7 @@ TEST_CASE("blocks are decoded if requested, faster, or not supported by the devi
   const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
   const Stage decoded(testDevice(), place, {.source = encoded.decodedSource()});
   const Image8 expected = decoded.render(view);
-  const auto memory = [&](BlockTextures blocks, std::uint64_t budget) {
+  const auto memory = [&](BlockTextureMode blocks, std::uint64_t budget) {
     const GpuScene gpuScene(testDevice(), place.scene,
                             {.source = encoded.source(), .budgetBytes = budget, .blocks = blocks});
     return gpuScene.memory();
@@ -284,38 +284,38 @@ TEST_CASE("blocks are decoded if requested, faster, or not supported by the devi
   if (!testDevice().supportsBlockCompression()) {  // a device without BC, or with IBR_DISABLE_FEATURES
     Messages messages;
     const Stage stage(testDevice(), place,
-                      {.source = encoded.source(), .blocks = BlockTextures::keep, .log = messages.log()});
+                      {.source = encoded.source(), .blocks = BlockTextureMode::keep, .log = messages.log()});
     CHECK(stage.render(view) == expected);
     REQUIRE(messages.all.size() == 1);
     CHECK_THAT(messages.all[0].second, Catch::Contains("RGBA8"));
     return;
   }
-  const GpuScene::Memory kept = memory(BlockTextures::keep, 0);
+  const GpuScene::Memory kept = memory(BlockTextureMode::keep, 0);
   {
     Messages messages;
     const Stage stage(testDevice(), place,
-                      {.source = encoded.source(), .blocks = BlockTextures::decode, .log = messages.log()});
+                      {.source = encoded.source(), .blocks = BlockTextureMode::decode, .log = messages.log()});
     CHECK(stage.render(view) == expected);
     REQUIRE(messages.all.size() == 1);
     CHECK(messages.all[0].first == LogLevel::info);
     CHECK_THAT(messages.all[0].second, Catch::Contains("RGBA8"));
   }
   if (testDevice().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
-    CHECK(memory(BlockTextures::automatic, 0).textures > 5 * kept.textures);
+    CHECK(memory(BlockTextureMode::automatic, 0).textures > 5 * kept.textures);
     const std::uint64_t budget = kept.sum() + kept.textures;  // too small for decoded textures
-    CHECK(memory(BlockTextures::automatic, budget).textures == kept.textures);
+    CHECK(memory(BlockTextureMode::automatic, budget).textures == kept.textures);
     // A software device samples BC7 so slowly that decoded textures are streamed instead.
     const Encoded bc7(place, TextureFormat::bc7);
     const std::uint64_t bc7Bytes =
-        GpuScene(testDevice(), place.scene, {.source = bc7.source(), .blocks = BlockTextures::keep}).memory().sum();
-    for (const BlockTextures blocks : {BlockTextures::automatic, BlockTextures::keep}) {
+        GpuScene(testDevice(), place.scene, {.source = bc7.source(), .blocks = BlockTextureMode::keep}).memory().sum();
+    for (const BlockTextureMode blocks : {BlockTextureMode::automatic, BlockTextureMode::keep}) {
       const GpuScene gpuScene(testDevice(), place.scene,
                               {.source = bc7.source(), .budgetBytes = bc7Bytes, .blocks = blocks});
-      CHECK(gpuScene.streams() == (blocks == BlockTextures::automatic));
+      CHECK(gpuScene.needsStreaming() == (blocks == BlockTextureMode::automatic));
       CHECK(gpuScene.memory().sum() <= bc7Bytes);
     }
   } else {
-    CHECK(memory(BlockTextures::automatic, 0).textures == kept.textures);
+    CHECK(memory(BlockTextureMode::automatic, 0).textures == kept.textures);
   }
   // An adopted device without feature information: optional features count as disabled.
   Device adopted = Device::adopt({.instance = testDevice().instance(),
@@ -325,7 +325,8 @@ TEST_CASE("blocks are decoded if requested, faster, or not supported by the devi
                                   .queueFamily = testDevice().queueFamily()});
   CHECK_FALSE(adopted.supportsBlockCompression());
   Messages messages;
-  const Stage stage(adopted, place, {.source = encoded.source(), .blocks = BlockTextures::keep, .log = messages.log()});
+  const Stage stage(adopted, place,
+                    {.source = encoded.source(), .blocks = BlockTextureMode::keep, .log = messages.log()});
   CHECK(stage.render(view) == expected);
   REQUIRE(messages.all.size() == 1);
   CHECK(messages.all[0].first == LogLevel::warning);

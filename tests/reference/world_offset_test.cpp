@@ -38,9 +38,9 @@ struct Apart {
 };
 
 // Largest displacement of the vertices, with camera positions rounded to doubles.
-double largestWay(const Scene& here, const Scene& there, const Camera& view, const Camera& viewThere, double size) {
+double largestShift(const Scene& here, const Scene& there, const Camera& view, const Camera& viewThere, double size) {
   double largest = 0;
-  for (std::size_t p = 0; p < here.cells[0].mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < here.cells[0].mesh.vertexCount(); ++p) {
     const auto a = vertexPosition(here, here.cells[0], p), b = vertexPosition(there, there.cells[0], p);
     if (!a || !b) continue;
     const auto seen = [](const Camera& camera, glm::dvec3 x, double scale) {
@@ -66,7 +66,7 @@ TEST_CASE("the picture is the same at any distance from the origin and cell size
       const SyntheticScene there = moved(here, size, away);
       const Camera viewThere = moved(view, size, away);
       const Image8 picture = Stage(testDevice(), there).render(viewThere, withTiers());
-      const Apart apart{largestWay(here.scene, there.scene, view, viewThere, size),
+      const Apart apart{largestShift(here.scene, there.scene, view, viewThere, size),
                         difference(picture, expected, 1).shareAbove, psnr(picture, expected)};
       if (print)
         std::printf("%s\n", fmt::format("| {:g} m | {:g} m | {:.1e} | {:.2e} | {:.1f} |", size, offset, apart.px,

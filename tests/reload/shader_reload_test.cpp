@@ -121,17 +121,17 @@ TEST_CASE("an edited shader changes images of new renderers on its device only")
     CHECK(picture(stage).values == before.values);
   }
   SECTION("a replacement is undone once") {
-    CHECK(reloader.takeBack() == Files{kComposite});
+    CHECK(reloader.revert() == Files{kComposite});
     CHECK(device.shaderGeneration() == 2);
     CHECK(picture(stage).values == before.values);
-    CHECK(reloader.takeBack().empty());
+    CHECK(reloader.revert().empty());
     CHECK(device.shaderGeneration() == 2);
   }
   SECTION("undoing the second replacement restores the first") {
     copy.edit(kComposite, ".bgra", ".gggg");
     CHECK(next(reloader).replaced == Files{kComposite});
     CHECK(picture(stage).values != after.values);
-    CHECK(reloader.takeBack() == Files{kComposite});
+    CHECK(reloader.revert() == Files{kComposite});
     CHECK(picture(stage).values == after.values);
   }
   SECTION("a removed file changes nothing, and its replacement is used") {
@@ -161,7 +161,7 @@ TEST_CASE("a broken file keeps the shader in use, and the compiler's text gives 
     const ShaderReloader::Result result = next(reloader);
     CHECK(result.replaced.empty());
     REQUIRE(filesOf(result.failed) == Files{kComposite});
-    CHECK(filesOf(reloader.failing()) == Files{kComposite});
+    CHECK(filesOf(reloader.failures()) == Files{kComposite});
     CHECK(device.shaderGeneration() == 0);
     return result.failed[0].text;
   };
@@ -177,22 +177,22 @@ TEST_CASE("a broken file keeps the shader in use, and the compiler's text gives 
     const ShaderReloader::Result again = next(reloader);
     CHECK(again.replaced == Files{"render/composite.vert"});
     CHECK(again.failed.empty());
-    CHECK(filesOf(reloader.failing()) == Files{kComposite});
+    CHECK(filesOf(reloader.failures()) == Files{kComposite});
     copy.write(kComposite, whole);  // the text in use: the only news is that the shader compiles
     copy.edit("render/composite.vert", "gl_Position", "float unused = 1.0; gl_Position");
     CHECK(next(reloader).replaced == Files{"render/composite.vert"});
-    for (int i = 0; i < 1000 && !reloader.failing().empty(); ++i) {
+    for (int i = 0; i < 1000 && !reloader.failures().empty(); ++i) {
       reloader.poll();
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    CHECK(reloader.failing().empty());
+    CHECK(reloader.failures().empty());
   }
   SECTION("an error in an included file that is fixed") {
     copy.write("shared/floor.h", copy.text("shared/floor.h") + "\nfloat broken = nothing;\n");
     CHECK_THAT(failure(), Contains("my shaders/shared/floor.h:") && Contains("'nothing'"));
     copy.edit("shared/floor.h", "nothing;", "1.0;\n#define texelFetch(image, at, level) vec4(1.0, 0.0, 0.0, 1.0)");
     CHECK(next(reloader).replaced == Files{kComposite});
-    CHECK(reloader.failing().empty());
+    CHECK(reloader.failures().empty());
     const Image8 red = picture(stage);
     for (const auto& [x, y] : {std::pair(0, 0), std::pair(40, 30)})
       CHECK((red.pixel(x, y)[0] == 255 && red.pixel(x, y)[1] == 0 && red.pixel(x, y)[2] == 0));

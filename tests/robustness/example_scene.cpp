@@ -40,12 +40,12 @@ void addTroubles(MorphMesh& mesh) {
     mesh.tier[t] = kTierRejected;
     mesh.ecc[t] = -0.25f;
   }
-  for (std::size_t p = 0; p < mesh.pointCount(); p += 5) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); p += 5) {
     mesh.inverseDistance[p] = 0;
     mesh.uncertainty[p] = 0.01f;
     for (auto& ratio : mesh.ratio) ratio[p] = 1;
   }
-  mesh.planes.assign(mesh.pointCount(), glm::u16vec4(1, 3, 0, 0));
+  mesh.planes.assign(mesh.vertexCount(), glm::u16vec4(1, 3, 0, 0));
 }
 
 // A backdrop of a whole photograph, 4 units away.
@@ -58,7 +58,7 @@ Cell backdropOf(const Scene& scene, std::uint32_t node) {
   cell.mesh.inverseDistance = {0.25f, 0.25f, 0.25f, 0.25f};
   cell.mesh.uncertainty = {0.1f, 0.1f, 0.1f, 0.1f};
   cell.mesh.triangles = {{0, 2, 1}, {1, 2, 3}};
-  cell.mesh.tier = {kTierAgrees, kTierAgrees};
+  cell.mesh.tier = {kTierConsistent, kTierConsistent};
   cell.mesh.ecc = {1, 1};
   cell.mesh.confirmations = {0, 1, 2, 255};
   cell.mesh.consensus = {0.1f, 0.25f, 0.75f, 1};
@@ -73,7 +73,7 @@ Scene withTroubles(Scene scene) {
   scene.cells[1].quality.score = 0.25;
   scene.nodes[1].gain = {0.5, 1.25, 2};
   scene.nodes[1].capture = {.exposureTime = 0.004, .fNumber = 2.8, .iso = 100, .model = "M1"};
-  scene.unused = {{"left.jpg", "it is the only photograph"}};
+  scene.unusedPhotographs = {{"left.jpg", "it is the only photograph"}};
   Cell pointsOnly = scene.cells[3];
   pointsOnly.members = {4, 3};
   std::swap(pointsOnly.mesh.match[0], pointsOnly.mesh.match[1]);

@@ -31,7 +31,7 @@ TEST_CASE("scenes that cannot be written are refused and leave no file") {
   refused(ErrorCode::invalidInput, "settings");
   scene.settings = "\xff";
   refused(ErrorCode::invalidInput, "settings");
-  scene.unused = {{"a", "\xc3("}};
+  scene.unusedPhotographs = {{"a", "\xc3("}};
   refused(ErrorCode::invalidInput, "unused[0].reason");
   scene.acquisition = "\xc3(";
   refused(ErrorCode::invalidInput, "acquisition");

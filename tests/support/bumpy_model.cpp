@@ -45,9 +45,9 @@ glm::dvec3 toCamera(const Pose& pose, const glm::dvec3& point) {
   return glm::conjugate(pose.rotation) * (point - pose.position);
 }
 
-HtmPicture photograph(const BumpyModel& bumpy, std::size_t camera, const std::vector<SurfaceHit>& hits) {
+HtmImage photograph(const BumpyModel& bumpy, std::size_t camera, const std::vector<SurfaceHit>& hits) {
   const Intrinsics& k = bumpy.model.cameras[camera].camera.intrinsics;
-  HtmPicture picture{Image8(k.width, k.height, 3), Image8(k.width, k.height, 1)};
+  HtmImage picture{Image8(k.width, k.height, 3), Image8(k.width, k.height, 1)};
   const auto hitAt = [&](int x, int y) -> const SurfaceHit& {
     return hits[std::size_t(y) * std::size_t(k.width) + std::size_t(x)];
   };

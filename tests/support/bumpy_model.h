@@ -25,11 +25,11 @@ struct BumpyOptions {
 
 struct BumpyModel {
   HtmModel model;
-  std::vector<HtmPicture> pictures;
+  std::vector<HtmImage> pictures;
   std::vector<glm::dvec3> offsets;  // u_i
   BumpyOptions options;
 
-  HtmPictureSource source() const {
+  HtmImageSource source() const {
     return [this](const HtmModel&, std::size_t camera) { return pictures[camera]; };
   }
 };

@@ -15,13 +15,13 @@ int dearness(BlendMode mode) {
 }
 
 // Returns `level` with all fields that the governor may change set to the requested values.
-RenderSettings elsewhere(RenderSettings level, const RenderSettings& asked) {
-  level.maxCells = asked.maxCells;
-  level.renderScale = asked.renderScale;
-  level.blend = asked.blend;
-  level.colourMapping = asked.colourMapping;
-  level.gatherCandidates = asked.gatherCandidates;
-  level.voteScale = asked.voteScale;
+RenderSettings elsewhere(RenderSettings level, const RenderSettings& requested) {
+  level.maxCells = requested.maxCells;
+  level.renderScale = requested.renderScale;
+  level.blend = requested.blend;
+  level.colourMapping = requested.colourMapping;
+  level.gatherCandidates = requested.gatherCandidates;
+  level.voteScale = requested.voteScale;
   return level;
 }
 
@@ -55,46 +55,46 @@ TEST_CASE("ladder: starts with the requested settings, and each level reduces on
   std::mt19937 random(1);
   const auto upTo = [&](unsigned most) { return std::uint32_t(random() % (most + 1)); };
   for (int i = 0; i < 500; ++i) {
-    RenderSettings asked;
-    asked.maxCells = upTo(kMaxCellCount);
-    asked.renderScale = 0.3 + 0.1 * upTo(12);
-    asked.blend = BlendMode(upTo(2));
-    asked.colourMapping = ColourMapping(upTo(3));
-    asked.textureScale = 0.5;
-    asked.mutedCells = {3};
-    asked.maxTier = int(upTo(3));
-    asked.composition = Composition(upTo(2));
-    asked.gatherCandidates = 1 + upTo(kMaxGatherCandidates - 1);
-    asked.voteScale = 0.1 + 0.1 * upTo(9);
-    const auto levels = ladder(asked, upTo(20), upTo(20));
-    REQUIRE((levels.front() == asked));
+    RenderSettings requested;
+    requested.maxCells = upTo(kMaxCellCount);
+    requested.renderScale = 0.3 + 0.1 * upTo(12);
+    requested.blend = BlendMode(upTo(2));
+    requested.colourMapping = ColourMapping(upTo(3));
+    requested.textureScale = 0.5;
+    requested.mutedCells = {3};
+    requested.maxTier = int(upTo(3));
+    requested.composition = Composition(upTo(2));
+    requested.gatherCandidates = 1 + upTo(kMaxGatherCandidates - 1);
+    requested.voteScale = 0.1 + 0.1 * upTo(9);
+    const auto levels = ladder(requested, upTo(20), upTo(20));
+    REQUIRE((levels.front() == requested));
     REQUIRE(levels.size() <= 13);
     checkFalls(levels);
-    REQUIRE(levels.back().renderScale == 0.5 * asked.renderScale);
-    if (asked.composition == Composition::gathered) continue;  // does not use these settings
+    REQUIRE(levels.back().renderScale == 0.5 * requested.renderScale);
+    if (requested.composition == Composition::gathered) continue;  // does not use these settings
     REQUIRE(levels.back().blend == BlendMode::dither);
     REQUIRE(levels.back().colourMapping == ColourMapping::off);
   }
 }
 
 TEST_CASE("ladder: the default settings give the expected sequence of changes") {
-  RenderSettings asked;
-  asked.colourMapping = ColourMapping::ours;
+  RenderSettings requested;
+  requested.colourMapping = ColourMapping::ours;
   std::vector<std::string> changes;
-  const auto levels = ladder(asked);
+  const auto levels = ladder(requested);
   for (std::size_t i = 1; i < levels.size(); ++i) changes.push_back(levelChange(levels[i - 1], levels[i]));
   CHECK(changes == std::vector<std::string>{"cells 12 → 8", "cells 8 → 6", "cells 6 → 4", "resolution 1 → 0.85",
                                             "resolution 0.85 → 0.7", "blending blend → dither", "cells 4 → 2",
                                             "resolution 0.7 → 0.5", "colour mapping ours → off"});
-  CHECK(levelChange(asked, asked).empty());
+  CHECK(levelChange(requested, requested).empty());
 }
 
 TEST_CASE("ladder: gathering compositions first reduce the vote scale, then the number of photographs") {
   const auto changesOf = [](Composition composition, std::size_t cells) {
-    RenderSettings asked;
-    asked.composition = composition;
+    RenderSettings requested;
+    requested.composition = composition;
     std::vector<std::string> changes;
-    const auto levels = ladder(asked, cells, 300);
+    const auto levels = ladder(requested, cells, 300);
     for (std::size_t i = 1; i < levels.size(); ++i) changes.push_back(levelChange(levels[i - 1], levels[i]));
     return changes;
   };
@@ -110,17 +110,17 @@ TEST_CASE("ladder: gathering compositions first reduce the vote scale, then the 
 }
 
 TEST_CASE("ladder: limits above the scene's number of cells or photographs are skipped") {
-  RenderSettings asked;
-  asked.gatherCandidates = 14;
+  RenderSettings requested;
+  requested.gatherCandidates = 14;
   using Counts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-  CHECK(counts(ladder(asked)) == Counts{{12, 14}, {8, 14}, {6, 14}, {4, 14}, {2, 14}});
-  CHECK(counts(ladder(asked, 5, 14)) == Counts{{12, 14}, {4, 14}, {2, 14}});
-  CHECK(counts(ladder(asked, 0, 14)) == Counts{{12, 14}});
+  CHECK(counts(ladder(requested)) == Counts{{12, 14}, {8, 14}, {6, 14}, {4, 14}, {2, 14}});
+  CHECK(counts(ladder(requested, 5, 14)) == Counts{{12, 14}, {4, 14}, {2, 14}});
+  CHECK(counts(ladder(requested, 0, 14)) == Counts{{12, 14}});
   for (const Composition composition : {Composition::gathered, Composition::hybrid}) {
-    asked.composition = composition;
-    CHECK(counts(ladder(asked)) == Counts{{12, 14}, {12, 12}, {12, 8}, {12, 6}, {12, 4}, {12, 2}});
-    CHECK(counts(ladder(asked, 12, 5)) == Counts{{12, 14}, {12, 4}, {12, 2}});
-    CHECK(counts(ladder(asked, 12, 2)) == Counts{{12, 14}});
+    requested.composition = composition;
+    CHECK(counts(ladder(requested)) == Counts{{12, 14}, {12, 12}, {12, 8}, {12, 6}, {12, 4}, {12, 2}});
+    CHECK(counts(ladder(requested, 12, 5)) == Counts{{12, 14}, {12, 4}, {12, 2}});
+    CHECK(counts(ladder(requested, 12, 2)) == Counts{{12, 14}});
   }
 }
 

@@ -65,12 +65,12 @@ TEST_CASE("walk: a spot chosen before the head is tracked sets the facing") {
   walker.place.spots[1].facing = {1, 0, 0};
   walker.state = startWalk(walker.place, walker.settings, 3);
   const auto head = std::exchange(walker.input.head, std::nullopt);
-  walker.input.goTo = 1;
+  walker.input.teleportTo = 1;
   walker.step();
   walker.input = {.seconds = kFrame, .head = head};
   CHECK(walker.step().arrived == 1u);
   CHECK(angleBetween(facingOf(walker.head().rotation), {1, 0, 0}) < 1e-9);
-  walker.input.goTo = 3;
+  walker.input.teleportTo = 3;
   walker.steps(40);
   CHECK(angleBetween(facingOf(walker.head().rotation), {1, 0, 0}) < 1e-9);
 }
@@ -82,9 +82,9 @@ TEST_CASE("walk: in a scene without spots the person stands at the origin and ca
   walker.hand(kRight).select = true;
   CHECK(walker.step().showMarks);
   walker.hand(kRight).select = false;
-  walker.input.goTo = 0;
+  walker.input.teleportTo = 0;
   walker.step();
-  walker.input.goTo.reset();
+  walker.input.teleportTo.reset();
   CHECK(walker.steps(60).fade == 0);
   CHECK(same(walker.state.tracking, Tracking{}));
   // A start at a spot that does not exist.
@@ -440,9 +440,9 @@ TEST_CASE("walk: smooth motion slides along the bounds and does not depend on th
 TEST_CASE("walk: smooth motion pauses during fades") {
   Walker walker;
   walker.settings.smoothMotion = true;
-  walker.input.goTo = 1;
+  walker.input.teleportTo = 1;
   walker.step();
-  walker.input.goTo.reset();
+  walker.input.teleportTo.reset();
   walker.hand(kLeft).stick = {0, 1};
   while (walker.state.fade > 0) {
     const WalkOutput output = walker.step();
@@ -484,9 +484,9 @@ TEST_CASE("walk: the vignette follows the speed smoothly") {
 TEST_CASE("walk: of several teleports during a fade the last one counts, through black") {
   Walker walker;
   const auto ask = [&](std::size_t spot) {
-    walker.input.goTo = spot;
+    walker.input.teleportTo = spot;
     const WalkOutput output = walker.step();
-    walker.input.goTo.reset();
+    walker.input.teleportTo.reset();
     return output;
   };
   ask(0);
@@ -521,9 +521,9 @@ TEST_CASE("walk: the view stays black while requested, and teleports happen mean
   walker.input.black = true;
   walker.steps(11);
   for (int i = 0; i < 100; ++i) REQUIRE(walker.step().fade == 1);
-  walker.input.goTo = 4;
+  walker.input.teleportTo = 4;
   CHECK(walker.step().jumped);
-  walker.input.goTo.reset();
+  walker.input.teleportTo.reset();
   CHECK(walker.steps(20).fade == 1);
   walker.input.black = false;
   CHECK(walker.steps(10).fade < 1);
@@ -589,11 +589,11 @@ TEST_CASE("walk: invalid or long time steps cause no jumps") {
     walker.settings.smoothMotion = true;
     walker.input.seconds = seconds;
     walker.hand(kLeft).stick = {0, 1};
-    walker.input.goTo = 0;
+    walker.input.teleportTo = 0;
     const Tracking before = walker.state.tracking;
     CHECK(walker.steps(50).fade == 0);
     CHECK(same(walker.state.tracking, before));
-    walker.input.goTo.reset();
+    walker.input.teleportTo.reset();
     walker.input.seconds = kFrame;
     walker.steps(11);
     CHECK(walker.awayFrom(0) < 1e-9);
@@ -606,9 +606,9 @@ TEST_CASE("walk: invalid or long time steps cause no jumps") {
   walker.step();
   CHECK(glm::distance(walker.head().position, before.position) <= 0.15);
   walker.hand(kLeft).stick = {0, 0};
-  walker.input.goTo = 0;
+  walker.input.teleportTo = 0;
   CHECK(!walker.step().jumped);
-  walker.input.goTo.reset();
+  walker.input.teleportTo.reset();
   const WalkOutput black = walker.step();
   CHECK(black.jumped);
   CHECK(black.fade == 1);
@@ -636,7 +636,7 @@ TEST_CASE("walk: invariants hold for random input") {
         if (chance(0.1)) hand.stick = {value(), value()};
         if (chance(0.05)) hand.turn = value();
       }
-      input.goTo = chance(0.01) ? std::optional<std::size_t>(std::size_t(any.between(0, 8))) : std::nullopt;
+      input.teleportTo = chance(0.01) ? std::optional<std::size_t>(std::size_t(any.between(0, 8))) : std::nullopt;
       input.scale = chance(0.01) ? any.between(0.5, 2) : 1;
       input.black = chance(0.01);
       walker.settings.smoothMotion = i % 1000 > 500;

@@ -11,7 +11,7 @@
 #include "io/image_file.h"
 #include "menu_hand.h"
 #include "support/gpu.h"
-#include "vr/menu/menu_sheet.h"
+#include "vr/menu/menu_canvas.h"
 
 using namespace ibr;
 using namespace ibr::app;
@@ -73,9 +73,9 @@ TEST_CASE("the menu has the same values in sRGB and UNORM layers") {
   Drawn plain(VK_FORMAT_R8G8B8A8_UNORM);
   const Image8 wanted = plain.picture();
   const glm::dvec2 corner{0.999, 0.5}, button = plain.hand.in("picture", {0.05, 0.5});
-  CHECK(isColour(wanted, corner, kMenuBack));
+  CHECK(isColour(wanted, corner, kMenuBackground));
   CHECK(isColour(wanted, button, kMenuButton));
-  CHECK(isColour(wanted, plain.hand.in("map page", {0.05, 0.5}), kMenuMarked));
+  CHECK(isColour(wanted, plain.hand.in("map page", {0.05, 0.5}), kMenuSelected));
   bool opaque = true;
   for (std::size_t i = 3; i < wanted.values.size(); i += 4) opaque &= wanted.values[i] == 255;
   CHECK(opaque);
@@ -96,7 +96,7 @@ TEST_CASE("the menu marks hovered and pressed items") {
   menu.hand.point(middle, true);
   const Image8 pressed = menu.picture();
   CHECK(isColour(pressed, button, kMenuPressed));
-  CHECK(isColour(pressed, middle, kMenuHere));
+  CHECK(isColour(pressed, middle, kMenuCurrentSpot));
   menu.hand.away();
   CHECK(isColour(menu.picture(), button, kMenuButton));
 }
@@ -111,7 +111,7 @@ TEST_CASE("the menu's map shows spots, the person and the target spot") {
   const Image8 bare = menu.picture();
   CHECK(isColour(bare, nowhere, kMenuField));
   CHECK_FALSE(isColour(bare, first, kMenuField));
-  CHECK(isColour(bare, second, kMenuHere));
+  CHECK(isColour(bare, second, kMenuCurrentSpot));
   CHECK(isColour(bare, person, kMenuText));
   for (const glm::dvec2 none : {glm::dvec2(0), glm::dvec2(0, std::nan(""))}) {
     menu.shown.facing = none;
@@ -120,11 +120,11 @@ TEST_CASE("the menu's map shows spots, the person and the target spot") {
   }
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}));
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}));
-  CHECK(isColour(menu.picture(), first, kMenuMarked));
+  CHECK(isColour(menu.picture(), first, kMenuSelected));
   // The item stays marked while the trigger is held, wherever the hand points.
   menu.hand.point(menu.hand.in("map", {0.27, 0.25}), true);
   menu.hand.point(second, true);
-  CHECK(isColour(menu.picture(), first, kMenuMarked));
+  CHECK(isColour(menu.picture(), first, kMenuSelected));
 }
 
 TEST_CASE("the menu shortens long names") {

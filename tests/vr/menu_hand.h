@@ -17,8 +17,8 @@ struct MenuHand {
   app::MenuPanel& panel;
   app::MenuModel& model;
 
-  app::MenuWishes away(bool held = false) { return panel.show(model, {{}, held}, kMenuFrame); }
-  app::MenuWishes point(glm::dvec2 at, bool held = false) { return panel.show(model, {at, held}, kMenuFrame); }
+  app::MenuRequests away(bool held = false) { return panel.show(model, {{}, held}, kMenuFrame); }
+  app::MenuRequests point(glm::dvec2 at, bool held = false) { return panel.show(model, {at, held}, kMenuFrame); }
 
   bool has(const std::string& name) const {
     return std::ranges::any_of(panel.items(), [&](const auto& item) { return item.name == name; });
@@ -32,17 +32,17 @@ struct MenuHand {
     return {};
   }
 
-  /// Presses and releases. Returns the resulting wishes; there are none before the release.
-  app::MenuWishes press(glm::dvec2 at) {
-    CHECK(point(at) == app::MenuWishes{});
-    CHECK(point(at) == app::MenuWishes{});
-    CHECK(point(at, true) == app::MenuWishes{});
-    CHECK(point(at, true) == app::MenuWishes{});
-    const app::MenuWishes wishes = point(at);
-    CHECK(away() == app::MenuWishes{});
-    return wishes;
+  /// Presses and releases. Returns the resulting requests; there are none before the release.
+  app::MenuRequests press(glm::dvec2 at) {
+    CHECK(point(at) == app::MenuRequests{});
+    CHECK(point(at) == app::MenuRequests{});
+    CHECK(point(at, true) == app::MenuRequests{});
+    CHECK(point(at, true) == app::MenuRequests{});
+    const app::MenuRequests requests = point(at);
+    CHECK(away() == app::MenuRequests{});
+    return requests;
   }
-  app::MenuWishes press(const std::string& name) {
+  app::MenuRequests press(const std::string& name) {
     if (panel.items().empty()) away();
     return press(in(name));
   }

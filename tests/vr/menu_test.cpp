@@ -25,7 +25,7 @@ MenuModel model() {
   m.you = {0.5, 0.55};
   m.facing = {0, -1};
   m.unitsPerMetre = 2.5;
-  m.firstUnitsPerMetre = 1;
+  m.initialUnitsPerMetre = 1;
   m.eyeHeight = 1.6;
   m.governor = true;
   m.composition = "hybrid";
@@ -38,7 +38,7 @@ struct Opened {
     hand.away();
   }
   void page(const char* name) {
-    CHECK(hand.press(name) == MenuWishes{});
+    CHECK(hand.press(name) == MenuRequests{});
     hand.away();
   }
   MenuPanel panel;
@@ -46,58 +46,58 @@ struct Opened {
   MenuHand hand;
 };
 
-MenuWishes wish(auto MenuWishes::*what, auto value) {
-  MenuWishes wishes;
-  wishes.*what = value;
-  return wishes;
+MenuRequests wish(auto MenuRequests::*what, auto value) {
+  MenuRequests requests;
+  requests.*what = value;
+  return requests;
 }
 
 }  // namespace
 
 TEST_CASE("the menu's column takes a picture, recentres, closes, and exits at the second press") {
   Opened menu;
-  CHECK(menu.hand.press("picture") == wish(&MenuWishes::picture, true));
-  CHECK(menu.hand.press("recentre") == wish(&MenuWishes::recentre, true));
-  CHECK(menu.hand.press("close") == wish(&MenuWishes::close, true));
-  CHECK(menu.hand.press("exit") == MenuWishes{});
-  CHECK(menu.hand.press("exit") == wish(&MenuWishes::exit, true));
-  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("picture") == wish(&MenuRequests::picture, true));
+  CHECK(menu.hand.press("recentre") == wish(&MenuRequests::recentre, true));
+  CHECK(menu.hand.press("close") == wish(&MenuRequests::close, true));
+  CHECK(menu.hand.press("exit") == MenuRequests{});
+  CHECK(menu.hand.press("exit") == wish(&MenuRequests::exit, true));
+  CHECK(menu.hand.press("exit") == MenuRequests{});
 }
 
 TEST_CASE("the menu drops the first press of exit after another press, after a while and when closed") {
   Opened menu;
   menu.hand.press("exit");
   menu.hand.press("picture");
-  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("exit") == MenuRequests{});
   menu.hand.press(glm::dvec2(0.99, 0.01));  // no item is there
-  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("exit") == MenuRequests{});
   for (int i = 0; i < 50; ++i) menu.panel.show(menu.shown, {}, 0.1);
-  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("exit") == MenuRequests{});
   menu.panel.open();
   menu.hand.away();
-  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("exit") == MenuRequests{});
   for (int i = 0; i < 30; ++i) menu.panel.show(menu.shown, {}, 0.1);
-  CHECK(menu.hand.press("exit") == wish(&MenuWishes::exit, true));
+  CHECK(menu.hand.press("exit") == wish(&MenuRequests::exit, true));
 }
 
 TEST_CASE("the menu's map teleports to the spot where the press began") {
   Opened menu;
   for (std::size_t i = 0; i < menu.shown.spots.size(); ++i)
-    CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuWishes::teleport, i));
-  CHECK(menu.hand.press(menu.hand.in("map", {0.5, 0.9})) == MenuWishes{});
-  CHECK(menu.hand.press(menu.hand.in("map", {0.3, 0.3})) == MenuWishes{});
+    CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuRequests::teleport, i));
+  CHECK(menu.hand.press(menu.hand.in("map", {0.5, 0.9})) == MenuRequests{});
+  CHECK(menu.hand.press(menu.hand.in("map", {0.3, 0.3})) == MenuRequests{});
   // The press starts on the first spot and ends on the third.
   const glm::dvec2 first = menu.hand.in("map", menu.shown.spots[0].at);
   const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
   menu.hand.point(first);
   menu.hand.point(first, true);
   menu.hand.point(third, true);
-  CHECK(menu.hand.point(third) == wish(&MenuWishes::teleport, std::size_t(0)));
+  CHECK(menu.hand.point(third) == wish(&MenuRequests::teleport, std::size_t(0)));
   // A release away from the map cancels.
   menu.hand.point(first);
   menu.hand.point(first, true);
   menu.hand.away(true);
-  CHECK(menu.hand.away() == MenuWishes{});
+  CHECK(menu.hand.away() == MenuRequests{});
 }
 
 TEST_CASE("the menu's map selects the nearest spot, and the first of spots at one position") {
@@ -115,15 +115,15 @@ TEST_CASE("the menu's map does not teleport to a spot that was removed during th
   menu.hand.point(third, true);
   menu.shown.spots.resize(1);
   menu.hand.point(third, true);
-  CHECK(menu.hand.point(third) == MenuWishes{});
+  CHECK(menu.hand.point(third) == MenuRequests{});
 }
 
 TEST_CASE("the menu's page of scenes opens other scenes only") {
   Opened menu;
   menu.page("scenes page");
-  CHECK(menu.hand.press("scene 0") == wish(&MenuWishes::scene, std::size_t(0)));
-  CHECK(menu.hand.press("scene 2") == wish(&MenuWishes::scene, std::size_t(2)));
-  CHECK(menu.hand.press("scene 1") == MenuWishes{});
+  CHECK(menu.hand.press("scene 0") == wish(&MenuRequests::scene, std::size_t(0)));
+  CHECK(menu.hand.press("scene 2") == wish(&MenuRequests::scene, std::size_t(2)));
+  CHECK(menu.hand.press("scene 1") == MenuRequests{});
   CHECK_FALSE(menu.hand.has("scenes down"));
   CHECK_FALSE(menu.hand.has("map"));
 }
@@ -137,7 +137,7 @@ TEST_CASE("the menu's page of scenes scrolls, and starts at the open scene") {
   CHECK(menu.hand.has("scene 20"));
   CHECK_FALSE(menu.hand.has("scene 39"));
   const auto end = [&](const char* button) {
-    for (int i = 0; i < 40; ++i) CHECK(menu.hand.press(button) == MenuWishes{});
+    for (int i = 0; i < 40; ++i) CHECK(menu.hand.press(button) == MenuRequests{});
     menu.hand.away();
   };
   end("scenes down");
@@ -165,18 +165,18 @@ TEST_CASE("the menu's page of scenes scrolls, and starts at the open scene") {
 TEST_CASE("the menu's settings request the new values, within limits") {
   Opened menu;
   menu.page("settings page");
-  CHECK(menu.hand.press("larger") == wish(&MenuWishes::scaleFactor, 1.25));
-  CHECK(menu.hand.press("smaller") == wish(&MenuWishes::scaleFactor, 0.8));
-  CHECK(menu.hand.press("first scale") == wish(&MenuWishes::scaleFactor, 0.4));
+  CHECK(menu.hand.press("larger") == wish(&MenuRequests::scaleFactor, 1.25));
+  CHECK(menu.hand.press("smaller") == wish(&MenuRequests::scaleFactor, 0.8));
+  CHECK(menu.hand.press("first scale") == wish(&MenuRequests::scaleFactor, 0.4));
   for (const int degrees : {15, 30, 45, 90})
-    CHECK(menu.hand.press("turn " + std::to_string(degrees)) == wish(&MenuWishes::snapDegrees, double(degrees)));
+    CHECK(menu.hand.press("turn " + std::to_string(degrees)) == wish(&MenuRequests::snapDegrees, double(degrees)));
   for (const bool on : {false, true}) {
     menu.shown.smoothMotion = on;
     menu.shown.governor = on;
-    CHECK(menu.hand.press("smooth motion") == wish(&MenuWishes::smoothMotion, !on));
-    CHECK(menu.hand.press("governor") == wish(&MenuWishes::governor, !on));
+    CHECK(menu.hand.press("smooth motion") == wish(&MenuRequests::smoothMotion, !on));
+    CHECK(menu.hand.press("governor") == wish(&MenuRequests::governor, !on));
   }
-  CHECK(menu.hand.press("composition") == wish(&MenuWishes::nextComposition, true));
+  CHECK(menu.hand.press("composition") == wish(&MenuRequests::nextComposition, true));
   CHECK(menu.hand.press("higher").eyeHeight == Approx(1.65));
   CHECK(menu.hand.press("lower").eyeHeight == Approx(1.55));
   menu.shown.eyeHeight = 2.48;
@@ -207,23 +207,23 @@ TEST_CASE("a press on the menu counts only if it began on the same item of the o
     menu.hand.point(beside);
     menu.hand.point(beside, true);
     menu.hand.point(picture, true);
-    CHECK(menu.hand.point(picture) == MenuWishes{});
+    CHECK(menu.hand.point(picture) == MenuRequests{});
   }
   menu.hand.away();
   menu.hand.away(true);
   menu.hand.point(picture, true);
   menu.hand.point(picture, true);
-  CHECK(menu.hand.point(picture) == MenuWishes{});
+  CHECK(menu.hand.point(picture) == MenuRequests{});
   // A press that began on another item.
   menu.hand.point(close);
   menu.hand.point(close, true);
   menu.hand.point(picture, true);
-  CHECK(menu.hand.point(picture) == MenuWishes{});
+  CHECK(menu.hand.point(picture) == MenuRequests{});
   // A press that began before the panel was opened.
   menu.panel.open();
   menu.hand.point(picture, true);
   menu.hand.point(picture, true);
-  CHECK(menu.hand.point(picture) == MenuWishes{});
+  CHECK(menu.hand.point(picture) == MenuRequests{});
   CHECK(menu.hand.press("picture").picture);
 }
 
@@ -233,7 +233,7 @@ TEST_CASE("pointing without a press requests nothing") {
     menu.page(page);
     bool wished = false;
     for (int y = 0; y <= 60; ++y)
-      for (int x = 0; x <= 80; ++x) wished |= menu.hand.point({x / 80.0, y / 60.0}) != MenuWishes{};
+      for (int x = 0; x <= 80; ++x) wished |= menu.hand.point({x / 80.0, y / 60.0}) != MenuRequests{};
     CHECK_FALSE(wished);
   }
 }
@@ -263,11 +263,11 @@ TEST_CASE("the menu accepts an empty model") {
   Opened menu{MenuModel{}};
   for (const char* page : {"map page", "scenes page", "settings page"}) menu.page(page);
   menu.page("map page");
-  CHECK(menu.hand.press("map") == MenuWishes{});
+  CHECK(menu.hand.press("map") == MenuRequests{});
   menu.page("scenes page");
   CHECK_FALSE(menu.hand.has("scene 0"));
   menu.shown.scene = 7;  // no such scene
-  CHECK(menu.hand.away() == MenuWishes{});
+  CHECK(menu.hand.away() == MenuRequests{});
 }
 
 TEST_CASE("the menu accepts tens of thousands of spots and scenes, and any names") {
@@ -303,13 +303,13 @@ TEST_CASE("the menu accepts numbers that are not finite or out of range") {
     CHECK(menu.hand.press(middle).teleport == 1u);
     if (!std::isfinite(bad)) {
       // A spot with an invalid position does not appear at the map's corner.
-      CHECK(menu.hand.press(menu.hand.in("map", {0.01, 0.01})) == MenuWishes{});
+      CHECK(menu.hand.press(menu.hand.in("map", {0.01, 0.01})) == MenuRequests{});
     }
     menu.page("settings page");
     const auto isFactor = [](const std::optional<double>& f) { return !f || (std::isfinite(*f) && *f > 0); };
     CHECK(isFactor(menu.hand.press("first scale").scaleFactor));
     menu.shown.unitsPerMetre = 2;
-    menu.shown.firstUnitsPerMetre = bad;
+    menu.shown.initialUnitsPerMetre = bad;
     CHECK(isFactor(menu.hand.press("first scale").scaleFactor));
     const std::optional<double> eyes = menu.hand.press("higher").eyeHeight;
     CHECK((eyes && *eyes >= 0.5 && *eyes <= 2.5));

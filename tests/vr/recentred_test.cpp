@@ -98,9 +98,9 @@ TEST_CASE("recentred: before the head is tracked, or by an invalid pose, the sta
 
 TEST_CASE("recentred: a teleport in progress still arrives") {
   Walker walker;
-  walker.input.goTo = 1;
+  walker.input.teleportTo = 1;
   walker.step();
-  walker.input.goTo.reset();
+  walker.input.teleportTo.reset();
   const Pose space{{1, 0, -2}, glm::angleAxis(-2.0, glm::dvec3(0, 1, 0))};
   recentred(walker.state, space);
   walker.input.head = seenFrom(space, *walker.input.head);

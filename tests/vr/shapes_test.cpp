@@ -162,8 +162,8 @@ TEST_CASE("shapes: marks are drawn for the nearest 500 spots within 60 m, farthe
   for (int i = 0; i < 3000; ++i) many.push_back(spotAt({0.003 * i - 4, 1.6, -3.0 - 0.01 * i}));
   std::ranges::reverse(many);
   const std::size_t one = marks({many.back()}).inSpace.size();
-  CHECK(marks(many).inSpace.size() <= one * kMostMarks);
-  CHECK(marks(many).inSpace.size() >= one * kMostMarks / 3);
+  CHECK(marks(many).inSpace.size() <= one * kMaxMarks);
+  CHECK(marks(many).inSpace.size() >= one * kMaxMarks / 3);
   for (const ShapeVertex& vertex : marks(many).inSpace) REQUIRE(vertex.position.z > -9);
 
   const Shapes plain = marks({row[2]}), pointed = marks({row[2]}, 0);

@@ -173,7 +173,7 @@ TEST_CASE("pointing: invariant to origin, scale and up, and ignores spots behind
   CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, 1}}, kUp, 0));
   CHECK(pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 0u);
   PointingSettings far;
-  far.leastDistance = 2;
+  far.minDistance = 2;
   CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0, std::nullopt, far));
   for (const Ray& ray : {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{kNaN, 0, 0}, {0, 0, -1}}, Ray{{0, 0, 0}, {0, kNaN, -1}}})
     CHECK(!pointedSpot(one, ray, kUp, 0));

@@ -13,7 +13,7 @@ namespace ibr::test {
 inline constexpr double kFrame = 1.0 / 90;
 
 struct Walker {
-  app::WalkPlace place;
+  app::WalkScene place;
   app::WalkSettings settings;
   app::WalkState state;
   app::WalkInput input;
@@ -32,9 +32,9 @@ struct Walker {
     for (int i = 0; i < spots; ++i)
       row.push_back({inWorld(to, glm::dvec3(3 * (i - spots / 2), 1.6, 0)), to.rotation * glm::dvec3(0, 0, -1), {}});
     if (radius > 0)
-      for (const app::Spot& spot : row) bounds.places.push_back(spot.position);
+      for (const app::Spot& spot : row) bounds.positions.push_back(spot.position);
     for (std::uint32_t i = 0; radius > 0 && i + 1 < row.size(); ++i) bounds.neighbours.emplace_back(i, i + 1);
-    place = app::walkPlace(row, upInWorld(to), to.unitsPerMetre, bounds);
+    place = app::makeWalkScene(row, upInWorld(to), to.unitsPerMetre, bounds);
     state = app::startWalk(place, settings, std::size_t(spots / 2));
     steps(40);
   }

@@ -4,7 +4,7 @@
 
 #include "base/check.h"
 #include "batch/bench/bench_photographs.h"
-#include "batch/files/encoded_as.h"
+#include "batch/files/reencode_textures.h"
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"
 #include "ibr/scope_timer.h"
@@ -18,12 +18,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Way {
+struct FormatVariant {
   TextureFormat format;
   TextureFilter filter;
   const char* filterName;
 };
-constexpr Way kWays[]{
+constexpr FormatVariant kVariants[]{
     {TextureFormat::rgba8, TextureFilter::trilinear, "trilinear"},
     {TextureFormat::rgba8, TextureFilter::bilinear, "bilinear"},
     {TextureFormat::bc7, TextureFilter::trilinear, "trilinear"},
@@ -36,7 +36,7 @@ constexpr Way kWays[]{
 struct Measured {
   std::unique_ptr<GpuScene> gpuScene;
   std::unique_ptr<Renderer> renderer;
-  std::vector<double> milliseconds, ratios, psnrs;  // ratios and psnrs: to the first way
+  std::vector<double> milliseconds, ratios, psnrs;  // ratios and psnrs: to the first variant
 };
 
 }  // namespace
@@ -51,41 +51,41 @@ Json benchFormats(const PhotographBench& bench, const Context& context) {
   Offscreen offscreen(device, extent);
   ScopeTimer timer(device, 1);
   ProgressLine progress(context);
-  const std::size_t steps = std::size(kWays) + bench.views.size();
-  std::vector<Measured> ways;
-  for (const Way& way : kWays) {
-    check(progress.show({"encoding", ways.size(), steps}), ErrorCode::cancelled, "stopped");
+  const std::size_t steps = std::size(kVariants) + bench.views.size();
+  std::vector<Measured> variants;
+  for (const FormatVariant& variant : kVariants) {
+    check(progress.show({"encoding", variants.size(), steps}), ErrorCode::cancelled, "stopped");
     GpuSceneOptions options = withLog(bench.gpuScene, context);
-    options.source = encodedAs(way.format);
-    options.blocks = BlockTextures::keep;
-    options.filter = way.filter;
-    Measured& measured = ways.emplace_back();
+    options.source = encodedAs(variant.format);
+    options.blocks = BlockTextureMode::keep;
+    options.filter = variant.filter;
+    Measured& measured = variants.emplace_back();
     measured.gpuScene = std::make_unique<GpuScene>(device, bench.scene, options);
     measured.renderer = std::make_unique<Renderer>(device, *measured.gpuScene, optionsFor(bench.settings, extent));
   }
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const FramePlan plan = planFrame(bench.scene, bounds, {{bench.views[v].camera}, bench.settings});
     for (int repeat = -1; repeat < bench.repeat; ++repeat) {  // the first repeat warms up and is not counted
-      check(progress.show({"measuring", std::size(kWays) + v, steps}), ErrorCode::cancelled, "stopped");
+      check(progress.show({"measuring", std::size(kVariants) + v, steps}), ErrorCode::cancelled, "stopped");
       double first = 0;
       Image8 expected;
-      for (Measured& way : ways) {
+      for (Measured& variant : variants) {
         const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
           timer.reset(commands);
           const GpuScope scope(commands, &timer, "frame");
-          way.renderer->record(commands, plan, offscreen.target());
+          variant.renderer->record(commands, plan, offscreen.target());
         });
         const std::vector<ScopeTime> times = timer.read();
         check(!times.empty(), ErrorCode::unsupported, "{}: the queue has no timestamps", device.name());
-        if (&way == &ways[0]) {
+        if (&variant == &variants[0]) {
           first = times[0].milliseconds;
           expected = picture;
         }
         if (repeat < 0) {
-          way.psnrs.push_back(psnr(picture, expected));
+          variant.psnrs.push_back(psnr(picture, expected));
         } else {
-          way.milliseconds.push_back(times[0].milliseconds);
-          way.ratios.push_back(times[0].milliseconds / first);
+          variant.milliseconds.push_back(times[0].milliseconds);
+          variant.ratios.push_back(times[0].milliseconds / first);
         }
       }
     }
@@ -95,20 +95,20 @@ Json benchFormats(const PhotographBench& bench, const Context& context) {
   Table table;
   table.row({"textures", "filter", "memory", "median ms", "p95 ms", "ratio", "PSNR dB"});
   Json list = Json::array();
-  for (std::size_t w = 0; w < ways.size(); ++w) {
-    const Measured& way = ways[w];
-    const std::uint64_t bytes = way.gpuScene->memory().textures;
-    const double quality = w == 0 ? NAN : mean(way.psnrs);
-    table.row({textureFormatName(kWays[w].format), kWays[w].filterName, bytesText(double(bytes)),
-               numberText(quantile(way.milliseconds, 0.5), 1), numberText(quantile(way.milliseconds, 0.95), 1),
-               numberText(quantile(way.ratios, 0.5), 3), numberText(quality, 1)});
-    list.push_back({{"texture", textureFormatName(kWays[w].format)},
-                    {"filter", kWays[w].filterName},
+  for (std::size_t w = 0; w < variants.size(); ++w) {
+    const Measured& variant = variants[w];
+    const std::uint64_t bytes = variant.gpuScene->memory().textures;
+    const double quality = w == 0 ? NAN : mean(variant.psnrs);
+    table.row({textureFormatName(kVariants[w].format), kVariants[w].filterName, bytesText(double(bytes)),
+               numberText(quantile(variant.milliseconds, 0.5), 1), numberText(quantile(variant.milliseconds, 0.95), 1),
+               numberText(quantile(variant.ratios, 0.5), 3), numberText(quality, 1)});
+    list.push_back({{"texture", textureFormatName(kVariants[w].format)},
+                    {"filter", kVariants[w].filterName},
                     {"textureBytes", bytes},
-                    {"medianMs", quantile(way.milliseconds, 0.5)},
-                    {"p95Ms", quantile(way.milliseconds, 0.95)},
-                    {"n", way.milliseconds.size()},
-                    {"ratio", quantile(way.ratios, 0.5)},
+                    {"medianMs", quantile(variant.milliseconds, 0.5)},
+                    {"p95Ms", quantile(variant.milliseconds, 0.95)},
+                    {"n", variant.milliseconds.size()},
+                    {"ratio", quantile(variant.ratios, 0.5)},
                     {"psnr", w == 0 ? Json() : Json(quality)}});
   }
   context.print("{}", table.text());

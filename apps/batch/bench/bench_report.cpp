@@ -35,29 +35,31 @@ BenchReport::BenchReport() {
 }
 
 void BenchReport::add(const std::string& scene, const RenderSettings& settings, const BenchResult& result) {
-  for (const WayTimes& times : result.ways) {
-    const BenchWay& way = times.way;
+  for (const VariantTimes& times : result.ways) {
+    const BenchVariant& way = times.way;
     const double median = quantile(times.milliseconds, 0.5), p95 = quantile(times.milliseconds, 0.95);
-    const double toPaper = quantile(times.toPaper, 0.5), toUnmapped = quantile(times.toUnmapped, 0.5);
-    const double toTwoMono = quantile(times.toTwoMono, 0.5), toWhole = quantile(times.toWhole, 0.5);
+    const double ratioToPaper = quantile(times.ratioToPaper, 0.5),
+                 ratioToUnmapped = quantile(times.ratioToUnmapped, 0.5);
+    const double ratioToTwoMono = quantile(times.ratioToTwoMono, 0.5),
+                 ratioToWithoutMask = quantile(times.ratioToWithoutMask, 0.5);
     const Json which{{"scene", scene},
                      {"cells", settings.maxCells},
                      {"drawn", result.drawn},
                      {"triangles", result.triangles},
                      {"way", way.name},
-                     {"composition", wordOf(compositionOf(way, settings))},
-                     {"colourMapping", wordOf(way.colour)},
-                     {"blend", wordOf(way.blend)},
+                     {"composition", optionValue(compositionOf(way, settings))},
+                     {"colourMapping", optionValue(way.colour)},
+                     {"blend", optionValue(way.blend)},
                      {"views", way.views},
                      {"hiddenCorners", way.hidden}};
     Json frame = which;
     frame.update({{"medianMs", median},
                   {"p95Ms", p95},
                   {"n", times.milliseconds.size()},
-                  {"ratioToPaper", number(toPaper)},
-                  {"ratioToUnmapped", number(toUnmapped)},
-                  {"ratioToTwoMono", number(toTwoMono)},
-                  {"ratioToWhole", number(toWhole)}});
+                  {"ratioToPaper", number(ratioToPaper)},
+                  {"ratioToUnmapped", number(ratioToUnmapped)},
+                  {"ratioToTwoMono", number(ratioToTwoMono)},
+                  {"ratioToWhole", number(ratioToWithoutMask)}});
     frames_.push_back(frame);
     for (const auto& [name, milliseconds] : times.passes) {
       Json pass = which;
@@ -68,9 +70,9 @@ void BenchReport::add(const std::string& scene, const RenderSettings& settings, 
       passes_.push_back(pass);
     }
     table_.row({scene, std::to_string(settings.maxCells), std::to_string(result.drawn),
-                std::to_string(result.triangles), way.name, wordOf(way.colour), wordOf(way.blend),
-                std::to_string(way.views), numberText(median, 1), numberText(p95, 1), numberText(toPaper, 3),
-                numberText(toUnmapped, 3), numberText(toTwoMono, 3), numberText(toWhole, 3)});
+                std::to_string(result.triangles), way.name, optionValue(way.colour), optionValue(way.blend),
+                std::to_string(way.views), numberText(median, 1), numberText(p95, 1), numberText(ratioToPaper, 3),
+                numberText(ratioToUnmapped, 3), numberText(ratioToTwoMono, 3), numberText(ratioToWithoutMask, 3)});
   }
 }
 

@@ -32,7 +32,7 @@ struct Walk {
   std::uint32_t failed = 0;                                // photographs, maximum of a frame
 };
 
-Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScene, const Context& context) {
+Walk measureWalk(const PhotographBench& bench, Device& device, GpuScene& gpuScene, const Context& context) {
   using Clock = std::chrono::steady_clock;
   const auto milliseconds = [](Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -53,7 +53,7 @@ Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScen
     const double dtSeconds = v > 0 ? bench.views[v].time - bench.views[v - 1].time : 0;
     const FramePlan plan = planFrame(bench.scene, bounds, {{bench.views[v].camera}, settings, dtSeconds}, state);
     state = plan.next;
-    GpuScene::Streamed streamed;
+    GpuScene::StreamStatus streamed;
     const std::uint64_t frame = v + 1;
     const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
       const auto beginStream = Clock::now();
@@ -63,7 +63,7 @@ Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScen
     });
     walk.frameMs.push_back(milliseconds(begin));
     walk.empty.push_back(emptyShare(picture));
-    const std::uint32_t standIns = streamed.waiting + streamed.withoutRoom + streamed.failed;
+    const std::uint32_t standIns = streamed.waiting + streamed.overBudget + streamed.failed;
     walk.standIns.push_back(streamed.needed > 0 ? double(standIns) / streamed.needed : 0);
     walk.framesWithStandIns += standIns > 0;
     walk.framesWithGaps += walk.empty.back() > 0;
@@ -81,7 +81,7 @@ Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScen
 Json benchWalk(const PhotographBench& bench, const Context& context) {
   Device device = Device::create({.device = context.options().device, .log = context.log()});
   GpuScene gpuScene(device, bench.scene, withLog(bench.gpuScene, context));
-  Walk walk = walkThrough(bench, device, gpuScene, context);
+  Walk walk = measureWalk(bench, device, gpuScene, context);
   const std::size_t frames = bench.views.size();
   const std::uint64_t budget = bench.gpuScene.budgetBytes;
   context.print("frames       {}; the scene has {} photographs and {} cells\n", frames, bench.scene.nodes.size(),

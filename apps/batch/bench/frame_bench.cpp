@@ -17,14 +17,14 @@ namespace {
 constexpr double kEyeDistance = 0.064;  // m
 constexpr double kHiddenCorner = 0.3;   // of the image's sides; hides 18 % of the pixels, as in headsets
 
-std::vector<BenchWay> waysOf(const BenchCase& wanted) {
+std::vector<BenchVariant> variantsOf(const BenchCase& wanted) {
   const BlendMode blend = wanted.settings.blend;
   const auto paper = DrawOrder::paper, ours = DrawOrder::ours;
-  std::vector<BenchWay> ways{{"paper", paper, ColourMapping::off, blend, 1},
-                             {"ours", ours, ColourMapping::off, blend, 1},
-                             {"paper", paper, ColourMapping::paper, blend, 1},
-                             {"paper", paper, ColourMapping::paperRedraw, blend, 1},
-                             {"ours", ours, ColourMapping::ours, blend, 1}};
+  std::vector<BenchVariant> ways{{"paper", paper, ColourMapping::off, blend, 1},
+                                 {"ours", ours, ColourMapping::off, blend, 1},
+                                 {"paper", paper, ColourMapping::paper, blend, 1},
+                                 {"paper", paper, ColourMapping::paperRedraw, blend, 1},
+                                 {"ours", ours, ColourMapping::ours, blend, 1}};
   if (blend == BlendMode::blend) ways.push_back({"ours", ours, ColourMapping::off, BlendMode::dither, 1});
   if (wanted.stereo) {
     ways.push_back({"paper", paper, ColourMapping::off, blend, 2});
@@ -40,7 +40,7 @@ std::vector<Camera> eyesOf(const Camera& middle, std::size_t views) {
 }
 
 std::vector<WeightedPlan> plansOf(const BenchSubject& subject, const SceneBounds& bounds, const RenderSettings& common,
-                                  const BenchWay& way, const std::vector<Camera>& eyes) {
+                                  const BenchVariant& way, const std::vector<Camera>& eyes) {
   FrameInput input{eyes, common};
   input.settings.order = way.order;
   input.settings.composition = compositionOf(way, common);
@@ -79,14 +79,14 @@ RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
   return options;
 }
 
-bool unmapped(const BenchWay& way, const BenchWay& of) {
+bool unmapped(const BenchVariant& way, const BenchVariant& of) {
   return way.order == of.order && way.colour == ColourMapping::off && way.blend == of.blend && way.views == of.views &&
          way.hidden == of.hidden;
 }
 
 }  // namespace
 
-Composition compositionOf(const BenchWay& way, const RenderSettings& settings) {
+Composition compositionOf(const BenchVariant& way, const RenderSettings& settings) {
   return way.order == DrawOrder::paper ? Composition::cells : settings.composition;
 }
 
@@ -159,11 +159,11 @@ FrameBench::~FrameBench() = default;
 BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<void()>& step) const {
   State& s = *state_;
   BenchResult result;
-  for (const BenchWay& way : waysOf(wanted)) result.ways.push_back({way, {}, {}, {}, {}, {}, {}});
+  for (const BenchVariant& way : variantsOf(wanted)) result.ways.push_back({way, {}, {}, {}, {}, {}, {}});
   const std::size_t count = result.ways.size();
   for (const Camera& view : s.subject.views) {
     std::vector<std::vector<WeightedPlan>> plans;
-    for (const WayTimes& times : result.ways)
+    for (const VariantTimes& times : result.ways)
       plans.push_back(plansOf(s.subject, s.bounds, wanted.settings, times.way, eyesOf(view, times.way.views)));
     result.drawn = std::max(result.drawn, plans[0][0].plan.cells.size());
     result.triangles = std::max(result.triangles, triangleCount(s.subject.scene, plans[0][0].plan));
@@ -179,19 +179,19 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
           if (repeat >= 0) result.ways[w].passes[name].push_back(milliseconds);
       }
       for (std::size_t w = 0; repeat >= 0 && w < count; ++w) {
-        WayTimes& times = result.ways[w];
+        VariantTimes& times = result.ways[w];
         times.milliseconds.push_back(frame[w]);
         for (std::size_t other = 0; other < count; ++other) {
-          const BenchWay& of = result.ways[other].way;
-          if (unmapped(of, times.way)) times.toUnmapped.push_back(frame[w] / frame[other]);
+          const BenchVariant& of = result.ways[other].way;
+          if (unmapped(of, times.way)) times.ratioToUnmapped.push_back(frame[w] / frame[other]);
           if (of.order == DrawOrder::paper && of.colour == ColourMapping::off && of.views == times.way.views)
-            times.toPaper.push_back(frame[w] / frame[other]);
+            times.ratioToPaper.push_back(frame[w] / frame[other]);
           if (times.way.hidden && !of.hidden && of.order == times.way.order && of.colour == times.way.colour &&
               of.views == times.way.views)
-            times.toWhole.push_back(frame[w] / frame[other]);
+            times.ratioToWithoutMask.push_back(frame[w] / frame[other]);
           if (times.way.views == 2 && of.views == 1 && of.order == times.way.order && of.colour == times.way.colour &&
               of.blend == times.way.blend)
-            times.toTwoMono.push_back(frame[w] / (2 * frame[other]));
+            times.ratioToTwoMono.push_back(frame[w] / (2 * frame[other]));
         }
       }
     }

@@ -14,7 +14,7 @@
 
 namespace ibr::app {
 
-struct BenchWay {
+struct BenchVariant {
   const char* name;  // "paper" or "ours"
   DrawOrder order;
   ColourMapping colour;
@@ -23,14 +23,15 @@ struct BenchWay {
   bool hidden = false;  // true: corners that a headset's lenses hide are not drawn
 };
 /// Returns cells for the paper's way, else the composition of the settings.
-Composition compositionOf(const BenchWay& way, const RenderSettings& settings);
+Composition compositionOf(const BenchVariant& way, const RenderSettings& settings);
 
-struct WayTimes {
-  BenchWay way;
-  std::vector<double> milliseconds;         // of frames
-  std::vector<double> toPaper, toUnmapped;  // ratios: to the paper's order, and to the same way without colour mapping
-  std::vector<double> toTwoMono;            // of two views: ratio to two frames of one view
-  std::vector<double> toWhole;              // with hidden corners: ratio to the same way without hidden corners
+struct VariantTimes {
+  BenchVariant way;
+  std::vector<double> milliseconds;  // of frames
+  std::vector<double> ratioToPaper,
+      ratioToUnmapped;                     // ratios: to the paper's order, and to the same way without colour mapping
+  std::vector<double> ratioToTwoMono;      // of two views: ratio to two frames of one view
+  std::vector<double> ratioToWithoutMask;  // with hidden corners: ratio to the same way without hidden corners
   std::map<std::string, std::vector<double>> passes;  // ms by pass
 };
 
@@ -50,7 +51,7 @@ struct BenchCase {
 
 struct BenchResult {
   std::size_t drawn = 0, triangles = 0;  // maximum over the views
-  std::vector<WayTimes> ways;
+  std::vector<VariantTimes> ways;
 };
 
 /// Plans whose weighted times sum to the mean time of a frame: colours are counted in one frame of a period only.

@@ -33,31 +33,31 @@ std::string joined(const std::vector<std::string>& names) {
 // Formats the prediction in one or two lines, for people.
 std::string predictionText(const BuildPrediction& p) {
   std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
-                                 p.megapixels, p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
+                                 p.megapixels, p.cellCountKnown ? "" : "perhaps ", p.cells, p.backdrops);
   if (!p.posesKnown) text += "COLMAP estimates the poses first, which may take long and needs memory of its own; then ";
   text += fmt::format("about {} on {} threads, at most {} of memory and {} of disk space", durationText(p.seconds),
                       p.threads, bytesText(p.memory), bytesText(p.disk));
-  return p.diskFree > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFree)) : text;
+  return p.diskFreeBytes > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFreeBytes)) : text;
 }
 
 Json predictionJson(const BuildPrediction& p) {
   Json json{{"photographs", p.photographs},
             {"megapixels", p.megapixels},
             {"cells", p.cells},
-            {"cellsKnown", p.cellsKnown},
+            {"cellsKnown", p.cellCountKnown},
             {"backdrops", p.backdrops},
             {"posesKnown", p.posesKnown},
             {"threads", p.threads},
             {"seconds", p.seconds},
-            {"processorSeconds", p.processorSeconds},
+            {"processorSeconds", p.cpuSeconds},
             {"memory", p.memory},
-            {"memoryAllowed", p.memoryAllowed},
+            {"memoryAllowed", p.memoryLimitBytes},
             {"disk", p.disk},
-            {"diskFree", p.diskFree},
+            {"diskFree", p.diskFreeBytes},
             {"stages", Json::array()}};
   for (const auto& stage : p.stages)
     json["stages"].push_back(
-        {{"stage", stage.name}, {"seconds", stage.seconds}, {"processorSeconds", stage.processorSeconds}});
+        {{"stage", stage.name}, {"seconds", stage.seconds}, {"processorSeconds", stage.cpuSeconds}});
   return json;
 }
 
@@ -72,10 +72,10 @@ std::string tablesText(const BuildReport& report, const StageSeconds& stages) {
   Table cells, dropped, masks;
   cells.row({"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
   for (const auto& cell : report.cells)
-    cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
+    cells.row({joined(cell.members), matchMethodName(cell.matcher), fmt::format("{}", cell.points),
                fmt::format("{}", cell.triangles), fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3),
                numberText(cell.quality.ecc, 3), numberText(cell.quality.residualPx, 2),
-               numberText(cell.quality.score, 3), cell.resumed ? "cached" : numberText(cell.seconds, 1)});
+               numberText(cell.quality.score, 3), cell.cached ? "cached" : numberText(cell.seconds, 1)});
   std::string text = cells.text() + "\n";
   if (!report.dropped.empty()) {
     dropped.row({"dropped cell", "reason"});
@@ -94,7 +94,7 @@ std::string tablesText(const BuildReport& report, const StageSeconds& stages) {
 
 std::string masksText(const BuildReport& report) {
   double given = 0, moved = 0;
-  for (const auto& mask : report.masks) given += mask.given, moved += mask.moved;
+  for (const auto& mask : report.masks) given += mask.givenShare, moved += mask.movingShare;
   return fmt::format(
       "{} photographs have masks: given masks cover {:.2f} %, moving objects {:.2f} % of all photographs\n",
       report.masks.size(), 100 * given / double(report.prediction.photographs),
@@ -104,9 +104,9 @@ std::string masksText(const BuildReport& report) {
 // One line for each part of the scene.
 std::string summaryText(const BuildReport& report, const BuildOptions& options) {
   std::size_t triangles = 0, cached = 0;
-  for (const auto& cell : report.cells) triangles += cell.triangles, cached += cell.resumed;
+  for (const auto& cell : report.cells) triangles += cell.triangles, cached += cell.cached;
   double known = 0;
-  for (const auto& backdrop : report.backdrops) known += backdrop.known / double(report.backdrops.size());
+  for (const auto& backdrop : report.backdrops) known += backdrop.matchedShare / double(report.backdrops.size());
   std::string text = fmt::format("{}: {} photographs, {} cells of {} triangles", options.output.string(),
                                  report.prediction.photographs, report.cells.size(), triangles);
   if (cached > 0) text += fmt::format(" ({} cells cached)", cached);
@@ -114,7 +114,7 @@ std::string summaryText(const BuildReport& report, const BuildOptions& options) 
   text += '\n';
   if (!report.backdrops.empty())
     text += fmt::format("depth: {} of the photographs' pixels matched, the rest completed\n", percent(known));
-  text += unusedText(report.unused);
+  text += unusedText(report.unusedPhotographs);
   if (!report.masks.empty()) text += masksText(report);
   for (const std::string& line : {report.exposures.text, report.exposures.vignetting})
     if (!line.empty()) text += line + '\n';
@@ -132,10 +132,10 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
             {"masks", Json::array()},
             {"exposures", nullptr},
             {"dropped", Json::array()},
-            {"unused", unusedJson(report.unused)},
+            {"unused", unusedJson(report.unusedPhotographs)},
             {"stages", Json::array()},
             {"seconds", report.seconds},
-            {"processorSeconds", report.processorSeconds},
+            {"processorSeconds", report.cpuSeconds},
             {"memory", report.memory},
             {"predicted", predictionJson(report.prediction)}};
   for (const auto& cell : report.cells)
@@ -147,18 +147,18 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
                              {"ecc", cell.quality.ecc},
                              {"residualPx", cell.quality.residualPx},
                              {"score", cell.quality.score},
-                             {"matcher", methodName(cell.matcher)},
+                             {"matcher", matchMethodName(cell.matcher)},
                              {"homogeneous", std::isnan(cell.homogeneous) ? Json(nullptr) : Json(cell.homogeneous)},
                              {"seconds", cell.seconds},
-                             {"processorSeconds", cell.processorSeconds},
-                             {"resumed", cell.resumed}});
+                             {"processorSeconds", cell.cpuSeconds},
+                             {"resumed", cell.cached}});
   for (const auto& backdrop : report.backdrops)
     json["backdrops"].push_back({{"photograph", backdrop.photograph},
                                  {"points", backdrop.points},
                                  {"triangles", backdrop.triangles},
-                                 {"known", backdrop.known},
+                                 {"known", backdrop.matchedShare},
                                  {"seconds", backdrop.seconds},
-                                 {"resumed", backdrop.resumed}});
+                                 {"resumed", backdrop.cached}});
   for (const auto& [photograph, given, moved] : report.masks)
     json["masks"].push_back({{"photograph", photograph}, {"given", given}, {"moved", moved}});
   if (const BuildReport::ExposureSummary& e = report.exposures; !e.text.empty())
@@ -176,7 +176,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
     if (options.dryRun)
       context.print("{}\n", predictionText(prediction));
     else
-      context.say(LogLevel::info, "{}", predictionText(prediction));
+      context.logMessage(LogLevel::info, "{}", predictionText(prediction));
     return !options.dryRun;
   };
   BuildReport report;

@@ -23,12 +23,12 @@ fs::path findModel(const fs::path& photographs, const Context& context) {
   for (const fs::path& candidate :
        {photographs / "sparse", photographs / "sparse" / "0", parent / "sparse", parent / "sparse" / "0", photographs})
     if (holdsColmapModel(candidate)) {
-      context.say(LogLevel::info, "poses from {}", candidate.string());
+      context.logMessage(LogLevel::info, "poses from {}", candidate.string());
       return candidate;
     }
-  context.say(LogLevel::info,
-              "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates the poses",
-              photographs.string());
+  context.logMessage(LogLevel::info,
+                     "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates the poses",
+                     photographs.string());
   return {};
 }
 
@@ -53,9 +53,9 @@ ScenePostProcess optimiser(AlignmentMethod method, const Context& context) {
   options.alignment.seed = context.options().seed;
   options.threads = context.options().threads;
   const Aligner aligner = makeAligner(method, context);
-  return [options, aligner](Scene& scene, const fs::path& finished, const ProgressCallback& progress,
+  return [options, aligner](Scene& scene, const fs::path& cacheFolder, const ProgressCallback& progress,
                             const LogCallback& log) mutable {
-    options.finished = finished;
+    options.cacheFolder = cacheFolder;
     optimiseCells(scene, options, aligner, progress, log);
   };
 }
@@ -105,7 +105,7 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       "Orientation of photographs that EXIF marks as turned: as stored (as in COLMAP), or upright (exif) [auto: by "
       "aspect ratio]");
   addChoice<bool>(
-      app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
+      app, "--movers", choices.build.maskMovingObjects, {{"keep", false}, {"remove", true}},
       "Mask moving objects (people, cars) where another photograph shows the background; elsewhere, an object appears "
       "as in one photograph [keep]");
   addChoice<bool>(app, "--match-exposure", choices.build.matchExposures, {{"on", true}, {"off", false}},

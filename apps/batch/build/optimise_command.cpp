@@ -35,7 +35,7 @@ void printTable(const OptimiseSceneReport& report, const Context& context) {
   };
   for (const OptimisedCell& cell : report.cells)
     row(fmt::format("{}", cell.cell), fmt::format("{}x{}", cell.width, cell.height),
-        cell.resumed ? "cached" : fmt::format("{}", cell.summary.cycles.size()),
+        cell.cached ? "cached" : fmt::format("{}", cell.summary.cycles.size()),
         [&](std::size_t f) { return kCellFigures[f].second(cell); });
   if (report.cells.size() > 1)
     row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
@@ -53,25 +53,25 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
     const AlignmentCycle all = sumOf(cell.summary.cycles);
     line.update({{"members", cell.members},
                  {"resolution", {cell.width, cell.height}},
-                 {"triangles", cell.judged},
+                 {"triangles", cell.evaluated},
                  {"moved", cell.moved},
                  {"flipped", cell.flipped},
                  {"inserted", cell.inserted},
                  {"fixed", cell.fixed},
-                 {"takenBack", cell.takenBack},
+                 {"takenBack", cell.reverted},
                  {"cycles", cell.summary.cycles.size()},
                  {"bestCycle", cell.summary.bestCycle},
                  {"mutations", all.mutations},
                  {"pixels", all.pixels},
                  {"refused", all.refused},
-                 {"resumed", cell.resumed}});
+                 {"resumed", cell.cached}});
     json["cells"].push_back(line);
   }
   for (const auto& [name, value] : kCellFigures) json["mean"][name] = meanOf(report, value);
   json.update({{"scene", options.input},
                {"output", options.output},
-               {"method", wordOf(alignment.method)},
-               {"definition", wordOf(alignment.definition)},
+               {"method", optionValue(alignment.method)},
+               {"definition", optionValue(alignment.definition)},
                {"instances", alignment.instances},
                {"radius", alignment.radiusPx},
                {"decay", alignment.decay},
@@ -97,7 +97,7 @@ ExitCode optimise(Options options, const Context& context) {
   scene.output = options.output;
   scene.cells.threads = context.options().threads;
   scene.cells.alignment.seed = context.options().seed;
-  const std::string fault = optionsFault(scene.cells.alignment);
+  const std::string fault = firstInvalidOption(scene.cells.alignment);
   check(fault.empty(), ErrorCode::invalidInput, "{}", fault);
   const Aligner aligner = makeAligner(scene.cells.alignment.method, context);
   OptimiseSceneReport report;

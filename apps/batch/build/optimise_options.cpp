@@ -24,10 +24,10 @@ const char* wordIn(const T& words, auto value) {
 
 }  // namespace
 
-const char* wordOf(AlignmentMethod method) {
+const char* optionValue(AlignmentMethod method) {
   return wordIn(kMethods, method);
 }
-const char* wordOf(EccDefinition definition) {
+const char* optionValue(EccDefinition definition) {
   return wordIn(kDefinitions, definition);
 }
 

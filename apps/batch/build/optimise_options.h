@@ -27,8 +27,8 @@ inline constexpr std::pair kRigidityLimits{0.0, 10000.0};
 void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description);
 
 /// Words of --method and --definition, also in reports.
-const char* wordOf(AlignmentMethod method);
-const char* wordOf(EccDefinition definition);
+const char* optionValue(AlignmentMethod method);
+const char* optionValue(EccDefinition definition);
 AlignmentMethod parsedMethod(const std::string& option, const std::string& word);
 
 /// Returns align(), with its own device for the methods that need one; copies share the device. Throws

@@ -14,35 +14,35 @@
 #include "base/file.h"
 #include "base/raster.h"
 #include "io/image_file.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 
 namespace fs = std::filesystem;
 
 namespace ibr::app {
 namespace {
 
-constexpr std::uint8_t kNothing = 32;        // grey level of pixels without a triangle
-constexpr double kHeat = 0.6, kLine = 0.35;  // opacity
-constexpr std::size_t kMostCrops = 4;
+constexpr std::uint8_t kBackgroundGrey = 32;  // grey level of pixels without a triangle
+constexpr double kHeat = 0.6, kLine = 0.35;   // opacity
+constexpr std::size_t kMaxCrops = 4;
 
 // Morph to the midpoint of a cell's photographs, computed on the CPU.
 class CentreMorph {
  public:
   CentreMorph(const Scene& scene, const Cell& cell, const std::vector<Image8>& photographs)
       : mesh_(cell.mesh), photographs_(photographs), panoramic_(isPanoramic(scene, cell)) {
-    for (std::size_t p = 0; p < mesh_.pointCount(); ++p) place_.push_back(placeOf(scene, cell, p));
+    for (std::size_t p = 0; p < mesh_.vertexCount(); ++p) place_.push_back(placeOf(scene, cell, p));
   }
 
   Image8 picture() const {
-    Image8 picture(width(), height(), 3, kNothing);
+    Image8 picture(width(), height(), 3, kBackgroundGrey);
     draw(picture, kTierRejected, 1);
-    draw(picture, kTierAgrees, photographs_.size());
+    draw(picture, kTierConsistent, photographs_.size());
     return picture;
   }
 
   /// `star`: ECC of each point; NaN if undefined.
   Image8 heatMap(Image8 picture, const std::vector<float>& star) const {
-    forTriangles(kTierAgrees, [&](const glm::uvec3& t) {
+    forTriangles(kTierConsistent, [&](const glm::uvec3& t) {
       glm::dvec3 bad;
       for (int k = 0; k < 3; ++k)
         bad[k] = std::isnan(star[t[k]]) ? 1.0 : std::clamp(1.0 - double(star[t[k]]), 0.0, 1.0);
@@ -51,7 +51,7 @@ class CentreMorph {
         mix(picture, x, y, {255, 255 * std::clamp(2 - 2 * b, 0.0, 1.0), 0}, kHeat * std::min(2 * b, 1.0));
       });
     });
-    forTriangles(kTierAgrees, [&](const glm::uvec3& t) {
+    forTriangles(kTierConsistent, [&](const glm::uvec3& t) {
       for (int k = 0; k < 3; ++k)
         if (t[k] < t[(k + 1) % 3]) line(picture, place_[t[k]], place_[t[(k + 1) % 3]]);
     });
@@ -114,7 +114,7 @@ class CentreMorph {
   }
   template <class Visit>
   void forPixels(const glm::uvec3& t, Visit&& visit) const {
-    forPixelsIn(place_[t.x], place_[t.y], place_[t.z], width(), height(), visit);
+    forTrianglePixels(place_[t.x], place_[t.y], place_[t.z], width(), height(), visit);
   }
 
   static void mix(Image8& picture, int x, int y, const glm::dvec3& colour, double share) {
@@ -165,7 +165,7 @@ std::vector<glm::ivec2> changedMost(const Image8& a, const Image8& b, int side) 
   std::ranges::stable_sort(places, std::greater<>{}, &ChangedWindow::changed);
   std::vector<glm::ivec2> chosen;
   for (const ChangedWindow& place : places) {
-    if (chosen.size() == kMostCrops || place.changed == 0) break;
+    if (chosen.size() == kMaxCrops || place.changed == 0) break;
     const auto near = [&](glm::ivec2 other) {
       const glm::ivec2 apart = glm::abs(place.at - other);
       return std::max(apart.x, apart.y) < side;
@@ -208,8 +208,8 @@ void writeOptimisePictures(const Scene& before, const Scene& after, const Optimi
   const auto file = [&](const char* what) { return folder / fmt::format("cell{:03}_{}.png", facts.cell, what); };
   writeImage(file("before"), first);
   writeImage(file("after"), second);
-  writeImage(file("heat"), sideBySide({was.heatMap(first, facts.summary.starEccBefore),
-                                       is.heatMap(second, facts.summary.starEccAfter)}));
+  writeImage(file("heat"), sideBySide({was.heatMap(first, facts.summary.initialStarEcc),
+                                       is.heatMap(second, facts.summary.finalStarEcc)}));
   writeImage(file("crops"), crops(first, second));
 }
 

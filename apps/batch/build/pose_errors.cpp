@@ -27,7 +27,7 @@ PoseErrors poseErrors(const PosedModel& model, const PosedModel& truth) {
   }
   errors.photographs = are.size();
   if (are.empty()) return errors;
-  const Similarity onto = aligned(are, should);
+  const SimilarityTransform onto = estimateSimilarity(are, should);
   const double n = double(are.size());
   for (std::size_t i = 0; i < are.size(); ++i) {
     const Pose pose = onto(are[i]);

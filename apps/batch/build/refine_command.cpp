@@ -46,11 +46,11 @@ ExitCode refine(const Options& options, const Context& context) {
   RefinedModel refined;
   {
     ProgressLine progress(context);
-    refined = refinedModel(build, progress.callback(), context.log());
+    refined = refineModelPoses(build, progress.callback(), context.log());
   }
   writeColmapModel(refined.model, options.output);
   context.print("{}{}: model written, {}\n", text(refined.refinement), options.output,
-                refined.refinement.moved.empty() ? "unchanged" : "refined");
+                refined.refinement.poseChanges.empty() ? "unchanged" : "refined");
   Json report{{"model", options.output}, {"refinement", json(refined.refinement)}};
   if (truth) {
     const PoseErrors before = poseErrors(posesBefore(build), *truth);

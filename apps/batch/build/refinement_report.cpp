@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double medianOf(const std::vector<PoseRefinement::Moved>& moved, double PoseRefinement::Moved::*value) {
+double medianOf(const std::vector<PoseRefinement::PoseChange>& moved, double PoseRefinement::PoseChange::*value) {
   std::vector<double> values;
   for (const auto& photograph : moved) values.push_back(photograph.*value);
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
@@ -29,29 +29,31 @@ std::string text(const PoseRefinement& r) {
   if (r.steps.empty()) return "poses are unchanged: the poses are exact, or no photographs share a point\n";
   std::string said;
   for (const auto& step : r.steps)
-    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.by, step.taken ? "accepted" : "rejected");
-  if (r.moved.empty())
+    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.description, step.accepted ? "accepted" : "rejected");
+  if (r.poseChanges.empty())
     return fmt::format(
         "poses are unchanged: a fit to half of the points does not improve the other half ({} points of cells, {} of "
         "the model; reprojection error, median and 90th percentile: {:.3f} and {:.3f} px)\n",
-        r.tracksOfCells, r.tracksOfModel, r.before.medianPx, r.before.p90Px);
-  const auto furthest = std::ranges::max_element(r.moved, {}, &PoseRefinement::Moved::turnPx);
+        r.cellTracks, r.modelTracks, r.initialErrors.medianPx, r.initialErrors.p90Px);
+  const auto furthest = std::ranges::max_element(r.poseChanges, {}, &PoseRefinement::PoseChange::rotationPx);
   return fmt::format(
       "poses of {} photographs are refined with {} points of cells and {} of the model ({}):\n"
       "  reprojection error, median and 90th percentile: {:.3f} and {:.3f} px before, {:.3f} and {:.3f} px after\n"
       "  rotated by {:.2f} px (median; most: {} by {:.2f} px), moved by {:.4g} (median); focal lengths × {:.5f}\n",
-      r.moved.size(), r.tracksOfCells, r.tracksOfModel, said, r.before.medianPx, r.before.p90Px, r.after.medianPx,
-      r.after.p90Px, medianOf(r.moved, &PoseRefinement::Moved::turnPx), furthest->photograph, furthest->turnPx,
-      medianOf(r.moved, &PoseRefinement::Moved::shift), medianOf(r.moved, &PoseRefinement::Moved::focalFactor));
+      r.poseChanges.size(), r.cellTracks, r.modelTracks, said, r.initialErrors.medianPx, r.initialErrors.p90Px,
+      r.finalErrors.medianPx, r.finalErrors.p90Px, medianOf(r.poseChanges, &PoseRefinement::PoseChange::rotationPx),
+      furthest->photograph, furthest->rotationPx, medianOf(r.poseChanges, &PoseRefinement::PoseChange::shift),
+      medianOf(r.poseChanges, &PoseRefinement::PoseChange::focalFactor));
 }
 
 Json json(const PoseRefinement& r) {
-  Json report{{"tracksOfCells", r.tracksOfCells}, {"tracksOfModel", r.tracksOfModel}, {"kept", r.moved.empty()},
-              {"steps", Json::array()},           {"before", errorsJson(r.before)},   {"after", errorsJson(r.after)},
+  Json report{{"tracksOfCells", r.cellTracks},         {"tracksOfModel", r.modelTracks},
+              {"kept", r.poseChanges.empty()},         {"steps", Json::array()},
+              {"before", errorsJson(r.initialErrors)}, {"after", errorsJson(r.finalErrors)},
               {"photographs", Json::array()}};
   for (const auto& [by, cells, model, taken] : r.steps)
     report["steps"].push_back({{"by", by}, {"cellsSurer", cells}, {"modelSurer", model}, {"taken", taken}});
-  for (const auto& [photograph, turnPx, shift, focalFactor] : r.moved)
+  for (const auto& [photograph, turnPx, shift, focalFactor] : r.poseChanges)
     report["photographs"].push_back(
         {{"photograph", photograph}, {"turnPx", turnPx}, {"shift", shift}, {"focalFactor", focalFactor}});
   return report;

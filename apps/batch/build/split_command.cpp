@@ -96,9 +96,9 @@ const Command kSplitCommand{
           ->type_name("DEGREES");
       addInt(app, "--size", options->split.size, 0, 16384,
              "Width and height of an image, px; 0 = centre as sharp as the panorama's horizon");
-      addChoice<PictureFormat>(
+      addChoice<ImageFileFormat>(
           app, "--format", options->split.format,
-          {{"source", PictureFormat::asSource}, {"jpg", PictureFormat::jpeg}, {"png", PictureFormat::png}},
+          {{"source", ImageFileFormat::asSource}, {"jpg", ImageFileFormat::jpeg}, {"png", ImageFileFormat::png}},
           "File format of the images; source: that of the panorama, PNG unless it is a JPEG [source]");
       app.add_option("--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras")->type_name("DIR");
       app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")

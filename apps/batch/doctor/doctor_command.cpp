@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kMostFaults = 100;
+constexpr std::size_t kMaxFaults = 100;
 
 void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
-  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(path, kMostFaults)
-                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(path, kMostFaults)
-                                                       : validateSceneFiles(path, kMostFaults);
+  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(path, kMaxFaults)
+                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(path, kMaxFaults)
+                                                       : validateSceneFiles(path, kMaxFaults);
   for (const Fault& fault : faults)
     findings.add({"fault", Severity::serious, fmt::format("{}: {}.", fault.field, fault.message),
                   "Repeat the build, or restore the changed files.", kExitInvalidInput});
@@ -39,9 +39,9 @@ void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
     findings.fact(
         fmt::format("on a walk between the photographs, about {:.0f} % of an image is shown well; ibr info {} --advice "
                     "lists where more photographs help",
-                    100 * advice.shown, path));
+                    100 * advice.coverage, path));
   for (const Advice& one : advice.advice)
-    findings.add({adviceKindName(one.kind), one.severity, one.sentence, one.remedy, kExitInvalidInput});
+    findings.add({adviceKindName(one.kind), one.severity, one.problem, one.remedy, kExitInvalidInput});
 }
 
 ExitCode examine(const std::string& path, const BuildChoices& choices, const Context& context) {

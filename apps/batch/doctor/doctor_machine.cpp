@@ -22,10 +22,10 @@ namespace ibr::app {
 namespace {
 
 constexpr double kGiB = 1024.0 * 1024 * 1024;
-constexpr double kLeastMemory = 2 * kGiB;  // free memory, bytes, enough for photographs of 24 megapixels
-constexpr double kLittleDisk = 5 * kGiB, kNoDisk = 0.2 * kGiB;
-constexpr auto kPatience = std::chrono::seconds(5);  // time limit for a program to print its version
-constexpr std::size_t kMostOfALine = 200;            // of the printed line, bytes
+constexpr double kMinFreeMemory = 2 * kGiB;  // free memory, bytes, enough for photographs of 24 megapixels
+constexpr double kLowDiskBytes = 5 * kGiB, kMinDiskBytes = 0.2 * kGiB;
+constexpr auto kVersionTimeout = std::chrono::seconds(5);  // time limit for a program to print its version
+constexpr std::size_t kMaxVersionBytes = 200;              // of the printed line, bytes
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
@@ -81,9 +81,9 @@ void examineDevices(Findings& findings) {
                      {"apiVersion", versionText(device.apiVersion)},
                      {"memoryBytes", device.memoryBytes},
                      {"features", device.features},
-                     {"lacking", device.lacking}});
+                     {"lacking", device.missing}});
     std::string why;
-    for (const std::string& reason : device.lacking) why += (why.empty() ? "" : ", ") + reason;
+    for (const std::string& reason : device.missing) why += (why.empty() ? "" : ", ") + reason;
     if (!why.empty()) {
       findings.add({"device", Severity::hint,
                     fmt::format("Vulkan device {}, {}, cannot be used: {}.", i, device.name, why),
@@ -91,7 +91,7 @@ void examineDevices(Findings& findings) {
       continue;
     }
     usable = true;
-    graphicsCard |= kindOf(device.type) == DeviceKind::hardware;
+    graphicsCard |= deviceKindOf(device.type) == DeviceKind::hardware;
     findings.fact(describe(i, device));
   }
   if (const auto disabled = Device::disabledFeatures(); !disabled.empty())
@@ -119,18 +119,18 @@ struct Program {
 Program look(const std::vector<std::string>& command, std::string_view begins) {
   Program program;
   std::string first;
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kVersionTimeout;
   try {
     const ChildResult result = runChild(
         command, {},
         [&](std::string_view line) {
-          if (first.empty()) first = line.substr(0, kMostOfALine);
-          if (program.version.empty() && line.starts_with(begins)) program.version = line.substr(0, kMostOfALine);
+          if (first.empty()) first = line.substr(0, kMaxVersionBytes);
+          if (program.version.empty() && line.starts_with(begins)) program.version = line.substr(0, kMaxVersionBytes);
         },
         [&] { return std::chrono::steady_clock::now() < end; });
     program.there = true;
     if (result.stopped)
-      program.trouble = fmt::format("the program did not end within {} seconds", kPatience.count());
+      program.trouble = fmt::format("the program did not end within {} seconds", kVersionTimeout.count());
     else if (result.status != 0)
       program.trouble = fmt::format("exit code {}{}{}", result.status, first.empty() ? "" : ": ", first);
     else if (program.version.empty())
@@ -192,7 +192,7 @@ void examineMemory(Findings& findings) {
   available = std::min(available, limit);
   findings.fact(fmt::format("{} processor cores, {} of {} of memory free", std::thread::hardware_concurrency(),
                             bytesText(available), bytesText(std::min(total, limit))));
-  if (available < kLeastMemory)
+  if (available < kMinFreeMemory)
     findings.add({"memory", Severity::warning,
                   limited ? fmt::format("Memory is limited to {} for this process.", bytesText(available))
                           : fmt::format("Only {} of memory is free.", bytesText(available)),
@@ -208,9 +208,9 @@ void examineDisk(Findings& findings) {
   const fs::space_info space = fs::space(here, error);
   if (error) return;
   const auto left = double(space.available);
-  if (left < kLittleDisk)
+  if (left < kLowDiskBytes)
     findings.add(
-        {"disk", left < kNoDisk ? Severity::serious : Severity::warning,
+        {"disk", left < kMinDiskBytes ? Severity::serious : Severity::warning,
          fmt::format("Only {} of disk space is left in {}.", bytesText(left), here.string()),
          "A scene needs up to six bytes per pixel of its photographs: free disk space, or build with --texture "
          "bc7.",

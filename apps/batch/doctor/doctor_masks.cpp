@@ -4,7 +4,7 @@
 #include <set>
 
 #include "base/check.h"
-#include "batch/doctor/doctor_look.h"
+#include "batch/doctor/examined_photograph.h"
 #include "batch/doctor/findings.h"
 #include "ibr/author/photographs.h"
 
@@ -40,19 +40,19 @@ void examineMasks(const fs::path& folder, const std::vector<ExaminedPhotograph>&
   std::set<fs::path> used;
   std::size_t masked = 0;
   for (const ExaminedPhotograph& photo : photographs) {
-    const auto file = maskFileOf(folder, photo.name);
+    const auto file = findMaskFile(folder, photo.name);
     if (!file) continue;
     used.insert(file->lexically_normal());
     ++masked;
-    if (photo.trouble.empty()) examineMask(*file, photo, findings);
+    if (photo.readError.empty()) examineMask(*file, photo, findings);
   }
   findings.fact(fmt::format("masks: {} of {} photographs have a mask", masked, photographs.size()));
-  std::vector<std::string> strange;
-  for (const std::string& name : lookInto(folder).pictures)
-    if (!used.contains((folder / name).lexically_normal())) strange.push_back(name);
-  if (!strange.empty())
+  std::vector<std::string> unmatched;
+  for (const std::string& name : scanPhotographFolder(folder).pictures)
+    if (!used.contains((folder / name).lexically_normal())) unmatched.push_back(name);
+  if (!unmatched.empty())
     findings.add({"masks", Severity::warning,
-                  fmt::format("{} of the masks match no photograph: {}.", strange.size(), someOf(strange)),
+                  fmt::format("{} of the masks match no photograph: {}.", unmatched.size(), someOf(unmatched)),
                   "Name masks after their photographs: a/b.jpg.png or a/b.png for a/b.jpg."});
 }
 

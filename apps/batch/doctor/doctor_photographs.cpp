@@ -9,7 +9,7 @@
 #include "base/check.h"
 #include "base/median.h"
 #include "batch/build/build_options.h"
-#include "batch/doctor/doctor_look.h"
+#include "batch/doctor/examined_photograph.h"
 #include "batch/doctor/findings.h"
 #include "ibr/author/build.h"
 #include "ibr/author/photographs.h"
@@ -32,13 +32,13 @@ constexpr double kBlur = 0.35;   // share of the median sharpness, of similar ph
 //   0.3            2   202   208   203
 //   0.5            2   188   190   189
 //   four by name  14   242   251   243
-constexpr double kAlike = 0.3;
-constexpr std::size_t kMostAlike = 4, kLeastAlike = 2;
-constexpr double kSame = 0.9995;  // correlation of two signatures
-constexpr std::size_t kMostCompared = 3000;
+constexpr double kMinCorrelation = 0.3;
+constexpr std::size_t kMaxSimilar = 4, kMinSimilar = 2;
+constexpr double kDuplicateCorrelation = 0.9995;  // correlation of two signatures
+constexpr std::size_t kMaxCompared = 3000;
 
 // Reports videos in the folder and in the photographs' folders. Other folders below may belong to other programs.
-void videos(const fs::path& folder, const PictureFolder& found, Findings& findings) {
+void videos(const fs::path& folder, const PhotographFolder& found, Findings& findings) {
   static const std::set<std::string> kVideo{".mp4", ".mov", ".avi", ".mkv", ".mts"};
   std::set<fs::path> folders{""}, photographs;  // without extensions: phones store a video beside each photograph
   const auto put = [&](const fs::path& name) {
@@ -46,7 +46,7 @@ void videos(const fs::path& folder, const PictureFolder& found, Findings& findin
     photographs.insert(fs::path(name).replace_extension());
   };
   for (const std::string& name : found.pictures) put(name);
-  for (const PictureFolder::Unread& file : found.unread) put(file.name);
+  for (const PhotographFolder::UnreadableFile& file : found.unreadable) put(file.name);
   std::vector<std::string> names;
   for (const fs::path& below : folders) {
     std::error_code error, ignored;
@@ -67,15 +67,15 @@ void videos(const fs::path& folder, const PictureFolder& found, Findings& findin
 }
 
 // Reports files that a build skips. A reason has the form "problem: remedy", or only names the problem.
-void passedOver(const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
-  std::map<std::string, std::vector<PictureFolder::Unread>> byReason;
-  for (const PictureFolder::Unread& file : unread) byReason[file.reason].push_back(file);
+void reportSkipped(const std::vector<PhotographFolder::UnreadableFile>& unread, Findings& findings) {
+  std::map<std::string, std::vector<PhotographFolder::UnreadableFile>> byReason;
+  for (const PhotographFolder::UnreadableFile& file : unread) byReason[file.reason].push_back(file);
   for (auto& [reason, files] : byReason) {
     const std::size_t colon = std::min(reason.find(": "), reason.size());
-    for (PictureFolder::Unread& file : files) file.reason.resize(colon);
+    for (PhotographFolder::UnreadableFile& file : files) file.reason.resize(colon);
     std::string remedy = colon < reason.size() ? reason.substr(colon + 2) : "copy the file again, or remove it";
     remedy[0] = char(std::toupper(static_cast<unsigned char>(remedy[0])));
-    findings.add({"file", Severity::warning, unreadText(files) + ".", remedy + "."});
+    findings.add({"file", Severity::warning, unreadableText(files) + ".", remedy + "."});
   }
 }
 
@@ -87,8 +87,8 @@ const char* remedyOf(ErrorCode code) {
 
 void unreadable(const std::vector<ExaminedPhotograph>& all, Findings& findings) {
   for (const ExaminedPhotograph& photo : all)
-    if (!photo.trouble.empty())
-      findings.add({"file", Severity::serious, fmt::format("{} cannot be read: {}.", photo.name, photo.trouble),
+    if (!photo.readError.empty())
+      findings.add({"file", Severity::serious, fmt::format("{} cannot be read: {}.", photo.name, photo.readError),
                     remedyOf(photo.code)});
 }
 
@@ -139,7 +139,7 @@ void exposure(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
 void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
   std::map<std::tuple<std::string, std::string, std::string>, std::map<double, std::vector<std::string>>> cameras;
   for (const ExaminedPhotograph& photo : good) {
-    const CaptureFacts& facts = photo.info.capture;
+    const CaptureMetadata& facts = photo.info.capture;
     if (facts.focalLength > 0) cameras[{facts.maker, facts.model, facts.lens}][facts.focalLength].push_back(photo.name);
   }
   if (cameras.size() > 1)
@@ -159,16 +159,17 @@ void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
 }
 
 // Sharpness of the most similar photographs of the same size.
-std::vector<double> sharpnessAlike(const std::vector<ExaminedPhotograph>& good, std::size_t i) {
+std::vector<double> similarSharpness(const std::vector<ExaminedPhotograph>& good, std::size_t i) {
   std::vector<std::pair<double, double>> alike;  // similarity and sharpness
-  const std::size_t first = i > kMostCompared / 2 ? i - kMostCompared / 2 : 0;
-  for (std::size_t j = first; j < std::min(good.size(), first + kMostCompared); ++j)
+  const std::size_t first = i > kMaxCompared / 2 ? i - kMaxCompared / 2 : 0;
+  for (std::size_t j = first; j < std::min(good.size(), first + kMaxCompared); ++j)
     if (j != i && sameSize(good[i], good[j]) && std::isfinite(good[j].sharpness))
-      if (const double a = alikeness(good[i], good[j]); a > kAlike) alike.emplace_back(a, good[j].sharpness);
+      if (const double a = signatureCorrelation(good[i], good[j]); a > kMinCorrelation)
+        alike.emplace_back(a, good[j].sharpness);
   std::ranges::sort(alike, std::greater<>());
   std::vector<double> sharpness;
   for (const auto& [a, sharp] : alike)
-    if (sharpness.size() < kMostAlike) sharpness.push_back(sharp);
+    if (sharpness.size() < kMaxSimilar) sharpness.push_back(sharp);
   return sharpness;
 }
 
@@ -178,8 +179,8 @@ std::string timeText(double seconds) {
 
 void sharpness(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
   for (std::size_t i = 0; i < good.size(); ++i) {
-    const std::vector<double> alike = sharpnessAlike(good, i);
-    if (alike.size() < kLeastAlike || !(good[i].sharpness < kBlur * median(alike))) continue;
+    const std::vector<double> alike = similarSharpness(good, i);
+    if (alike.size() < kMinSimilar || !(good[i].sharpness < kBlur * median(alike))) continue;
     std::vector<double> all;
     for (const ExaminedPhotograph& photo : good)
       if (sameSize(good[i], photo)) all.push_back(photo.sharpness);
@@ -193,10 +194,10 @@ void sharpness(const std::vector<ExaminedPhotograph>& good, Findings& findings) 
 }
 
 void repetitions(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
-  for (std::size_t i = 0; i < std::min(good.size(), kMostCompared); ++i)
+  for (std::size_t i = 0; i < std::min(good.size(), kMaxCompared); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const bool identical = good[i].hash == good[j].hash;
-      if (!identical && !(alikeness(good[i], good[j]) > kSame)) continue;
+      if (!identical && !(signatureCorrelation(good[i], good[j]) > kDuplicateCorrelation)) continue;
       findings.add(
           {"repeated", Severity::hint,
            fmt::format("{} {} {}.", good[i].name, identical ? "is a copy of" : "looks the same as", good[j].name),
@@ -207,13 +208,13 @@ void repetitions(const std::vector<ExaminedPhotograph>& good, Findings& findings
 
 // Names of the readable photographs, and of unreadable ones that have a pose. Other unreadable ones do not count.
 std::vector<std::string> namesFor(const PosedModel& model, const std::vector<ExaminedPhotograph>& all,
-                                  const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
+                                  const std::vector<PhotographFolder::UnreadableFile>& unread, Findings& findings) {
   std::set<std::string> posed;
   for (const PosedImage& image : model.images) posed.insert(image.name);
   std::vector<std::string> names, lost;
   for (const ExaminedPhotograph& photo : all)
-    if (photo.trouble.empty() || posed.contains(photo.name)) names.push_back(photo.name);
-  for (const PictureFolder::Unread& file : unread)
+    if (photo.readError.empty() || posed.contains(photo.name)) names.push_back(photo.name);
+  for (const PhotographFolder::UnreadableFile& file : unread)
     if (posed.contains(file.name)) lost.push_back(file.name);
   if (!lost.empty())
     findings.add({"poses", Severity::serious,
@@ -225,8 +226,8 @@ std::vector<std::string> namesFor(const PosedModel& model, const std::vector<Exa
 }
 
 void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
-             const std::vector<PictureFolder::Unread>& unread, const BuildChoices& choices, Findings& findings,
-             const Context& context) {
+             const std::vector<PhotographFolder::UnreadableFile>& unread, const BuildChoices& choices,
+             Findings& findings, const Context& context) {
   try {
     const BuildOptions build = buildOptionsOf(choices, folder, context);
     const fs::path file = posesFile(build);
@@ -249,19 +250,19 @@ void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
 
 void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Findings& findings,
                         const Context& context) {
-  PictureFolder found;
+  PhotographFolder found;
   try {
-    found = lookInto(folder);
+    found = scanPhotographFolder(folder);
   } catch (const fs::filesystem_error& e) {
     fail(ErrorCode::io, "{}: {}", folder.string(), e.code().message());
   }
   videos(folder, found, findings);
-  passedOver(found.unread, findings);
-  const std::vector<ExaminedPhotograph> all = lookAtAll(folder, found.pictures, context);
+  reportSkipped(found.unreadable, findings);
+  const std::vector<ExaminedPhotograph> all = examineAll(folder, found.pictures, context);
   unreadable(all, findings);
   std::vector<ExaminedPhotograph> good;
   for (const ExaminedPhotograph& photo : all)
-    if (photo.trouble.empty()) good.push_back(photo);
+    if (photo.readError.empty()) good.push_back(photo);
   if (good.size() < 2) {
     findings.add(
         {"count", Severity::serious,
@@ -278,7 +279,7 @@ void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Fin
   lenses(good, findings);
   sharpness(good, findings);
   repetitions(good, findings);
-  posesOf(folder, all, found.unread, choices, findings, context);
+  posesOf(folder, all, found.unreadable, choices, findings, context);
   if (!choices.build.masks.empty()) examineMasks(choices.build.masks, all, findings);
 }
 

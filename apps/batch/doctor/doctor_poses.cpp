@@ -13,9 +13,9 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kError = 0.0015;       // median reprojection error of a photograph's points, share of the longest side
-constexpr std::size_t kShared = 30;     // minimum number of points that connect two photographs
-constexpr double kWideStep = 0.6;       // distance to the nearest photograph, share of the points' median distance
+constexpr double kError = 0.0015;  // median reprojection error of a photograph's points, share of the longest side
+constexpr std::size_t kMinSharedPoints = 30;  // minimum number of points that connect two photographs
+constexpr double kMaxStepShare = 0.6;   // distance to the nearest photograph, share of the points' median distance
 constexpr std::size_t kFewPoints = 50;  // of a photograph
 
 void names(const PosedModel& model, const std::vector<std::string>& pictures, Findings& findings) {
@@ -82,7 +82,7 @@ void errors(const PosedModel& model, Findings& findings) {
   }
 }
 
-// Groups of photographs connected by at least kShared points, the largest first.
+// Groups of photographs connected by at least kMinSharedPoints points, the largest first.
 std::vector<std::vector<std::size_t>> partsOf(const PosedModel& model) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> shared;
   for (const Track& track : model.tracks)
@@ -96,7 +96,7 @@ std::vector<std::vector<std::size_t>> partsOf(const PosedModel& model) {
     return i;
   };
   for (const auto& [pair, count] : shared)
-    if (count >= kShared) root[find(pair.first)] = find(pair.second);
+    if (count >= kMinSharedPoints) root[find(pair.first)] = find(pair.second);
   std::map<std::size_t, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < root.size(); ++i) groups[find(i)].push_back(i);
   std::vector<std::vector<std::size_t>> parts;
@@ -139,7 +139,7 @@ void steps(const PosedModel& model, Findings& findings) {
         {"steps", Severity::serious, "All photographs were taken from one position, with the camera turned.",
          "Views from other positions are impossible. Step aside by a tenth of the distance to near objects, and "
          "take the photographs again."});
-  else if (typical > kWideStep)
+  else if (typical > kMaxStepShare)
     findings.add({"steps", Severity::warning,
                   fmt::format("The step from one photograph to the next is {:.0f} % of the distance to the subject.",
                               100 * typical),

@@ -9,7 +9,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kMostOfASubject = 4;
+constexpr std::size_t kMaxPerSubject = 4;
 
 const char* mark(Severity severity) {
   return severity == Severity::serious ? "!!" : severity == Severity::warning ? "! " : "- ";
@@ -32,10 +32,9 @@ void Findings::print(const Context& context) const {
   for (const Finding& finding : all) ++total[key(finding)];
   for (const Finding& finding : all) {
     const std::size_t number = ++told[key(finding)];
-    if (number <= kMostOfASubject)
-      context.print("{} {} {}\n", mark(finding.severity), finding.sentence, finding.remedy);
-    if (number == kMostOfASubject + 1)
-      context.print("   and {} more of this kind (--json lists all)\n", total[key(finding)] - kMostOfASubject);
+    if (number <= kMaxPerSubject) context.print("{} {} {}\n", mark(finding.severity), finding.sentence, finding.remedy);
+    if (number == kMaxPerSubject + 1)
+      context.print("   and {} more of this kind (--json lists all)\n", total[key(finding)] - kMaxPerSubject);
   }
   if (all.empty()) context.print("no problems found\n");
 }

@@ -40,7 +40,7 @@ DeviationScores deviationScores(const FrameBuffers& buffers, const ImageF& truth
     for (int x = 0; x < truth.width; ++x) {
       const auto here = buffers.surface.pixel(x, y);
       const double depth = double(truth.pixel(x, y)[0]);
-      if (!(depth > 0) || int(here[kTier]) != kTierAgrees || !isDrawn(here[kTier])) continue;
+      if (!(depth > 0) || int(here[kTier]) != kTierConsistent || !isDrawn(here[kTier])) continue;
       const double off = std::abs(1 / double(here[kDepth]) - 1 / depth),
                    deviation = double(buffers.confidence.pixel(x, y)[kUncertainty]);
       ++count;

@@ -33,7 +33,7 @@ struct Options {
 
 // Reads a view's mask from the folder; empty if there is none. Throws Error that names the file.
 Image8 maskOf(const std::string& view, const Image8& truth, const std::filesystem::path& folder) {
-  const auto file = folder.empty() ? std::nullopt : maskFileOf(folder, view);
+  const auto file = folder.empty() ? std::nullopt : findMaskFile(folder, view);
   if (!file) return {};
   const Image8 picture = readImage(*file);
   check(picture.width == truth.width && picture.height == truth.height, ErrorCode::invalidInput,
@@ -53,7 +53,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
     checkNamesDiffer(views);
     for (const View& view : views) evaluationFiles(options.evaluation, view.name);
   }
-  context.say(LogLevel::info, "settings: {}", presetText(options.evaluation.settings));
+  context.logMessage(LogLevel::info, "settings: {}", presetText(options.evaluation.settings));
   Evaluator evaluator(scene, views, options.evaluation, context);
   std::vector<ViewOutcome> outcomes;
   {
@@ -87,10 +87,10 @@ std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
 }
 
 // Given options with their values, except those that do not affect scores.
-std::vector<std::string> wordsThatCount(const CLI::App& app) {
-  static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views",   "--work",   "--output",
-                                               "--json",          "--quiet", "--verbose", "--threads"};
-  return givenWords(app, kNotThese);
+std::vector<std::string> scoreArguments(const CLI::App& app) {
+  static const std::set<std::string> kExcludedOptions{"--leave-one-out", "--every", "--views",   "--work",   "--output",
+                                                      "--json",          "--quiet", "--verbose", "--threads"};
+  return givenArguments(app, kExcludedOptions);
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ const Command kEvalCommand{
       app.callback([options, baselines, &app] {
         if (baselines->count() > 0) options->evaluation.baselines = chosenBaselines(options->evaluation.baselines);
         if (!options->leaveOneOut.photographs.empty()) {
-          options->leaveOneOut.words = wordsThatCount(app);
+          options->leaveOneOut.words = scoreArguments(app);
           return;
         }
         if (options->scene.empty()) throw CLI::RequiredError("SCENE (or --leave-one-out)");

@@ -13,7 +13,7 @@
 #include "batch/files/truth.h"
 #include "io/image_file.h"
 #include "shared/cli/settings.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/statistics.h"
 #include "shared/report/table.h"
 
@@ -36,7 +36,7 @@ RenderSettings paperSettings(RenderSettings settings) {
   settings.composition = Composition::cells;
   settings.morph = Morph::paper;
   settings.order = DrawOrder::paper;
-  settings.maxTier = kTierAgrees;
+  settings.maxTier = kTierConsistent;
   settings.exposure = Exposure::off;
   return settings;
 }
@@ -52,7 +52,7 @@ RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& opt
 }
 
 // True for baselines that display photographs directly (ibr/baselines.h).
-bool wantsSimpleOnes(const EvaluationOptions& options) {
+bool needsBaselines(const EvaluationOptions& options) {
   return std::ranges::any_of(options.baselines, [](const std::string& name) {
     return name == "nearest" || name == "lumigraph" || name == "crossFade";
   });
@@ -94,7 +94,7 @@ Evaluator::Evaluator(const Scene& scene, const std::vector<View>& views, const E
       bounds_(sceneBounds(scene)),
       options_(withHoles(options)),
       renderer_(scene, views, options.gpuScene, rendererOptions(scene, options_), context) {
-  if (wantsSimpleOnes(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
+  if (needsBaselines(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
   if (std::ranges::find(options.baselines, "gathered") == options.baselines.end()) return;
   check(isGatherable(scene), ErrorCode::invalidInput,
         "{}: has no depth of the photographs, which the baseline gathered needs; build the scene again",
@@ -116,7 +116,7 @@ SceneRenderer::Picture Evaluator::baseline(const std::string& name, const Camera
     return render(view, settings);
   }
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, options_.settings});
-  baselines_->expose(options_.settings.exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
+  baselines_->setExposure(options_.settings.exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
   const auto begin = std::chrono::steady_clock::now();
   SceneRenderer::Picture picture;
   if (name == "nearest") {
@@ -212,8 +212,8 @@ void Evaluator::measureDepth(const View& view, const ImageF& inverseDepth, const
 
 void Evaluator::measureAlignment(const Camera& view, Scores& scores) const {
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, options_.settings});
-  const std::vector<double> drawn = misalignments(scene_, bounds_, plan, 0, true),
-                            without = misalignments(scene_, bounds_, plan, 0, false);
+  const std::vector<double> drawn = misalignmentsPx(scene_, bounds_, plan, 0, true),
+                            without = misalignmentsPx(scene_, bounds_, plan, 0, false);
   scores.misaligned = quantile(drawn, 0.5);
   scores.misaligned95 = quantile(drawn, 0.95);
   scores.uncorrected = quantile(without, 0.5);

@@ -77,7 +77,7 @@ class Evaluator {
   EvaluationOptions options_;
   SceneRenderer renderer_;
   std::optional<Baselines> baselines_;
-  std::optional<ReferenceViews> reference_;
+  std::optional<ReferenceRenderer> reference_;
   bool first_ = true;
 };
 

@@ -134,9 +134,9 @@ class LeaveOneOut {
     build.exclude.push_back(view.name);
     fs::remove_all(build.output);
     const BuildReport report = ibr::build(build, [&](const Progress&) { return progress.show(place); });
-    refined_ = !report.refinement.moved.empty();
+    refined_ = !report.refinement.poseChanges.empty();
     if (refined_) build.model = build.output / ".refined", build.transforms.clear(), build.panoramas.clear();
-    for (const auto& cell : report.cells) ++(cell.resumed ? counts_.shared : counts_.matched);
+    for (const auto& cell : report.cells) ++(cell.cached ? counts_.shared : counts_.matched);
     const Scene scene = loadScene(build.output);
     check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without this photograph");
     const View among = refined_ || resect_ ? resectedView(view, build) : view;
@@ -191,11 +191,11 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     checkNamesDiffer(views);
     for (const View& view : views) evaluationFiles(evaluation, view.name);
   }
-  context.say(LogLevel::info, "leaving out {} of {} photographs, one at a time; builds are cached in {}{}",
-              views.size(), photographs.images().size(), work.string(),
-              options.work.empty() ? " until the end of the run" : "");
+  context.logMessage(LogLevel::info, "leaving out {} of {} photographs, one at a time; builds are cached in {}{}",
+                     views.size(), photographs.images().size(), work.string(),
+                     options.work.empty() ? " until the end of the run" : "");
 
-  context.say(LogLevel::info, "settings: {}", presetText(evaluation.settings));
+  context.logMessage(LogLevel::info, "settings: {}", presetText(evaluation.settings));
   LeaveOneOut run(build, options.resect, evaluation, key, work, context);
   std::vector<ViewOutcome> outcomes;
   {
@@ -204,9 +204,9 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
       const Progress place{"leaving out", i, views.size()};
       check(progress.show(place), ErrorCode::cancelled, "stopped");
       outcomes.push_back(
-          run.evaluate(views[i], photographs.picture(chosen[i]), photographs.mask(chosen[i]), progress, place));
+          run.evaluate(views[i], photographs.photograph(chosen[i]), photographs.mask(chosen[i]), progress, place));
       if (const auto& failure = outcomes.back().failure; !failure.empty())
-        context.say(LogLevel::warning, "{}: {}", views[i].name, failure);
+        context.logMessage(LogLevel::warning, "{}: {}", views[i].name, failure);
     }
     progress.show({"leaving out", views.size(), views.size()});
   }

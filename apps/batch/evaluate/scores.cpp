@@ -8,7 +8,7 @@
 #include "batch/evaluate/colour_scores.h"
 #include "ibr/metrics.h"
 #include "ibr/scene.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/table.h"
 
 namespace ibr::app {
@@ -94,7 +94,7 @@ Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, 
   scores.ssim = ssim(prediction, truth, used);
   scores.flip = flipOfPart(prediction, truth, used, count / double(used.values.size()));
   scores.coverage = covered / count;
-  scores.coverageTier0 = tiers[kTierAgrees] / count;
+  scores.coverageTier0 = tiers[kTierConsistent] / count;
   scores.coverageTier2 = tiers[kTierCompleted] / count;
   scores.psnrCovered = psnr(prediction, truth, cover);
   scores.ssimCovered = ssim(prediction, truth, cover);
@@ -122,7 +122,7 @@ Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const 
   scores.ssim = ssim(prediction, truth);
   scores.flip = flip(prediction, truth);
   scores.coverage = double(std::ranges::count(mask.values, std::uint8_t(255))) / double(mask.values.size());
-  scores.coverageTier0 = tiers[kTierAgrees];
+  scores.coverageTier0 = tiers[kTierConsistent];
   scores.coverageTier2 = tiers[kTierCompleted];
   scores.psnrCovered = psnr(prediction, truth, mask);
   scores.ssimCovered = ssim(prediction, truth, mask);

@@ -22,7 +22,7 @@
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/draw/scene_renderer.h"
 
 namespace fs = std::filesystem;
@@ -139,12 +139,12 @@ class Walk {
   Rest settle(std::size_t i) const {
     const FrameInput input{eyesOf(i), heldSettings(), kHoldStepSeconds};
     Rest rest{state_};
-    rest.state.colourAge = 0;
+    rest.state.framesSinceColourCount = 0;
     PlanState compared = rest.state;
     const double maxSeconds = std::max(kMaxSettleSwitches * settings_.switchSeconds, kMinSettleSeconds);
     for (std::size_t since = 1, limit = 1; rest.seconds <= maxSeconds; ++since) {
       PlanState next = planFrame(scene_, bounds_, input, rest.state).next;
-      next.colourAge = 0;  // a frame counter, which never settles
+      next.framesSinceColourCount = 0;  // a frame counter, which never settles
       if (next == rest.state)
         rest.period = 1;
       else if (next == compared)
@@ -200,7 +200,7 @@ ExitCode walk(const Options& options, const Context& context) {
       options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                             : readViews(options.poses, options.size, context.log(), options.stereo);
   const std::vector<Frame> frames = framesOf(views, options.stereo, options.ipd);
-  context.say(LogLevel::info, "settings: {}", presetText(options.settings));
+  context.logMessage(LogLevel::info, "settings: {}", presetText(options.settings));
   Walk walk(options, scene, frames, context);
   {
     ProgressLine progress(context);

@@ -28,13 +28,13 @@ void printReport(const HtmReport& report, const HtmBuildOptions& options, const 
   context.print(
       "{} faces were reduced to {} by shape: distance of source to reduced mesh {:.3g} (mean), {:.3g} (maximum), of "
       "reduced to source mesh {:.3g} (mean), {:.3g} (maximum)\n",
-      report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMost, report.restoredMean,
-      report.restoredMost);
+      report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMax, report.restoredMean,
+      report.restoredMax);
   for (const HtmReport::Adjustment& line : report.adjustments)
     context.print(
         "cameras and shape were adjusted: RMS offset of vertices from the cameras' consensus {:.2f} px, before "
         "{:.2f} px; vertices moved by {:.3g} (mean)\n",
-        line.afterPx, line.beforePx, line.moved);
+        line.afterPx, line.beforePx, line.meanDisplacement);
   context.print("{} edges of inconsistent faces were collapsed: mean D_f {:.3f}, before {:.3f}\n", report.collapses,
                 report.collapsedDifference, report.reducedDifference);
   Table rounds;
@@ -43,8 +43,9 @@ void printReport(const HtmReport& report, const HtmBuildOptions& options, const 
   for (std::size_t r = 0; r < report.rounds.size(); ++r) {
     const HtmReport::Round& round = report.rounds[r];
     rounds.row({fmt::format("{}", r + 1), fmt::format("{}", round.vertices), fmt::format("{}", round.faces),
-                numberText(round.before, 3), numberText(round.after, 3), percent(round.measured),
-                fmt::format("{}", round.divided), fmt::format("{}", round.divideHidden)});
+                numberText(round.unharmonisedDifference, 3), numberText(round.harmonisedDifference, 3),
+                percent(round.matchedShare), fmt::format("{}", round.divided),
+                fmt::format("{}", round.dividedAsHidden)});
   }
   context.print("{}{:.2f} cameras see a vertex on average; {} of these disagree at the vertex and are rejected\n",
                 rounds.text(), report.camerasPerVertex, percent(report.rejected));

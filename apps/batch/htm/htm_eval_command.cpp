@@ -11,13 +11,13 @@
 #include "batch/files/poses.h"
 #include "batch/files/truth.h"
 #include "batch/htm/htm_commands.h"
-#include "batch/htm/htm_judge.h"
+#include "batch/htm/htm_evaluator.h"
 #include "batch/htm/htm_options.h"
 #include "io/image_file.h"
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/plot.h"
 #include "shared/report/table.h"
 
@@ -53,11 +53,11 @@ Image8 truthMask(const fs::path& truth, const View& view) {
   return mask;
 }
 
-std::vector<HtmVerdict> againstTruth(const Options& options, const HtmModel& model, Device& device,
-                                     ProgressLine& progress, const Context& context) {
+std::vector<HtmViewScores> againstTruth(const Options& options, const HtmModel& model, Device& device,
+                                        ProgressLine& progress, const Context& context) {
   const Truth truth(options.truth, options.views, context.log());
-  HtmJudge judge(model, device, readHtmPicture);
-  std::vector<HtmVerdict> verdicts;
+  HtmEvaluator judge(model, device, readHtmPicture);
+  std::vector<HtmViewScores> verdicts;
   for (const View& view : truth.views()) {
     check(progress.show({"comparing", verdicts.size(), truth.views().size()}), ErrorCode::cancelled, "stopped");
     verdicts.push_back(
@@ -69,7 +69,7 @@ std::vector<HtmVerdict> againstTruth(const Options& options, const HtmModel& mod
 // A camera with its pose before the adjustment, and its photograph. The mask is the stored visibility if the model was
 // built with masks; else empty, since the visibility then comes from a mesh that this photograph helped to build.
 HtmPhotograph photographOf(const HtmModel& model, std::size_t i) {
-  HtmPicture picture = readHtmPicture(model, i);
+  HtmImage picture = readHtmPicture(model, i);
   HtmPhotograph photograph{model.cameras[i], std::move(picture.photograph), {}};
   if (!picture.visibility.empty() && htmHasMasks(model.settings)) photograph.mask = threshold(picture.visibility, 1);
   if (photograph.camera.given) photograph.camera.camera = *photograph.camera.given;
@@ -80,31 +80,31 @@ HtmPhotograph photographOf(const HtmModel& model, std::size_t i) {
 class LeaveOneOut {
  public:
   LeaveOneOut(const Options& options, const HtmModel& model, const Context& context)
-      : options_(options), model_(model), optimise_(withThreads(htmOptionsOf(model.settings), context)) {
+      : options_(options), model_(model), optimise_(withThreads(htmOptionsFromJson(model.settings), context)) {
     for (std::size_t i = 0; i < model.cameras.size(); ++i) photographs_.push_back(photographOf(model, i));
     if (options.poses.empty()) return;
     for (const View& view : readViews(options.poses, {}, context.log())) poses_.push_back(view);
   }
 
-  HtmVerdict without(std::size_t i, Device& device, const ProgressCallback& progress) {
+  HtmViewScores without(std::size_t i, Device& device, const ProgressCallback& progress) {
     const HtmPhotograph& left = photographs_[i];
     const HtmTruthView view{left.camera.name, poseOf(left), left.picture, left.mask};
     HtmSettings settings = options_.settings;
     if (options_.keepMesh) {
       settings.exclude |= CameraSet(1) << i;
-      return HtmJudge(model_, device,
-                      [&](const HtmModel&, std::size_t k) {
-                        return HtmPicture{photographs_[k].picture, readHtmPicture(model_, k).visibility};
-                      })
+      return HtmEvaluator(model_, device,
+                          [&](const HtmModel&, std::size_t k) {
+                            return HtmImage{photographs_[k].picture, readHtmPicture(model_, k).visibility};
+                          })
           .judge(view, settings);
     }
     std::vector<HtmPhotograph> others = photographs_;
     others.erase(others.begin() + std::ptrdiff_t(i));
     const HtmResult rebuilt = harmonise(model_.source->mesh, others, optimise_, progress);
-    return HtmJudge(rebuilt.model, device,
-                    [&](const HtmModel&, std::size_t k) {
-                      return HtmPicture{others[k].picture, rebuilt.visibility[k]};
-                    })
+    return HtmEvaluator(rebuilt.model, device,
+                        [&](const HtmModel&, std::size_t k) {
+                          return HtmImage{others[k].picture, rebuilt.visibility[k]};
+                        })
         .judge(view, settings);
   }
 
@@ -127,8 +127,8 @@ class LeaveOneOut {
   std::vector<View> poses_;
 };
 
-std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& model, Device& device,
-                                      ProgressLine& progress, const Context& context) {
+std::vector<HtmViewScores> leavingOneOut(const Options& options, const HtmModel& model, Device& device,
+                                         ProgressLine& progress, const Context& context) {
   check(options.keepMesh || model.source.has_value(), ErrorCode::invalidInput,
         "{}: the model does not contain the mesh before optimisation; use --keep-mesh, which does not need this mesh",
         options.model);
@@ -139,7 +139,7 @@ std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& mo
   check(unknown.empty(), ErrorCode::invalidInput, "{}: has no camera {} (--views)", options.model,
         unknown.empty() ? std::string() : *unknown.begin());
   LeaveOneOut leave(options, model, context);
-  std::vector<HtmVerdict> verdicts;
+  std::vector<HtmViewScores> verdicts;
   for (const std::size_t i : chosen) {
     const std::size_t done = verdicts.size();
     check(progress.show({"leaving one out", done, chosen.size()}), ErrorCode::cancelled, "stopped");
@@ -147,9 +147,9 @@ std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& mo
     verdicts.push_back(leave.without(i, device, [&](const Progress&) {
       return progress.show({"leaving one out", done, chosen.size()});
     }));
-    context.say(LogLevel::info, "{}: htm {:.2f} dB, vdtbm {:.2f}, vdvbm {:.2f}", verdicts.back().name,
-                verdicts.back().score[kHtm].psnr, verdicts.back().score[kVdtbm].psnr,
-                verdicts.back().score[kVdvbm].psnr);
+    context.logMessage(LogLevel::info, "{}: htm {:.2f} dB, vdtbm {:.2f}, vdvbm {:.2f}", verdicts.back().name,
+                       verdicts.back().score[kHtm].psnr, verdicts.back().score[kVdtbm].psnr,
+                       verdicts.back().score[kVdvbm].psnr);
   }
   return verdicts;
 }
@@ -159,32 +159,32 @@ Json scoreJson(const HtmScore& score) {
   return {{"psnr", number(score.psnr)}, {"ssim", number(score.ssim)}, {"psnrCovered", number(score.psnrCovered)}};
 }
 
-Json rivalsJson(const std::array<HtmScore, kHtmRivalCount>& scores) {
+Json methodScoresJson(const std::array<HtmScore, kHtmMethodCount>& scores) {
   Json json = Json::object();
-  for (std::size_t r = 0; r < kHtmRivalCount; ++r) json[kHtmRivalNames[r]] = scoreJson(scores[r]);
+  for (std::size_t r = 0; r < kHtmMethodCount; ++r) json[kHtmMethodNames[r]] = scoreJson(scores[r]);
   return json;
 }
 
-void printTable(const std::vector<HtmVerdict>& verdicts, const Context& context) {
+void printTable(const std::vector<HtmViewScores>& verdicts, const Context& context) {
   Table table;
   table.row({"view", "HTM dB", "VDTBM", "VDVBM", "VDTBM, adjusted cameras", "HTM covered dB", "VDTBM", "VDVBM",
              "HTM SSIM", "VDTBM", "VDVBM"});
-  const auto add = [&](const std::string& name, const std::array<HtmScore, kHtmRivalCount>& s) {
+  const auto add = [&](const std::string& name, const std::array<HtmScore, kHtmMethodCount>& s) {
     table.row({name, numberText(s[kHtm].psnr, 2), numberText(s[kVdtbm].psnr, 2), numberText(s[kVdvbm].psnr, 2),
                numberText(s[kVdtbmAdjusted].psnr, 2), numberText(s[kHtm].psnrCovered, 2),
                numberText(s[kVdtbm].psnrCovered, 2), numberText(s[kVdvbm].psnrCovered, 2), numberText(s[kHtm].ssim, 4),
                numberText(s[kVdtbm].ssim, 4), numberText(s[kVdvbm].ssim, 4)});
   };
-  for (const HtmVerdict& verdict : verdicts) add(verdict.name, verdict.score);
+  for (const HtmViewScores& verdict : verdicts) add(verdict.name, verdict.score);
   add("mean", meanScores(verdicts));
   context.print("{}", table.text());
 }
 
 // [H] fig. 10.
-std::string plotOf(const std::vector<HtmVerdict>& verdicts, const std::string& title) {
+std::string plotOf(const std::vector<HtmViewScores>& verdicts, const std::string& title) {
   PlotPanel panel{.title = "PSNR", .xName = "view", .yName = "dB"};
-  const std::array<const char*, kHtmRivalCount> names{"HTM", "VDTBM", "VDVBM", "VDTBM, adjusted cameras"};
-  for (std::size_t r = 0; r < kHtmRivalCount; ++r) {
+  const std::array<const char*, kHtmMethodCount> names{"HTM", "VDTBM", "VDVBM", "VDTBM, adjusted cameras"};
+  for (std::size_t r = 0; r < kHtmMethodCount; ++r) {
     PlotSeries series{names[r], {}};
     for (std::size_t v = 0; v < verdicts.size(); ++v)
       series.points.push_back({double(v + 1), verdicts[v].score[r].psnr, r == 0 ? verdicts[v].name : std::string()});
@@ -194,7 +194,7 @@ std::string plotOf(const std::vector<HtmVerdict>& verdicts, const std::string& t
 }
 
 // [H] fig. 11: the object's crop from the photograph, then VDVBM, VDTBM and HTM.
-void writePictures(const HtmVerdict& verdict, const fs::path& folder) {
+void writePictures(const HtmViewScores& verdict, const fs::path& folder) {
   const Image8& truth = verdict.truth;
   int left = truth.width, right = 0, top = truth.height, bottom = 0;
   for (int y = 0; y < truth.height; ++y)
@@ -210,7 +210,7 @@ void writePictures(const HtmVerdict& verdict, const fs::path& folder) {
     return crop;
   };
   std::vector<Image8> row{cropped(truth)};
-  for (const HtmRival rival : {kVdvbm, kVdtbm, kHtm}) row.push_back(cropped(verdict.picture[rival]));
+  for (const HtmMethodIndex rival : {kVdvbm, kVdtbm, kHtm}) row.push_back(cropped(verdict.picture[rival]));
   const fs::path file = pictureFile(folder, verdict.name);
   makeFolders(file.parent_path());
   writeImage(file, sideBySide(row));
@@ -219,7 +219,7 @@ void writePictures(const HtmVerdict& verdict, const fs::path& folder) {
 ExitCode evaluate(const Options& options, const Context& context) {
   const HtmModel model = loadHtmModel(options.model);
   Device device = Device::create({.device = context.options().device, .log = context.log()});
-  std::vector<HtmVerdict> verdicts;
+  std::vector<HtmViewScores> verdicts;
   {
     ProgressLine progress(context);
     verdicts = options.leaveOneOut ? leavingOneOut(options, model, device, progress, context)
@@ -227,15 +227,15 @@ ExitCode evaluate(const Options& options, const Context& context) {
   }
   if (!options.output.empty()) {
     const fs::path folder = options.output;
-    for (const HtmVerdict& verdict : verdicts) writePictures(verdict, folder);
+    for (const HtmViewScores& verdict : verdicts) writePictures(verdict, folder);
     makeFolders(folder);
     writeFile(folder / "psnr.svg", plotOf(verdicts, options.model));
   }
   printTable(verdicts, context);
-  Json json{{"views", Json::array()}, {"mean", rivalsJson(meanScores(verdicts))}};
-  for (const HtmVerdict& verdict : verdicts) {
+  Json json{{"views", Json::array()}, {"mean", methodScoresJson(meanScores(verdicts))}};
+  for (const HtmViewScores& verdict : verdicts) {
     Json entry{{"name", verdict.name}};
-    entry.update(rivalsJson(verdict.score));
+    entry.update(methodScoresJson(verdict.score));
     json["views"].push_back(std::move(entry));
   }
   json["device"] = device.name();

@@ -56,7 +56,7 @@ std::string keyOf(const HtmFrameInput& frame, const HtmBuildOptions& options) {
       hash.add(false);
     else
       addFolder(hash, fs::weakly_canonical(input));
-  hash.add(htmSettingsText(options));
+  hash.add(htmOptionsToJson(options));
   for (const std::string& name : options.exclude) hash.add(name);
   return fmt::format("{:016x}", hash.value());
 }
@@ -89,8 +89,8 @@ std::vector<HtmFrameInput> findHtmFrames(const fs::path& folder) {
   return frames;
 }
 
-std::optional<HtmFrameModel> keptHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
-                                          const fs::path& sequence) {
+std::optional<HtmFrameModel> cachedHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
+                                            const fs::path& sequence) {
   const fs::path file = sequence / frame.name / kBuildFile;
   if (!fs::is_regular_file(file)) return std::nullopt;
   const Json json = Json::parse(readTextFile(file), nullptr, false);
@@ -102,9 +102,9 @@ std::optional<HtmFrameModel> keptHtmFrame(const HtmFrameInput& frame, const HtmB
 
 HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options, const fs::path& sequence,
                             const ProgressCallback& progress, const LogCallback& log) {
-  const fs::path place = sequence / frame.name;
-  check(!fs::exists(place) || assetKind(place) == AssetKind::htmModel, ErrorCode::invalidInput,
-        "{}: exists and is not a harmonised model; remove it or choose another output folder", place.string());
+  const fs::path modelFolder = sequence / frame.name;
+  check(!fs::exists(modelFolder) || assetKind(modelFolder) == AssetKind::htmModel, ErrorCode::invalidInput,
+        "{}: exists and is not a harmonised model; remove it or choose another output folder", modelFolder.string());
   const Draft draft(sequence / fmt::format(".{}.part", frame.name));
   const std::string key = keyOf(frame, options);  // computed before the build, during which files may change
   HtmBuildOptions build = options;
@@ -123,8 +123,8 @@ HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& o
   }
   made.seconds = watch.seconds();
   writeFile(draft.folder / kBuildFile, Json{{"key", key}, {"report", made.report}}.dump(1) + '\n');
-  fs::remove_all(place);
-  fs::rename(draft.folder, place);
+  fs::remove_all(modelFolder);
+  fs::rename(draft.folder, modelFolder);
   return made;
 }
 

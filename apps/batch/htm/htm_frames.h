@@ -31,8 +31,8 @@ struct HtmFrameModel {
 
 /// Returns the cached model in SEQUENCE/NAME if it is complete and was built by the same program from the same files
 /// with the same options; else nullopt. `options` without its paths.
-std::optional<HtmFrameModel> keptHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
-                                          const std::filesystem::path& sequence);
+std::optional<HtmFrameModel> cachedHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& options,
+                                            const std::filesystem::path& sequence);
 
 /// Builds SEQUENCE/NAME in a temporary folder first. Replaces an earlier model. Throws the errors of buildHtm with the
 /// frame's name in front, and Error{invalidInput} if SEQUENCE/NAME is not a model. After an error the earlier

@@ -14,8 +14,8 @@
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/progress.h"
 #include "shared/draw/htm_player.h"
+#include "shared/draw/image_operations.h"
 #include "shared/draw/picture_record.h"
-#include "shared/draw/pictures.h"
 #include "shared/report/statistics.h"
 
 namespace fs = std::filesystem;
@@ -26,11 +26,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // An image to render.
-struct Shot {
+struct TimedView {
   View view;
   double seconds = 0;    // time in the video, s
-  double dtSeconds = 0;  // since the previous shot, s
-  bool first = false;    // true: weights do not continue from the previous shot
+  double dtSeconds = 0;  // since the previous view, s
+  bool first = false;    // true: weights do not continue from the previous view
 };
 
 std::vector<View> viewsOf(const HtmModel& model, const HtmViewsOptions& options, const Context& context) {
@@ -41,16 +41,16 @@ std::vector<View> viewsOf(const HtmModel& model, const HtmViewsOptions& options,
 }
 
 // Poses without times are consecutive frames of 3D video, unless --time selects one moment.
-std::vector<Shot> shotsOf(std::vector<View> views, const HtmViewsOptions& options, double fps) {
+std::vector<TimedView> timedViewsOf(std::vector<View> views, const HtmViewsOptions& options, double fps) {
   const bool isPath = options.autoFrames > 0 || isWalk(options.poses);
   const bool plays = !isPath && fps > 0 && !options.time;
-  std::vector<Shot> shots;
+  std::vector<TimedView> timedViews;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double now = plays ? double(i) / fps : views[i].time;
     const double before = i == 0 ? now : plays ? double(i - 1) / fps : views[i - 1].time;
-    shots.push_back({views[i], options.time.value_or(now), now - before, i == 0 || !(isPath || plays)});
+    timedViews.push_back({views[i], options.time.value_or(now), now - before, i == 0 || !(isPath || plays)});
   }
-  return shots;
+  return timedViews;
 }
 
 double coverageOf(const Image8& picture) {
@@ -61,7 +61,7 @@ double coverageOf(const Image8& picture) {
 
 Json framesJson(const HtmPlayer& player) {
   Json list = Json::array();
-  for (const HtmPlayer::Shown& shown : player.shown())
+  for (const HtmPlayer::FrameCosts& shown : player.shown())
     list.push_back({{"frame", shown.frame},
                     {"name", shown.name},
                     {"pictures", shown.pictures},
@@ -73,26 +73,27 @@ Json framesJson(const HtmPlayer& player) {
   return list;
 }
 
-double median(const std::vector<HtmPlayer::Shown>& shown, double HtmPlayer::Shown::*time) {
+double median(const std::vector<HtmPlayer::FrameCosts>& shown, double HtmPlayer::FrameCosts::*time) {
   std::vector<double> times;
-  for (const HtmPlayer::Shown& frame : shown) times.push_back(frame.*time);
+  for (const HtmPlayer::FrameCosts& frame : shown) times.push_back(frame.*time);
   return quantile(times, 0.5);
 }
 
 void printFrames(const HtmPlayer& player, const Context& context) {
-  using Shown = HtmPlayer::Shown;
-  const std::vector<Shown>& shown = player.shown();
+  using FrameCosts = HtmPlayer::FrameCosts;
+  const std::vector<FrameCosts>& shown = player.shown();
   context.print(
       "{} frames shown; median times: loading {:.1f} ms, waiting {:.1f} ms, upload {:.1f} ms, preparation {:.1f} ms, "
       "drawing {:.1f} ms\n",
-      shown.size(), median(shown, &Shown::loading), median(shown, &Shown::waiting), median(shown, &Shown::upload),
-      median(shown, &Shown::preparation), median(shown, &Shown::rendering));
+      shown.size(), median(shown, &FrameCosts::loading), median(shown, &FrameCosts::waiting),
+      median(shown, &FrameCosts::upload), median(shown, &FrameCosts::preparation),
+      median(shown, &FrameCosts::rendering));
 }
 
 }  // namespace
 
 void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
-  declareHtmPictureSettings(app, options.settings, options.onSource);
+  declareHtmPictureSettings(app, options.settings, options.sourceMesh);
   app.add_option_function<std::string>(
          "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
          "3D video: render only this moment, from all poses [the time of each pose]")
@@ -105,53 +106,50 @@ void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind
 }
 
 ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) {
-  HtmPlayerOptions play{.onSource = options.onSource, .seconds = options.time.value_or(0), .graph = options.graph};
-  if (options.time) play.ahead = 0;
+  HtmPlayerOptions play{.sourceMesh = options.sourceMesh, .seconds = options.time.value_or(0), .graph = options.graph};
+  if (options.time) play.framesAhead = 0;
   HtmPlayer player(options.model, play, context);
   std::vector<View> views = viewsOf(player.model(), options, context);
   if (options.fovDegrees > 0) setFov(views, glm::radians(options.fovDegrees));
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // checks all names before anything is written
-  const std::vector<Shot> shots = shotsOf(std::move(views), options, player.fps());
+  const std::vector<TimedView> timedViews = timedViewsOf(std::move(views), options, player.fps());
 
-  Json drawn = htmSettingsJson(options.settings, options.onSource);
+  Json drawn = htmSettingsJson(options.settings, options.sourceMesh);
   drawn["graph"] = options.graph;
   Json written = Json::array();
   std::vector<double> coverage, weights, coordinates, rasterisation;
-  HtmState walk;
+  HtmPlanState walk;
   {
     ProgressLine progress(context);
-    for (const Shot& shot : shots) {
-      check(progress.show({"rendering", written.size(), shots.size()}), ErrorCode::cancelled, "stopped");
-      if (shot.first) walk = {};
+    for (const TimedView& timedView : timedViews) {
+      check(progress.show({"rendering", written.size(), timedViews.size()}), ErrorCode::cancelled, "stopped");
+      if (timedView.first) walk = {};
       HtmPlayer::Picture picture =
-          player.render(shot.view.camera, shot.seconds, options.settings, walk, shot.dtSeconds);
+          player.render(timedView.view.camera, timedView.seconds, options.settings, walk, timedView.dtSeconds);
       coverage.push_back(coverageOf(picture.image));
       if (options.graph) makeOpaque(picture.image);  // lines are drawn outside the object too
-      const fs::path file = pictureFile(options.output, shot.view.name);
+      const fs::path file = pictureFile(options.output, timedView.view.name);
       makeFolders(file.parent_path());
       writePicture(file, picture.image,
-                   {shot.view.camera, player.isVideo() ? std::optional(shot.seconds) : std::nullopt, drawn});
+                   {timedView.view.camera, player.isVideo() ? std::optional(timedView.seconds) : std::nullopt, drawn});
       weights.push_back(picture.weights);
       coordinates.push_back(picture.coordinates);
       rasterisation.push_back(picture.rasterisation);
-      Json entry{{"name", shot.view.name},
-                 {"file", file.string()},
-                 {"coverage", coverage.back()},
-                 {"weightsMs", picture.weights},
-                 {"coordinatesMs", picture.coordinates},
-                 {"rasterisationMs", picture.rasterisation},
+      Json entry{{"name", timedView.view.name},          {"file", file.string()},
+                 {"coverage", coverage.back()},          {"weightsMs", picture.weights},
+                 {"coordinatesMs", picture.coordinates}, {"rasterisationMs", picture.rasterisation},
                  {"milliseconds", picture.milliseconds}};
       if (player.isVideo()) {
-        entry["time"] = shot.seconds;
+        entry["time"] = timedView.seconds;
         entry["frame"] = picture.frame;
       }
       written.push_back(std::move(entry));
     }
-    progress.show({"rendering", shots.size(), shots.size()});
+    progress.show({"rendering", timedViews.size(), timedViews.size()});
   }
   context.print("{} images in {}; coverage {:.4f}, weights {:.3f} ms, coordinates {:.3f} ms, rasterisation {:.3f} ms\n",
-                shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
+                timedViews.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
                 quantile(rasterisation, 0.5));
   if (player.isVideo()) printFrames(player, context);
   Json settings = drawn;

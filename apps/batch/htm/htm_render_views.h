@@ -19,7 +19,7 @@ struct HtmViewsOptions {
   int autoFrames = 0;  // 0: not requested
   PictureSize size;
   double fovDegrees = 0;  // 0: as the poses
-  bool onSource = false;
+  bool sourceMesh = false;
   bool graph = false;
   std::optional<double> time;  // s, for all views; nullopt: the times of the poses
   HtmSettings settings;

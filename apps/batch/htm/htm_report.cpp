@@ -8,8 +8,8 @@ using Json = nlohmann::ordered_json;
 Json htmReportJson(const HtmReport& report) {
   Json json{{"sourceFaces", report.sourceFaces},
             {"reducedFaces", report.reducedFaces},
-            {"toReduced", {{"mean", report.reducedMean}, {"max", report.reducedMost}}},
-            {"toSource", {{"mean", report.restoredMean}, {"max", report.restoredMost}}},
+            {"toReduced", {{"mean", report.reducedMean}, {"max", report.reducedMax}}},
+            {"toSource", {{"mean", report.restoredMean}, {"max", report.restoredMax}}},
             {"adjustments", Json::array()},
             {"collapses", report.collapses},
             {"differenceReduced", report.reducedDifference},
@@ -20,15 +20,16 @@ Json htmReportJson(const HtmReport& report) {
             {"complementBytes", report.complementBytes},
             {"stages", Json::array()}};
   for (const HtmReport::Adjustment& line : report.adjustments)
-    json["adjustments"].push_back({{"beforePx", line.beforePx}, {"afterPx", line.afterPx}, {"moved", line.moved}});
+    json["adjustments"].push_back(
+        {{"beforePx", line.beforePx}, {"afterPx", line.afterPx}, {"moved", line.meanDisplacement}});
   for (const HtmReport::Round& round : report.rounds)
     json["rounds"].push_back({{"vertices", round.vertices},
                               {"faces", round.faces},
-                              {"before", round.before},
-                              {"after", round.after},
-                              {"measured", round.measured},
+                              {"before", round.unharmonisedDifference},
+                              {"after", round.harmonisedDifference},
+                              {"measured", round.matchedShare},
                               {"divided", round.divided},
-                              {"divideHidden", round.divideHidden}});
+                              {"divideHidden", round.dividedAsHidden}});
   for (const HtmReport::Stage& stage : report.stages)
     json["stages"].push_back({{"stage", stage.name}, {"seconds", stage.seconds}});
   return json;

@@ -68,14 +68,14 @@ ExitCode buildSequence(const Options& options, const Context& context) {
     for (const HtmFrameInput& frame : frames) {
       const auto show = [&] { return progress.show({"harmonising frames", models.size(), frames.size()}); };
       check(show(), ErrorCode::cancelled, "stopped");
-      if (auto kept = keptHtmFrame(frame, build, folder)) {
+      if (auto kept = cachedHtmFrame(frame, build, folder)) {
         models.push_back(std::move(*kept));
         continue;
       }
       fs::remove(folder / kHtmSequenceFileName);  // the index is valid only for frames of the same options
       models.push_back(buildHtmFrame(
           frame, build, folder, [&](const Progress&) { return show(); }, context.log()));
-      context.say(LogLevel::info, "{}: {:.1f} s", frame.name, models.back().seconds);
+      context.logMessage(LogLevel::info, "{}: {:.1f} s", frame.name, models.back().seconds);
     }
     progress.show({"harmonising frames", frames.size(), frames.size()});
   }

@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/raster.h"
 #include "io/image_file.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/statistics.h"
 
 namespace ibr::app {
@@ -41,7 +41,7 @@ Image<std::uint32_t> nearestFaces(const TriangleMesh& mesh, const Camera& camera
     const glm::uvec3& t = mesh.triangles[f];
     const Corner &a = corners[t.x], &b = corners[t.y], &c = corners[t.z];
     if (!a.pixel || !b.pixel || !c.pixel) continue;
-    forPixelsIn(*a.pixel, *b.pixel, *c.pixel, k.width, k.height, [&](int x, int y, const glm::dvec3& share) {
+    forTrianglePixels(*a.pixel, *b.pixel, *c.pixel, k.width, k.height, [&](int x, int y, const glm::dvec3& share) {
       const auto inverse = float(glm::dot(share, glm::dvec3(a.inverseDepth, b.inverseDepth, c.inverseDepth)));
       if (!(inverse > nearest.pixel(x, y)[0])) return;
       nearest.pixel(x, y)[0] = inverse;

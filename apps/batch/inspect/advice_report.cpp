@@ -15,8 +15,9 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kMostOfAKind = 4;
-constexpr double kWorthIt = 0.1;  // minimum gain of the best further view; below, further photographs are optional
+constexpr std::size_t kMaxPerKind = 4;
+constexpr double kMinUsefulGain =
+    0.1;  // minimum gain of the best further view; below, further photographs are optional
 
 std::string percent(double share) {
   return fmt::format("{:.0f} %", 100 * share);
@@ -34,7 +35,7 @@ std::string sentencesText(const CaptureAdvice& advice, std::size_t most) {
   for (const Advice& one : advice.advice) {
     const std::size_t number = ++told[one.kind];
     if (number <= most)
-      text += fmt::format("{} {}{}{}\n", mark(one.severity), one.sentence, one.remedy.empty() ? "" : " ", one.remedy);
+      text += fmt::format("{} {}{}{}\n", mark(one.severity), one.problem, one.remedy.empty() ? "" : " ", one.remedy);
     if (number == most && total[one.kind] > most)
       text += fmt::format("  and {} more of this kind\n", total[one.kind] - most);
   }
@@ -46,8 +47,8 @@ std::string viewsText(const CaptureAdvice& advice, std::size_t most) {
   if (advice.views.empty()) return "";
   std::string text =
       fmt::format("on a walk between the photographs, about {} of an image is shown well; {} with these {}:\n",
-                  percent(advice.shown), percent(advice.shownThen),
-                  advice.views[0].gain < kWorthIt ? "optional photographs" : "additional photographs");
+                  percent(advice.coverage), percent(advice.coverageWithViews),
+                  advice.views[0].gain < kMinUsefulGain ? "optional photographs" : "additional photographs");
   for (std::size_t v = 0; v < std::min(advice.views.size(), most); ++v)
     text += fmt::format("{:>3}  {}\n", v + 1, advice.views[v].where);
   return text;
@@ -56,7 +57,7 @@ std::string viewsText(const CaptureAdvice& advice, std::size_t most) {
 }  // namespace
 
 std::string adviceText(const CaptureAdvice& advice) {
-  std::string text = sentencesText(advice, kMostOfAKind);
+  std::string text = sentencesText(advice, kMaxPerKind);
   if (text.empty()) text = "no problems found in these photographs\n";
   const std::string views = viewsText(advice, advice.views.size());
   return views.empty() ? text : text + '\n' + views;
@@ -77,20 +78,24 @@ nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advic
     for (const std::uint32_t n : nodes) list.push_back(scene.nodes[n].name);
     return list;
   };
-  Json json{
-      {"advice", Json::array()}, {"shown", advice.shown}, {"shownThen", advice.shownThen}, {"next", Json::array()}};
+  Json json{{"advice", Json::array()},
+            {"shown", advice.coverage},
+            {"shownThen", advice.coverageWithViews},
+            {"next", Json::array()}};
   for (const Advice& one : advice.advice)
     json["advice"].push_back({{"kind", adviceKindName(one.kind)},
                               {"severity", severityName(one.severity)},
-                              {"sentence", one.sentence},
+                              {"sentence", one.problem},
                               {"remedy", one.remedy},
                               {"photographs", names(one.nodes)},
-                              {"figure", std::isfinite(one.figure) ? Json(one.figure) : Json(nullptr)}});
+                              {"figure", std::isfinite(one.value) ? Json(one.value) : Json(nullptr)}});
   for (const NextView& view : advice.views) {
     Json camera = intrinsicsJson(view.camera.intrinsics);
     addPose(camera, view.camera.pose);
-    json["next"].push_back(
-        {{"where", view.where}, {"beside", names(view.beside)}, {"gain", view.gain}, {"view", std::move(camera)}});
+    json["next"].push_back({{"where", view.where},
+                            {"beside", names(view.referenceNodes)},
+                            {"gain", view.gain},
+                            {"view", std::move(camera)}});
   }
   return json;
 }

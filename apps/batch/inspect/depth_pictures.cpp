@@ -20,7 +20,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr float kMostConfirmations = 4;  // confirmations at the end of the colour ramp
+constexpr float kMaxConfirmations = 4;  // confirmations at the end of the colour ramp
 
 Image8 coloured(const ImageF& values, const std::function<glm::vec3(float)>& colour) {
   Image8 picture(values.width, values.height, 3);
@@ -38,7 +38,7 @@ ImageF confirmationsOf(const MorphMesh& mesh, const Intrinsics& stored, int widt
   for (const glm::uvec3& t : mesh.triangles) {
     std::array<glm::dvec2, 3> at;
     for (int i = 0; i < 3; ++i) at[std::size_t(i)] = glm::dvec2(mesh.match[0][t[i]]) * scale;
-    forPixelsIn(at[0], at[1], at[2], width, height, [&](int x, int y, const glm::dvec3& share) {
+    forTrianglePixels(at[0], at[1], at[2], width, height, [&](int x, int y, const glm::dvec3& share) {
       const int nearest = share.x >= std::max(share.y, share.z) ? 0 : share.y >= share.z ? 1 : 2;
       counts.pixel(x, y)[0] = float(mesh.confirmations[t[nearest]]);
     });
@@ -72,7 +72,7 @@ std::size_t writeDepthPictures(const Scene& scene, const std::filesystem::path& 
     makeFolders(named("").parent_path());
     writeImage(named(".depth.png"), coloured(depth, [&](float w) { return shader::depthColour(w, nearDistance); }));
     writeImage(named(".confirmations.png"),
-               coloured(confirmations, [](float c) { return shader::rampColour(c / kMostConfirmations); }));
+               coloured(confirmations, [](float c) { return shader::rampColour(c / kMaxConfirmations); }));
     writeImage(named(".consensus.png"), coloured(maps.consensus, [](float a) { return shader::rampColour(a); }));
     writeExr(named(".depth.exr"),
              std::vector<ExrChannel>{

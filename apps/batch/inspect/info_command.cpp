@@ -51,14 +51,14 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
       largestHeap = std::max<std::uint64_t>(largestHeap, properties.memoryHeaps[i].size);
     if (predicted <= largestHeap) {
       // Keeps the stored formats, which the prediction assumes.
-      const GpuScene gpuScene(device, scene, {.blocks = BlockTextures::keep, .log = context.log()});
+      const GpuScene gpuScene(device, scene, {.blocks = BlockTextureMode::keep, .log = context.log()});
       const GpuScene::Memory memory = gpuScene.memory();
       return Memory{memory.positions, memory.indices, memory.textures, memory.depth};
     }
-    context.say(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
-                bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
+    context.logMessage(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
+                       bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
   } catch (const Error& e) {
-    context.say(LogLevel::info, "memory was not measured: {}", e.what());
+    context.logMessage(LogLevel::info, "memory was not measured: {}", e.what());
   }
   return std::nullopt;
 }
@@ -68,7 +68,7 @@ std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context)
   try {
     return textureFormats(scene);
   } catch (const Error& e) {
-    context.say(LogLevel::warning, "textures are assumed to be RGBA8: {}", e.what());
+    context.logMessage(LogLevel::warning, "textures are assumed to be RGBA8: {}", e.what());
     return std::vector<TextureFormat>(scene.nodes.size(), TextureFormat::rgba8);
   }
 }
@@ -78,7 +78,7 @@ std::uint64_t depthBytesOf(const Scene& scene, const Context& context) {
   try {
     return depthTextureBytes(scene);
   } catch (const Error& e) {
-    context.say(LogLevel::warning, "depth textures are not counted: {}", e.what());
+    context.logMessage(LogLevel::warning, "depth textures are not counted: {}", e.what());
     return 0;
   }
 }
@@ -96,13 +96,13 @@ Summary summarise(const Scene& scene) {
   Summary summary;
   for (const Cell& cell : scene.cells) {
     ++summary.cellsByMembers[std::min<std::size_t>(cell.members.size(), 4)];
-    summary.points += cell.mesh.pointCount();
+    summary.points += cell.mesh.vertexCount();
     summary.pointsAtInfinity += std::size_t(std::ranges::count(cell.mesh.inverseDistance, 0.0f));
     summary.triangles += cell.mesh.triangles.size();
     summary.tier0 += cell.mesh.tier0Count();
   }
   for (const Cell& backdrop : scene.backdrops) {
-    summary.backdropPoints += backdrop.mesh.pointCount();
+    summary.backdropPoints += backdrop.mesh.vertexCount();
     summary.backdropTriangles += backdrop.mesh.triangles.size();
     const auto& counts = backdrop.mesh.confirmations;
     summary.withEvidence += counts.size();
@@ -121,7 +121,7 @@ double maskedShare(const Scene& scene, const Node& node, const Context& context)
     for (std::size_t p = 0; p < mask.values.size(); p += std::size_t(mask.channels)) ignored += mask.values[p] == 0;
     return double(ignored) * mask.channels / double(mask.values.size());
   } catch (const Error& e) {
-    context.say(LogLevel::warning, "{}", e.what());
+    context.logMessage(LogLevel::warning, "{}", e.what());
     return std::nan("");
   }
 }
@@ -168,11 +168,11 @@ void showExposures(const Scene& scene, Json& report, const Context& context) {
 // Called last: poses of panoramas cannot be written, which is reported after all other output.
 void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const Context& context) {
   if (advice.views.empty()) {
-    context.say(LogLevel::warning, "no next-best views found: {} is not written", file);
+    context.logMessage(LogLevel::warning, "no next-best views found: {} is not written", file);
     return;
   }
   writeNextViews(file, advice);
-  context.say(LogLevel::info, "next-best views written to {}", file);
+  context.logMessage(LogLevel::info, "next-best views written to {}", file);
 }
 
 ExitCode showScene(const Options& options, const Context& context) {
@@ -201,7 +201,7 @@ ExitCode showScene(const Options& options, const Context& context) {
               {"triangles", summary.triangles},
               {"tier0", summary.tier0},
               {"cells", Json::array()},
-              {"unused", unusedJson(scene.unused)}};
+              {"unused", unusedJson(scene.unusedPhotographs)}};
   Table cells;
   cells.row({"cell", "photographs", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score"});
   for (std::size_t i = 0; i < scene.cells.size(); ++i) {
@@ -209,12 +209,12 @@ ExitCode showScene(const Options& options, const Context& context) {
     const auto names = memberNames(scene, cell);
     std::string joined;
     for (const std::string& name : names) joined += (joined.empty() ? "" : " ") + name;
-    cells.row({fmt::format("{}", i), joined, fmt::format("{}", cell.mesh.pointCount()),
+    cells.row({fmt::format("{}", i), joined, fmt::format("{}", cell.mesh.vertexCount()),
                fmt::format("{}", cell.mesh.triangles.size()), fmt::format("{}", cell.mesh.tier0Count()),
                numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
                numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3)});
     report["cells"].push_back({{"members", names},
-                               {"points", cell.mesh.pointCount()},
+                               {"points", cell.mesh.vertexCount()},
                                {"triangles", cell.mesh.triangles.size()},
                                {"tier0", cell.mesh.tier0Count()},
                                {"coverage", cell.quality.coverage},
@@ -223,7 +223,7 @@ ExitCode showScene(const Options& options, const Context& context) {
                                {"score", cell.quality.score}});
   }
   context.print("{}\n", cells.text());
-  context.print("{}", unusedText(scene.unused));
+  context.print("{}", unusedText(scene.unusedPhotographs));
   showMasks(scene, context, report);
 
   context.print("photographs  {}", scene.nodes.size());
@@ -269,7 +269,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   };
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);
-  if (const double kept = bytesBelow(scene.folder / ".build"); kept > 0) {
+  if (const double kept = folderBytes(scene.folder / ".build"); kept > 0) {
     context.print("cache        {} in .build for further builds; may be deleted\n", bytesText(kept));
     report["kept"] = kept;
   }
@@ -281,7 +281,7 @@ ExitCode showScene(const Options& options, const Context& context) {
     context.print("\nrenderer stages (+ needed by this scene, - not needed)\n");
     const RendererOptions renderer =
         optionsFor(preset(Preset::balanced, deviceKindFor(context.options().device)), {1, 1});
-    for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
+    for (const StageExplanation& stage : explain(requirementsOf(scene, renderer), renderer)) {
       context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
     }
@@ -294,12 +294,12 @@ ExitCode showScene(const Options& options, const Context& context) {
   }
   if (!options.svg.empty()) {
     writeFile(options.svg, graphSvg(scene, advice));
-    context.say(LogLevel::info, "image graph written to {}", options.svg);
+    context.logMessage(LogLevel::info, "image graph written to {}", options.svg);
   }
   if (!options.depth.empty()) {
     const std::size_t written = writeDepthPictures(scene, options.depth, context);
     check(written > 0, ErrorCode::unsupported, "{}: no photograph has a depth texture", options.scene);
-    context.say(LogLevel::info, "depth of {} photographs written to {}", written, options.depth);
+    context.logMessage(LogLevel::info, "depth of {} photographs written to {}", written, options.depth);
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);

@@ -13,13 +13,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostFaults = 1000;
+constexpr std::size_t kMaxFaults = 1000;
 
 ExitCode validateFiles(const std::string& scene, const Context& context) {
   const auto kind = assetKind(scene);
-  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(scene, kMostFaults)
-                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(scene, kMostFaults)
-                                                       : validateSceneFiles(scene, kMostFaults);
+  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(scene, kMaxFaults)
+                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(scene, kMaxFaults)
+                                                       : validateSceneFiles(scene, kMaxFaults);
   Json report{{"scene", scene}, {"faults", Json::array()}};
   for (const Fault& fault : faults) {
     context.print("{}: {}\n", fault.field, fault.message);
@@ -28,7 +28,7 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
   if (faults.empty())
     context.print("{}: no fault\n", scene);
   else
-    context.print("{}: {}{} fault{}\n", scene, faults.size() == kMostFaults ? "at least " : "", faults.size(),
+    context.print("{}: {}{} fault{}\n", scene, faults.size() == kMaxFaults ? "at least " : "", faults.size(),
                   faults.size() == 1 ? "" : "s");
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return faults.empty() ? kExitOk : kExitInvalidInput;

@@ -9,7 +9,7 @@
 #include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "shared/cli/options.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/table.h"
 
 namespace ibr::app {

@@ -7,7 +7,7 @@
 
 #include "io/image_file.h"
 #include "shared/camera/camera_json.h"
-#include "shared/cli/setting_words.h"
+#include "shared/cli/setting_arguments.h"
 #include "shared/draw/picture_record.h"
 
 namespace ibr::app {
@@ -33,7 +33,7 @@ ExitCode showPicture(const std::filesystem::path& file, const Context& context) 
     if (record->time) report["view"]["time"] = *record->time;
     report["settings"] = record->settings;
     context.print("rendered by  ibr render SCENE --poses {} {} -o DIR\n", file.string(),
-                  fmt::join(settingWords(record->settings), " "));
+                  fmt::join(settingArguments(record->settings), " "));
   } else {
     context.print("rendered by  unknown: no view is stored in this image\n");
   }

@@ -20,8 +20,8 @@
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
+#include "shared/draw/image_operations.h"
 #include "shared/draw/picture_record.h"
-#include "shared/draw/pictures.h"
 #include "shared/draw/scene_renderer.h"
 
 namespace fs = std::filesystem;
@@ -40,7 +40,7 @@ struct Options {
   double ipd = 0;  // 0: not given
   bool buffers = false;
   bool graph = false;
-  std::optional<double> floor, floorSpacing;  // FloorWish
+  std::optional<double> floor, floorSpacing;  // FloorOptions
   RenderSettings settings;
   GpuSceneOptions gpuScene;
   HtmViewsOptions htm;  // options for harmonised models only
@@ -95,8 +95,8 @@ ExitCode renderViews(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   checkCells(options.settings, scene);
   RenderSettings settings = options.settings;
-  std::optional<FloorWish> floor;
-  if (options.floor) floor = FloorWish{*options.floor, options.floorSpacing};
+  std::optional<FloorOptions> floor;
+  if (options.floor) floor = FloorOptions{*options.floor, options.floorSpacing};
   if (floor) settings.floor = floorBelow(scene, *floor);
   const bool isPath = options.poses.empty() || isWalk(options.poses);
   std::vector<View> asked = options.autoFrames > 0
@@ -109,7 +109,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // checks all names before anything is written
 
-  context.say(LogLevel::info, "settings: {}", presetText(settings));
+  context.logMessage(LogLevel::info, "settings: {}", presetText(settings));
   RendererOptions wanted = optionsFor(settings, {});
   wanted.maxViews = options.stereo ? 2 : 1;
   wanted.uncertaintyScene = &scene;
@@ -223,9 +223,9 @@ const Command kRenderCommand{
         options->htm.model = options->scene;
         const std::optional<AssetKind> kind = assetKind(options->scene);
         if (kind == AssetKind::scene)
-          refuseGiven(ofModels, "is for harmonised models, but " + options->scene + " is a scene");
+          refuseIfSet(ofModels, "is for harmonised models, but " + options->scene + " is a scene");
         if (isHarmonised(kind)) {
-          refuseGiven(ofScenes, "is for scenes, but " + options->scene + " is a harmonised model or 3D video");
+          refuseIfSet(ofScenes, "is for scenes, but " + options->scene + " is a harmonised model or 3D video");
           checkHtmViews(options->htm, kind);
         }
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");

@@ -25,7 +25,7 @@
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 
 namespace fs = std::filesystem;
 
@@ -34,7 +34,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kTwinViews = 2;
+constexpr std::size_t kReferenceViews = 2;
 
 struct Options {
   std::string scene, truth, poses, output, sweep, command;
@@ -91,29 +91,29 @@ VkExtent2D largestOf(const std::vector<TradeoffSubject>& subjects, const std::ve
 }
 
 // Scenes by the names of their builds.
-struct Places {
+struct SceneBuilds {
   std::vector<std::string> names, folders;  // names: without the first scene; folders: of all
   std::vector<Scene> scenes;
 };
 
-Places placesOf(const Options& options) {
-  Places places{{}, {options.scene}, {}};
+SceneBuilds sceneBuildsOf(const Options& options) {
+  SceneBuilds sceneBuilds{{}, {options.scene}, {}};
   for (const std::string& build : options.builds) {
     const std::size_t at = build.find('=');
     check(at != std::string::npos && at > 0, ErrorCode::invalidInput, "--build {}: must be NAME=SCENE", build);
-    places.names.push_back(build.substr(0, at));
-    places.folders.push_back(build.substr(at + 1));
+    sceneBuilds.names.push_back(build.substr(0, at));
+    sceneBuilds.folders.push_back(build.substr(at + 1));
   }
-  for (const std::string& folder : places.folders) places.scenes.push_back(loadScene(folder));
-  return places;
+  for (const std::string& folder : sceneBuilds.folders) sceneBuilds.scenes.push_back(loadScene(folder));
+  return sceneBuilds;
 }
 
 // Key of all inputs of images and times, except the setting.
-std::uint64_t keyOf(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
-                    const Device& device, const Context& context) {
+std::uint64_t keyOf(const Options& options, const SceneBuilds& sceneBuilds,
+                    const std::vector<TradeoffSubject>& subjects, const Device& device, const Context& context) {
   Hash hash;
   addProgram(hash);
-  for (const std::string& folder : places.folders) addFolder(hash, folder);
+  for (const std::string& folder : sceneBuilds.folders) addFolder(hash, folder);
   for (const auto& [view, truth] : subjects) {
     const Pose& pose = view.camera.pose;
     const Intrinsics& k = view.camera.intrinsics;
@@ -149,7 +149,7 @@ std::string processorName() {
   return "unknown";
 }
 
-Json aboutJson(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
+Json aboutJson(const Options& options, const SceneBuilds& sceneBuilds, const std::vector<TradeoffSubject>& subjects,
                const Device& device, const Context& context) {
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const bool software = device.kind() == DeviceKind::software;
@@ -162,7 +162,7 @@ Json aboutJson(const Options& options, const Places& places, const std::vector<T
       {"libibr", IBR_VERSION},
       {"scene", options.scene},
       {"dataset", datasetHash(options.scene)},
-      {"builds", places.names},
+      {"builds", sceneBuilds.names},
       {"truth", options.truth},
       {"shrink", options.shrink},
       {"views", views},
@@ -184,8 +184,8 @@ Json aboutJson(const Options& options, const Places& places, const std::vector<T
       {"command", options.command}};
 }
 
-std::vector<TradeoffWalk> walksOf(TradeoffStage& stage, const std::vector<TradeoffSetting>& settings,
-                                  const std::vector<View>& walk, std::uint64_t key, KeptLines& kept,
+std::vector<TradeoffWalk> walksOf(TradeoffRenderer& stage, const std::vector<TradeoffSetting>& settings,
+                                  const std::vector<View>& walk, std::uint64_t key, MeasurementCache& kept,
                                   ProgressLine& progress) {
   std::vector<TradeoffWalk> walks;
   for (std::size_t p = 0; p < kPresets.size() && !walk.empty(); ++p) {
@@ -200,7 +200,7 @@ std::vector<TradeoffWalk> walksOf(TradeoffStage& stage, const std::vector<Tradeo
       }
     } catch (const Json::exception&) {  // damaged line: walked again
     }
-    walks.push_back(walkThrough(stage, kPresets[p].first, settings[p].way, walk, [&] {
+    walks.push_back(measureWalk(stage, kPresets[p].first, settings[p].variant, walk, [&] {
       check(progress.show({"walking", p, kPresets.size()}), ErrorCode::cancelled, "stopped");
     }));
     kept.add(hash.value(), walkJson(walks.back()));
@@ -224,7 +224,7 @@ nlohmann::json sweepOf(const std::string& file) {
 }
 
 // Finds the worst view of each preset, against the truth, or against the reference preset if there is no truth.
-std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<TradeoffRow>& rows,
+std::vector<WorstView> worstViews(TradeoffRenderer& stage, const std::vector<TradeoffRow>& rows,
                                   const std::vector<TradeoffSubject>& subjects) {
   std::vector<WorstView> worst;
   for (std::size_t p = 0; p < kPresets.size(); ++p) {
@@ -235,9 +235,9 @@ std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<Tradeo
     const std::vector<TradeoffView>& views = rows[p].views;
     const std::size_t v = std::size_t(std::ranges::max_element(views, {}, flipOf) - views.begin());
     const Camera& camera = subjects[v].view.camera;
-    const Image8 picture = stage.picture(rows[p].setting.way, camera);
+    const Image8 picture = stage.picture(rows[p].setting.variant, camera);
     const Image8& truth = subjects[v].truth;
-    const Image8 other = truth.empty() ? stage.picture(rows[kReferenceSetting].setting.way, camera) : truth;
+    const Image8 other = truth.empty() ? stage.picture(rows[kReferenceSetting].setting.variant, camera) : truth;
     worst.push_back(
         {kPresets[p].first, views[v].name, flipOf(views[v]), rgb(picture), rgb(other), flipPicture(picture, other)});
   }
@@ -282,30 +282,31 @@ std::vector<std::string> missingKnobs(const Options& options, const Scene& scene
 
 ExitCode tradeoff(const Options& options, const Context& context) {
   const nlohmann::json sweep = sweepOf(options.sweep);
-  const Places places = placesOf(options);
-  const TradeoffSettings settings = tradeoffSettings({deviceKindFor(context.options().device), options.knobs,
-                                                      options.grid, hasPlainTextures(places.scenes[0]), places.names});
+  const SceneBuilds sceneBuilds = sceneBuildsOf(options);
+  const TradeoffSettings settings =
+      tradeoffSettings({deviceKindFor(context.options().device), options.knobs, options.grid,
+                        hasPlainTextures(sceneBuilds.scenes[0]), sceneBuilds.names});
   if (options.list) {
     for (const TradeoffSetting& setting : settings.all) context.print("{}\n", setting.name());
     return kExitOk;
   }
-  for (const std::string& source : places.folders)
+  for (const std::string& source : sceneBuilds.folders)
     check(!isInside(options.output, source), ErrorCode::invalidInput,
           "--output {}: lies in {}, whose files identify cached measurements; choose another folder", options.output,
           source);
-  const std::vector<TradeoffSubject> subjects = subjectsOf(options, places.scenes[0], context);
+  const std::vector<TradeoffSubject> subjects = subjectsOf(options, sceneBuilds.scenes[0], context);
   std::vector<View> walk;
   if (options.walk > 0)
-    walk = frames(autoPath(places.scenes[0], options.walk, subjects[0].view.camera.intrinsics.width,
+    walk = frames(autoPath(sceneBuilds.scenes[0], options.walk, subjects[0].view.camera.intrinsics.width,
                            subjects[0].view.camera.intrinsics.height));
-  TradeoffStage stage(places.scenes, largestOf(subjects, walk), context);
+  TradeoffRenderer stage(sceneBuilds.scenes, largestOf(subjects, walk), context);
   makeFolders(options.output);
   const fs::path folder = options.output;
-  KeptLines kept(folder / "tradeoff.kept.jsonl");
-  const std::uint64_t key = keyOf(options, places, subjects, stage.device(), context);
+  MeasurementCache kept(folder / "tradeoff.kept.jsonl");
+  const std::uint64_t key = keyOf(options, sceneBuilds, subjects, stage.device(), context);
   TradeoffReport report;
   report.knobs = settings.knobs;
-  report.about = aboutJson(options, places, subjects, stage.device(), context);
+  report.about = aboutJson(options, sceneBuilds, subjects, stage.device(), context);
   {
     ProgressLine progress(context);
     TradeoffMeasure measure(stage, subjects, {options.repeat, context.options().seed, key}, kept);
@@ -313,16 +314,16 @@ ExitCode tradeoff(const Options& options, const Context& context) {
       check(progress.show({"measuring", done, total}), ErrorCode::cancelled, "stopped");
     });
     if (measure.found() > 0)
-      context.say(LogLevel::info, "{} of {} measurements are cached", measure.found(),
-                  settings.all.size() + std::size_t(options.repeat));
+      context.logMessage(LogLevel::info, "{} of {} measurements are cached", measure.found(),
+                         settings.all.size() + std::size_t(options.repeat));
     std::vector<View> first;  // views to compare with the reference implementation, which is slow
-    for (std::size_t v = 0; v < std::min(kTwinViews, subjects.size()); ++v) first.push_back(subjects[v].view);
+    for (std::size_t v = 0; v < std::min(kReferenceViews, subjects.size()); ++v) first.push_back(subjects[v].view);
     report.implementation = implementationErrors(stage, first, [&] { stopIfInterrupted(); });
     report.walks = walksOf(stage, settings.all, walk, key, kept, progress);
   }
-  report.mapErrors = mapErrorsOf(places.scenes[0], context.options().seed);
+  report.mapErrors = mapErrorsOf(sceneBuilds.scenes[0], context.options().seed);
   report.sampledDetail = sampledDetailOf(subjects);
-  report.missing = missingKnobs(options, places.scenes[0]);
+  report.missing = missingKnobs(options, sceneBuilds.scenes[0]);
   const std::vector<TradeoffFigure> figures = tradeoffFigures(report, sweep);
   for (const TradeoffFigure& figure : figures) writeFile(folder / figure.file, figure.svg);
   writeFile(folder / "report.html", tradeoffHtml(report, figures, worstViews(stage, report.rows, subjects), folder));
@@ -411,7 +412,7 @@ const Command kTradeoffCommand{
             throw CLI::ValidationError(
                 "--knobs", "unknown setting '" + knob + "'; choose from " + fmt::format("{}", fmt::join(names, ", ")));
         }
-        options->command = commandText("ibr tradeoff", givenWords(app));
+        options->command = commandText("ibr tradeoff", givenArguments(app));
       });
       return [options](const Context& context) { return tradeoff(*options, context); };
     }};

@@ -15,12 +15,12 @@ namespace ibr::app {
 namespace {
 
 bool drawn(const TradeoffRow& row) {
-  return row.failure.empty() && row.setting.way.build == 0;
+  return row.failure.empty() && row.setting.variant.build == 0;
 }
 
 std::string formatOf(const TradeoffRow& row) {
-  return row.setting.way.texture ? fmt::format("textures {}", textureFormatName(*row.setting.way.texture))
-                                 : "textures as stored";
+  return row.setting.variant.texture ? fmt::format("textures {}", textureFormatName(*row.setting.variant.texture))
+                                     : "textures as stored";
 }
 
 const char* errorName(const TradeoffReport& report) {
@@ -62,7 +62,7 @@ PlotPanel panelOf(const TradeoffReport& report, X x, Y y, bool quartiles = false
     if (drawn(row)) most = std::max(most, double(row.bytes()));
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const TradeoffRow& row = report.rows[i];
-    if (!drawn(row) || row.setting.way.views != 1) continue;
+    if (!drawn(row) || row.setting.variant.views != 1) continue;
     auto series = std::ranges::find(panel.series, formatOf(row), &PlotSeries::name);
     if (series == panel.series.end()) series = panel.series.insert(series, {formatOf(row), {}});
     const bool preset = i < kPresets.size();
@@ -99,7 +99,7 @@ TradeoffFigure pareto(const TradeoffReport& report) {
   panel.title = "Time and error";
   panel.xName = "median time of a frame, ms";
   panel.yName = errorName(report);
-  panel.logarithmicX = panel.joinAll = panel.lessIsBetter = true;
+  panel.logarithmicX = panel.joinAll = panel.lowerIsBetter = true;
   panel.logarithmicY = spanAFactor(panel, 2);
   PlotWords words = wordsOf(report, "line: Pareto front of time and error");
   words.interval = "interquartile range of the rounds";

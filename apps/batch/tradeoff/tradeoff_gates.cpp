@@ -13,22 +13,22 @@
 namespace ibr::app {
 namespace {
 
-bool takesPart(const TradeoffRow& row) {
-  return row.failure.empty() && row.setting.way.views == 1 && row.setting.way.build == 0;
+bool isComparable(const TradeoffRow& row) {
+  return row.failure.empty() && row.setting.variant.views == 1 && row.setting.variant.build == 0;
 }
 
-bool beatsInTime(const TradeoffRow& other, const TradeoffRow& row) {
+bool dominatesInTime(const TradeoffRow& other, const TradeoffRow& row) {
   return other.medianMs() < (1 - kDominance) * row.medianMs() && errorOf(other) < (1 - kDominance) * errorOf(row);
 }
 
-using Beats = bool (*)(const TradeoffRow&, const TradeoffRow&);
+using Dominates = bool (*)(const TradeoffRow&, const TradeoffRow&);
 
-TradeoffGate unbeaten(const std::vector<TradeoffRow>& rows, std::size_t preset, const char* in, Beats beats) {
+TradeoffGate notDominated(const std::vector<TradeoffRow>& rows, std::size_t preset, const char* in, Dominates beats) {
   TradeoffGate gate{fmt::format("{} is not beaten in {}", kPresets[preset].first, in), true, "",
-                    beats == beatsInCounts};
+                    beats == dominatesInCounts};
   std::size_t beaten = 0;
   for (const TradeoffRow& row : rows) {
-    if (!takesPart(row) || !beats(row, rows[preset])) continue;
+    if (!isComparable(row) || !beats(row, rows[preset])) continue;
     gate.holds = false;
     if (++beaten <= 3) gate.found += (gate.found.empty() ? "by " : ", by ") + row.setting.name();
   }
@@ -59,7 +59,7 @@ std::array<double, 4> ofPresets(const std::vector<TradeoffRow>& rows, Value valu
 
 // Counts that determine a device's time: draws, triangles, shaded pixels (relative) and bytes.
 std::array<double, 4> costs(const TradeoffRow& row) {
-  const double scale = row.setting.way.settings.renderScale;
+  const double scale = row.setting.variant.settings.renderScale;
   return {double(row.draws()), double(row.triangles()), scale * scale, double(row.bytes())};
 }
 
@@ -73,7 +73,7 @@ bool risesInTime(const std::vector<TradeoffRow>& rows) {
 
 }  // namespace
 
-bool beatsInCounts(const TradeoffRow& other, const TradeoffRow& row) {
+bool dominatesInCounts(const TradeoffRow& other, const TradeoffRow& row) {
   const std::array<double, 4> theirs = costs(other), ours = costs(row);
   bool cheaper = false;
   for (std::size_t c = 0; c < ours.size(); ++c) {
@@ -88,8 +88,8 @@ std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows) {
   for (std::size_t p = 0; p < kPresets.size(); ++p)
     if (!rows[p].failure.empty()) return {{"all presets can be drawn", false, rows[p].failure, true}};
   for (std::size_t p = 0; p < kPresets.size(); ++p) {
-    gates.push_back(unbeaten(rows, p, "time and error", beatsInTime));
-    gates.push_back(unbeaten(rows, p, "counts and error", beatsInCounts));
+    gates.push_back(notDominated(rows, p, "time and error", dominatesInTime));
+    gates.push_back(notDominated(rows, p, "counts and error", dominatesInCounts));
   }
   const auto psnrs = ofPresets(rows, [](const TradeoffRow& row) { return row.truth().psnr; });
   if (std::isfinite(psnrs[3]))
@@ -109,7 +109,7 @@ std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows) {
 std::vector<std::size_t> timeFront(const std::vector<TradeoffRow>& rows) {
   std::vector<glm::dvec2> points;
   for (const TradeoffRow& row : rows)
-    points.emplace_back(takesPart(row) ? row.medianMs() : std::nan(""), -errorOf(row));
+    points.emplace_back(isComparable(row) ? row.medianMs() : std::nan(""), -errorOf(row));
   return paretoFront(points);
 }
 

@@ -28,7 +28,7 @@ std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows);
 
 /// True if `other` has at most the row's draws, triangles, drawn pixels and bytes. One of these, and the error, must be
 /// less by more than kDominance.
-bool beatsInCounts(const TradeoffRow& other, const TradeoffRow& row);
+bool dominatesInCounts(const TradeoffRow& other, const TradeoffRow& row);
 
 /// Returns the indices of the Pareto front of time and error, by increasing time.
 std::vector<std::size_t> timeFront(const std::vector<TradeoffRow>& rows);

@@ -56,7 +56,7 @@ std::string settingsTable(const TradeoffReport& report) {
       rows.push_back({row.setting.name(), row.failure});
       continue;
     }
-    const Likeness truth = row.truth();
+    const ImageSimilarity truth = row.truth();
     const double views = double(row.views.size());
     rows.push_back({row.setting.name(), numberText(row.medianMs(), 1),
                     numberText(row.quantileMs(0.25), 1) + "–" + numberText(row.quantileMs(0.75), 1),
@@ -96,7 +96,7 @@ std::string eyesTable(const TradeoffReport& report) {
   return rows.size() == 1 ? "" : tableHtml(rows);
 }
 
-std::string twinTable(const TradeoffReport& report) {
+std::string referenceErrorTable(const TradeoffReport& report) {
   std::vector<std::vector<std::string>> rows{{"view", "compared pixels %", "mean difference, 8-bit levels", "largest",
                                               "beyond the bound of texture filters %"}};
   for (const ImplementationError& error : report.implementation)
@@ -154,7 +154,7 @@ std::string tradeoffHtml(const TradeoffReport& report, const std::vector<Tradeof
   out += "<h2>Guarantees of the presets</h2>\n" + gatesTable(report);
   if (!report.walks.empty()) out += "<h2>Walk in small steps</h2>\n" + walksTable(report);
   if (!report.implementation.empty())
-    out += "<h2>Device against the double-precision reference implementation</h2>\n" + twinTable(report);
+    out += "<h2>Device against the double-precision reference implementation</h2>\n" + referenceErrorTable(report);
   if (const std::string eyes = eyesTable(report); !eyes.empty())
     out += "<h2>Agreement of two eyes at the same depth</h2>\n" + eyes;
   if (!worst.empty()) out += "<h2>Worst view of each preset</h2>\n" + worstHtml(worst, scratch);

@@ -8,7 +8,7 @@
 #include "base/check.h"
 #include "base/hash.h"
 #include "base/random.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 
 namespace ibr::app {
 namespace {
@@ -51,9 +51,9 @@ std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed) {
 
 }  // namespace
 
-TradeoffMeasure::TradeoffMeasure(TradeoffStage& stage, const std::vector<TradeoffSubject>& subjects,
-                                 const TradeoffPlan& plan, KeptLines& kept)
-    : stage_(stage), subjects_(subjects), plan_(plan), kept_(kept) {}
+TradeoffMeasure::TradeoffMeasure(TradeoffRenderer& stage, const std::vector<TradeoffSubject>& subjects,
+                                 const TradeoffPlan& plan, MeasurementCache& cache)
+    : stage_(stage), subjects_(subjects), plan_(plan), cache_(cache) {}
 
 std::uint64_t TradeoffMeasure::keyOf(const std::string& what) const {
   Hash hash;
@@ -64,17 +64,17 @@ std::uint64_t TradeoffMeasure::keyOf(const std::string& what) const {
 
 const std::vector<Image8>& TradeoffMeasure::references() {
   if (references_.empty()) {
-    const TradeoffWay reference{.settings = preset(Preset::reference, stage_.device().kind())};
+    const TradeoffVariant reference{.settings = preset(Preset::reference, stage_.device().kind())};
     for (const TradeoffSubject& subject : subjects_)
       references_.push_back(stage_.picture(reference, subject.view.camera));
   }
   return references_;
 }
 
-void TradeoffMeasure::look(TradeoffRow& row) {
-  const TradeoffWay& way = row.setting.way;
-  const std::uint64_t key = keyOf("pictures " + wayJson(way).dump());
-  if (const std::optional<Json> json = kept_.find(key)) try {
+void TradeoffMeasure::renderViews(TradeoffRow& row) {
+  const TradeoffVariant& variant = row.setting.variant;
+  const std::uint64_t key = keyOf("pictures " + variantJson(variant).dump());
+  if (const std::optional<Json> json = cache_.find(key)) try {
       readPicture(*json, row);
       ++found_;
       return;
@@ -82,13 +82,13 @@ void TradeoffMeasure::look(TradeoffRow& row) {
     }
   for (std::size_t v = 0; v < subjects_.size(); ++v) {
     const auto& [view, truth] = subjects_[v];
-    const FramePlan plan = stage_.plan(way, view.camera);
-    const Image8 picture = stage_.picture(way, plan), cover = coverOf(picture);
-    const Renderer::Counters counters = stage_.count(way, plan);
+    const FramePlan plan = stage_.plan(variant, view.camera);
+    const Image8 picture = stage_.picture(variant, plan), cover = coverOf(picture);
+    const Renderer::Counters counters = stage_.count(variant, plan);
     TradeoffView figures;
     figures.name = view.name;
-    if (!truth.empty()) figures.truth = likeness(picture, truth, cover);
-    figures.reference = likeness(picture, references()[v], cover);
+    if (!truth.empty()) figures.truth = similarity(picture, truth, cover);
+    figures.reference = similarity(picture, references()[v], cover);
     figures.holes = double(std::ranges::count(cover.values, std::uint8_t(0))) / double(cover.values.size());
     figures.prediction = sha256(std::as_bytes(std::span(picture.values)));
     figures.passes = counters.passes;
@@ -97,21 +97,21 @@ void TradeoffMeasure::look(TradeoffRow& row) {
     figures.triangles = counters.triangles;
     figures.cells = plan.cells.size();
     figures.photographs = plan.photographs.size();
-    if (way.views == 2) figures.eyes = stage_.eyes(way, view.camera);
+    if (variant.views == 2) figures.eyes = stage_.eyes(variant, view.camera);
     row.views.push_back(std::move(figures));
     row.pipelines = counters.pipelines;
     row.workingBytes = counters.workingBytes;
   }
-  row.measured = bytesOf(stage_.memory(way));
-  row.predicted = bytesOf(stage_.predicted(way));
-  kept_.add(key, pictureJson(row));
+  row.measured = bytesOf(stage_.memory(variant));
+  row.predicted = bytesOf(stage_.predicted(variant));
+  cache_.add(key, pictureJson(row));
 }
 
 void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
-  std::string ways;
-  for (const TradeoffRow& row : rows) ways += wayJson(row.setting.way).dump();
-  const std::uint64_t key = keyOf(fmt::format("round {} seed {} of {}", round, plan_.seed, ways));
-  if (const std::optional<Json> json = kept_.find(key)) try {
+  std::string variants;
+  for (const TradeoffRow& row : rows) variants += variantJson(row.setting.variant).dump();
+  const std::uint64_t key = keyOf(fmt::format("round {} seed {} of {}", round, plan_.seed, variants));
+  if (const std::optional<Json> json = cache_.find(key)) try {
       std::vector<Timed> timed;
       for (const Json& each : json->at("times")) timed.push_back(timedOf(each));
       if (timed.size() == rows.size()) {
@@ -125,7 +125,7 @@ void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
   const auto timeOf = [&](const TradeoffRow& row) {
     Timed timed;
     for (const TradeoffSubject& subject : subjects_) {
-      const TradeoffTimes times = stage_.time(row.setting.way, subject.view.camera);
+      const TradeoffTimes times = stage_.time(row.setting.variant, subject.view.camera);
       timed.device.push_back(times.device);
       timed.plan.push_back(times.plan);
       for (const auto& [pass, milliseconds] : times.passes)
@@ -141,7 +141,7 @@ void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
     if (rows[s].failure.empty()) timed[s] = timeOf(rows[s]);
   Json json = Json::array();
   for (const Timed& each : timed) json.push_back(timedJson(each));
-  kept_.add(key, {{"times", json}});
+  cache_.add(key, {{"times", json}});
   for (std::size_t s = 0; s < rows.size(); ++s)
     if (rows[s].failure.empty()) append(rows[s], timed[s]);
 }
@@ -155,8 +155,8 @@ std::vector<TradeoffRow> TradeoffMeasure::measure(const std::vector<TradeoffSett
     TradeoffRow& row = rows.emplace_back();
     row.setting = setting;
     try {
-      stage_.prepare(setting.way);
-      look(row);
+      stage_.prepare(setting.variant);
+      renderViews(row);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::outOfMemory && error.code() != ErrorCode::unsupported) throw;
       row = {};

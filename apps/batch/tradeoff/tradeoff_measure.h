@@ -7,9 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "batch/files/kept_lines.h"
+#include "batch/files/measurement_cache.h"
+#include "batch/tradeoff/tradeoff_renderer.h"
 #include "batch/tradeoff/tradeoff_result.h"
-#include "batch/tradeoff/tradeoff_stage.h"
 #include "shared/camera/camera_path.h"
 
 namespace ibr::app {
@@ -28,8 +28,8 @@ struct TradeoffPlan {
 
 class TradeoffMeasure {
  public:
-  TradeoffMeasure(TradeoffStage& stage, const std::vector<TradeoffSubject>& subjects, const TradeoffPlan& plan,
-                  KeptLines& kept);
+  TradeoffMeasure(TradeoffRenderer& stage, const std::vector<TradeoffSubject>& subjects, const TradeoffPlan& plan,
+                  MeasurementCache& cache);
 
   /// Returns one row for each setting. Rows with an empty `failure` have views and times; `failure` is set if the
   /// device cannot draw a setting or lacks memory. `step` is called with (done, total) and may throw.
@@ -40,15 +40,15 @@ class TradeoffMeasure {
   std::size_t found() const { return found_; }
 
  private:
-  void look(TradeoffRow& row);
+  void renderViews(TradeoffRow& row);
   void timeRound(std::vector<TradeoffRow>& rows, int round);
   const std::vector<Image8>& references();
   std::uint64_t keyOf(const std::string& what) const;
 
-  TradeoffStage& stage_;
+  TradeoffRenderer& stage_;
   const std::vector<TradeoffSubject>& subjects_;
   TradeoffPlan plan_;
-  KeptLines& kept_;
+  MeasurementCache& cache_;
   std::vector<Image8> references_;
   std::size_t found_ = 0;
   bool warm_ = false;

@@ -27,7 +27,7 @@ std::string walkTable(const std::vector<TradeoffWalk>& walks) {
   return table.text();
 }
 
-std::string twinTable(const std::vector<ImplementationError>& errors) {
+std::string referenceErrorTable(const std::vector<ImplementationError>& errors) {
   Table table;
   table.row({"device against reference", "compared %", "mean 8-bit levels", "largest", "beyond the bound %"});
   for (const ImplementationError& error : errors)
@@ -71,19 +71,15 @@ std::string reportJson(const TradeoffReport& report) {
   json["front"] = std::move(front);
   json["gates"] = std::move(gates);
   json["walks"] = std::move(walks);
-  std::string lines;
-  for (const TradeoffRow& row : report.rows)
-    lines += fmt::format("{}\n    {}", lines.empty() ? "" : ",",
-                         rowJson(row).dump(-1, ' ', false, Json::error_handler_t::replace));
-  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
-  text.resize(text.size() - 2);  // removes the end of the object
-  return text + fmt::format(",\n  \"settings\": [{}\n  ]\n}}\n", lines);
+  json["settings"] = Json::array();
+  for (const TradeoffRow& row : report.rows) json["settings"].push_back(rowJson(row));
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string reportText(const TradeoffReport& report) {
   std::string text = tradeoffTable(report.rows);
   text += fmt::format("\nPareto front of time and error: {}\n", frontText(report));
-  if (!report.implementation.empty()) text += '\n' + twinTable(report.implementation);
+  if (!report.implementation.empty()) text += '\n' + referenceErrorTable(report.implementation);
   if (!report.walks.empty()) text += '\n' + walkTable(report.walks);
   text += '\n';
   for (const TradeoffGate& gate : report.gates())

@@ -9,8 +9,8 @@
 
 #include "batch/tradeoff/tradeoff_gates.h"
 #include "batch/tradeoff/tradeoff_histogram.h"
+#include "batch/tradeoff/tradeoff_implementation.h"
 #include "batch/tradeoff/tradeoff_result.h"
-#include "batch/tradeoff/tradeoff_twin.h"
 #include "batch/tradeoff/tradeoff_walk.h"
 
 namespace ibr::app {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "ibr/metrics.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/image_operations.h"
 #include "shared/report/statistics.h"
 #include "shared/report/table.h"
 
@@ -18,10 +18,11 @@ using Json = nlohmann::ordered_json;
 
 struct Figure {
   const char* name;
-  double Likeness::*value;
+  double ImageSimilarity::*value;
 };
-constexpr Figure kFigures[] = {{"psnr", &Likeness::psnr}, {"ssim", &Likeness::ssim},     {"msSsim", &Likeness::msSsim},
-                               {"flip", &Likeness::flip}, {"detail", &Likeness::detail}, {"edges", &Likeness::edges}};
+constexpr Figure kFigures[] = {{"psnr", &ImageSimilarity::psnr},     {"ssim", &ImageSimilarity::ssim},
+                               {"msSsim", &ImageSimilarity::msSsim}, {"flip", &ImageSimilarity::flip},
+                               {"detail", &ImageSimilarity::detail}, {"edges", &ImageSimilarity::edges}};
 
 struct Count {
   const char* name;
@@ -53,17 +54,17 @@ EyeAgreement eyesOf(const Json& json) {
   return eyes;
 }
 
-Json likenessJson(const Likeness& likeness) {
+Json likenessJson(const ImageSimilarity& similarity) {
   Json json = Json::object();
-  for (const Figure& figure : kFigures) json[figure.name] = likeness.*figure.value;
+  for (const Figure& figure : kFigures) json[figure.name] = similarity.*figure.value;
   return json;
 }
 
-Likeness likenessOf(const Json& json) {
-  Likeness likeness;
+ImageSimilarity likenessOf(const Json& json) {
+  ImageSimilarity similarity;
   for (const Figure& figure : kFigures)
-    if (const Json& value = json.at(figure.name); value.is_number()) likeness.*figure.value = value;
-  return likeness;
+    if (const Json& value = json.at(figure.name); value.is_number()) similarity.*figure.value = value;
+  return similarity;
 }
 
 Json bytesJson(const TradeoffBytes& bytes) {
@@ -74,8 +75,8 @@ TradeoffBytes bytesOf(const Json& json) {
   return {json.at("positions"), json.at("indices"), json.at("textures")};
 }
 
-Likeness meanOfViews(const TradeoffRow& row, Likeness TradeoffView::*which) {
-  std::vector<Likeness> all;
+ImageSimilarity meanOfViews(const TradeoffRow& row, ImageSimilarity TradeoffView::*which) {
+  std::vector<ImageSimilarity> all;
   for (const TradeoffView& view : row.views) all.push_back(view.*which);
   return meanOf(all);
 }
@@ -98,12 +99,12 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
-Likeness::Likeness() {
+ImageSimilarity::ImageSimilarity() {
   for (const Figure& figure : kFigures) this->*figure.value = std::nan("");
 }
 
-Likeness likeness(const Image8& picture, const Image8& other, const Image8& cover) {
-  Likeness result;
+ImageSimilarity similarity(const Image8& picture, const Image8& other, const Image8& cover) {
+  ImageSimilarity result;
   result.psnr = psnr(picture, other);
   result.ssim = ssim(picture, other);
   result.msSsim = msSsim(picture, other);
@@ -114,22 +115,22 @@ Likeness likeness(const Image8& picture, const Image8& other, const Image8& cove
   return result;
 }
 
-Likeness meanOf(const std::vector<Likeness>& all) {
-  Likeness result;
+ImageSimilarity meanOf(const std::vector<ImageSimilarity>& all) {
+  ImageSimilarity result;
   for (const Figure& figure : kFigures) {
     std::vector<double> values;
-    for (const Likeness& likeness : all)
-      if (std::isfinite(likeness.*figure.value)) values.push_back(likeness.*figure.value);
+    for (const ImageSimilarity& similarity : all)
+      if (std::isfinite(similarity.*figure.value)) values.push_back(similarity.*figure.value);
     if (!values.empty()) result.*figure.value = mean(values);
   }
   return result;
 }
 
-Likeness TradeoffRow::truth() const {
+ImageSimilarity TradeoffRow::truth() const {
   return meanOfViews(*this, &TradeoffView::truth);
 }
 
-Likeness TradeoffRow::reference() const {
+ImageSimilarity TradeoffRow::reference() const {
   return meanOfViews(*this, &TradeoffView::reference);
 }
 
@@ -213,7 +214,7 @@ Json rowJson(const TradeoffRow& row) {
   Json labels = Json::array();
   for (const TradeoffLabel& label : row.setting.labels)
     labels.push_back({{"knob", label.knob}, {"value", label.value}});
-  Json json{{"setting", row.setting.name()}, {"labels", labels}, {"knobs", wayJson(row.setting.way)}};
+  Json json{{"setting", row.setting.name()}, {"labels", labels}, {"knobs", variantJson(row.setting.variant)}};
   if (!row.failure.empty()) {
     json["failure"] = row.failure;
     return json;
@@ -238,8 +239,8 @@ std::string tradeoffCsv(const std::vector<TradeoffRow>& rows) {
     for (const TradeoffLabel& label : row.setting.labels) {
       csv += fmt::format("{},{},{}", quoted(row.setting.name()), quoted(label.knob), quoted(label.value));
       for (const double q : {0.5, 0.25, 0.75}) csv += fmt::format(",{}", csvText(row.quantileMs(q)));
-      for (const Likeness& likeness : {row.truth(), row.reference()})
-        for (const Figure& figure : kFigures) csv += fmt::format(",{}", csvText(likeness.*figure.value));
+      for (const ImageSimilarity& similarity : {row.truth(), row.reference()})
+        for (const Figure& figure : kFigures) csv += fmt::format(",{}", csvText(similarity.*figure.value));
       csv += fmt::format(",{},{},{},{},{},{},{},{}\n", csvText(row.holes()), row.draws(), row.triangles(),
                          row.measured.positions, row.measured.indices, row.measured.textures, row.workingBytes,
                          quoted(row.failure));
@@ -257,7 +258,7 @@ std::string tradeoffTable(const std::vector<TradeoffRow>& rows) {
       table.row({row.setting.name(), row.failure});
       continue;
     }
-    const Likeness truth = row.truth(), reference = row.reference();
+    const ImageSimilarity truth = row.truth(), reference = row.reference();
     const double views = double(row.views.size());
     table.row({row.setting.name(), numberText(row.medianMs(), 1),
                fmt::format("{}–{}", numberText(row.quantileMs(0.25), 1), numberText(row.quantileMs(0.75), 1)),

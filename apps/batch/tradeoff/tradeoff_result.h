@@ -17,22 +17,22 @@
 namespace ibr::app {
 
 /// Similarity of two images. NaN: not measured, or undefined.
-struct Likeness {
-  Likeness();
+struct ImageSimilarity {
+  ImageSimilarity();
   double psnr, ssim, msSsim, flip;
   double detail;  // gradient energy relative to the other image, where the image is covered: < 1 blurred, > 1 ghosts
   double edges;   // correlation of gradients on the same pixels
 };
 
 /// Compares two RGB images of equal size; `cover`: mask of the pixels that `picture` covers, one channel.
-Likeness likeness(const Image8& picture, const Image8& other, const Image8& cover);
+ImageSimilarity similarity(const Image8& picture, const Image8& other, const Image8& cover);
 
 /// Returns the mean of the finite values, figure by figure.
-Likeness meanOf(const std::vector<Likeness>& all);
+ImageSimilarity meanOf(const std::vector<ImageSimilarity>& all);
 
 struct TradeoffView {
   std::string name;
-  Likeness truth, reference;
+  ImageSimilarity truth, reference;
   double holes = 0;        // share of the pixels
   std::string prediction;  // SHA-256 of width × height × RGBA bytes
   std::uint64_t passes = 0, draws = 0, dispatches = 0, triangles = 0, cells = 0, photographs = 0;
@@ -53,8 +53,8 @@ struct TradeoffRow {
   std::vector<std::vector<double>> deviceMs, planMs;  // by round and view
   std::map<std::string, std::vector<double>> passMs;  // by round, mean over the views
 
-  Likeness truth() const;
-  Likeness reference() const;
+  ImageSimilarity truth() const;
+  ImageSimilarity reference() const;
   double holes() const;
   /// Returns the means over the views with two eyes, figure by figure.
   std::optional<EyeAgreement> eyes() const;

@@ -12,24 +12,24 @@
 namespace ibr::app {
 
 /// All inputs of a view's image.
-struct TradeoffWay {
+struct TradeoffVariant {
   RenderSettings settings;
   TextureFilter filter = TextureFilter::automatic;
   std::optional<TextureFormat> texture;  // nullopt: as stored in the scene, converted as usual for the device
   std::size_t views = 1;                 // 2: with a second eye beside the view
   std::size_t build = 0;                 // 0: the scene; others: further builds of the scene
 
-  bool operator==(const TradeoffWay&) const = default;
+  bool operator==(const TradeoffVariant&) const = default;
 };
 
-/// Name of a way: "cells" "4", "preset" "fast", "grid" "cells 4 reach 2 scale 0.7", "build" NAME.
+/// Name of a variant: "cells" "4", "preset" "fast", "grid" "cells 4 reach 2 scale 0.7", "build" NAME.
 struct TradeoffLabel {
   std::string knob, value;
   std::string text() const { return knob == "grid" ? value : knob + " " + value; }
 };
 
 struct TradeoffSetting {
-  TradeoffWay way;
+  TradeoffVariant variant;
   std::vector<TradeoffLabel> labels;  // at least one; several if knobs share this setting, as the default does
   std::string name() const { return labels.front().text(); }
   /// Returns the setting's value of a knob; nullptr if it has none.
@@ -43,7 +43,7 @@ struct TradeoffKnob {
 };
 
 struct TradeoffSettings {
-  std::vector<TradeoffSetting> all;  // the first four are the presets, from the fastest; ways are unique
+  std::vector<TradeoffSetting> all;  // the first four are the presets, from the fastest; variants are unique
   std::vector<TradeoffKnob> knobs;   // in the order of the report
 };
 
@@ -52,16 +52,16 @@ inline constexpr std::size_t kDefaultSetting = 1, kReferenceSetting = 3;  // bal
 /// Returns the names of all knobs, without "preset", "grid" and "build".
 std::vector<std::string> tradeoffKnobNames();
 
-struct TradeoffWish {
+struct TradeoffSelection {
   DeviceKind kind = DeviceKind::software;  // kind of the presets
   std::vector<std::string> knobs;          // from tradeoffKnobNames(); empty: all
   bool grid = true;                        // true: also combinations
   bool textures = true;                    // true: the scene's textures can be converted to other formats
   std::vector<std::string> builds;         // names of further builds of the scene
 };
-TradeoffSettings tradeoffSettings(const TradeoffWish& wish);
+TradeoffSettings tradeoffSettings(const TradeoffSelection& selection);
 
 /// Returns each setting under the name of its option, with "texture" (null: as stored), "views" and "build".
-nlohmann::ordered_json wayJson(const TradeoffWay& way);
+nlohmann::ordered_json variantJson(const TradeoffVariant& variant);
 
 }  // namespace ibr::app

@@ -18,8 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kStepSeconds = 1 / 60.0;
-constexpr std::size_t kMostWindows = 4, kBefore = 5, kAfter = 20;  // limit of drawn changes; frames before and after
-constexpr double kMostSwitch = 1.5, kLeastDetail = 0.9, kMostDetail = 1.1;
+constexpr std::size_t kMaxWindows = 4, kBefore = 5, kAfter = 20;  // limit of drawn changes; frames before and after
+constexpr double kMaxSwitchRatio = 1.5, kMinDetail = 0.9, kMaxDetail = 1.1;
 
 // Changes of the main cell, and the frames around some of them, spread over the walk.
 struct Windows {
@@ -27,16 +27,16 @@ struct Windows {
   std::set<std::size_t> frames;
 };
 
-Windows windowsOf(const TradeoffStage& stage, const TradeoffWay& way, const std::vector<View>& walk) {
+Windows windowsOf(const TradeoffRenderer& stage, const TradeoffVariant& variant, const std::vector<View>& walk) {
   std::vector<std::size_t> changes;
   PlanState state;
   for (std::size_t i = 0; i < walk.size(); ++i) {
     const std::int64_t before = state.mainCell;
-    state = stage.plan(way, walk[i].camera, i > 0 ? kStepSeconds : 0, state).next;
+    state = stage.plan(variant, walk[i].camera, i > 0 ? kStepSeconds : 0, state).next;
     if (i > 0 && state.mainCell != before) changes.push_back(i);
   }
   Windows windows{changes.size(), {}};
-  const std::size_t shown = std::min(kMostWindows, changes.size());
+  const std::size_t shown = std::min(kMaxWindows, changes.size());
   const auto add = [&](std::size_t middle) {
     for (std::size_t i = middle - std::min(middle, kBefore); i < std::min(walk.size(), middle + kAfter); ++i)
       windows.frames.insert(i);
@@ -54,10 +54,10 @@ std::size_t holesSeen(const Image8& picture, const UnionOfViews& photographs, co
 
 }  // namespace
 
-TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const TradeoffWay& way,
+TradeoffWalk measureWalk(TradeoffRenderer& stage, const std::string& preset, const TradeoffVariant& variant,
                          const std::vector<View>& walk, const std::function<void()>& step) {
-  const Windows windows = windowsOf(stage, way, walk);
-  const UnionOfViews photographs(stage.scene(way));
+  const Windows windows = windowsOf(stage, variant, walk);
+  const UnionOfViews photographs(stage.scene(variant));
   TradeoffWalk result{.preset = preset,
                       .frames = walk.size(),
                       .drawn = windows.frames.size(),
@@ -69,7 +69,7 @@ TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const 
   Image8 before;
   for (std::size_t i = 0; i < walk.size(); ++i) {
     const std::int64_t mainCell = state.mainCell;
-    const FramePlan plan = stage.plan(way, walk[i].camera, i > 0 ? kStepSeconds : 0, state);
+    const FramePlan plan = stage.plan(variant, walk[i].camera, i > 0 ? kStepSeconds : 0, state);
     const bool switching = (i > 0 && plan.next.mainCell != mainCell) || !plan.next.previous.empty();
     state = plan.next;
     if (!windows.frames.contains(i)) {
@@ -77,7 +77,7 @@ TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const 
       continue;
     }
     step();
-    Image8 picture = stage.picture(way, plan);
+    Image8 picture = stage.picture(variant, plan);
     result.holePixels = std::max(result.holePixels, holesSeen(picture, photographs, walk[i].camera));
     if (!before.empty()) {
       const double difference = ibr::difference(picture, before, 0).meanAbsolute;
@@ -102,19 +102,19 @@ std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, cons
     if (std::isfinite(walk.switchStep) && std::isfinite(walk.medianStep))
       gates.push_back(
           {walk.preset + ": the step at a switch of the main cell is at most 1.5 times the median step",
-           walk.switchStep <= kMostSwitch * walk.medianStep,
+           walk.switchStep <= kMaxSwitchRatio * walk.medianStep,
            fmt::format("{:.3f} levels, median {:.3f}, {} switches", walk.switchStep, walk.medianStep, walk.switches),
            true});
   }
-  const double least = kLeastDetail * sampledDetail;
+  const double least = kMinDetail * sampledDetail;
   for (std::size_t p = 0; p < kPresets.size(); ++p)
     if (const double detail = rows[p].truth().detail; std::isfinite(detail))
       gates.push_back(
           {fmt::format("{}: gradient energy is at least 0.9 of that of the resampled truth, and at most 1.1 of "
                        "that of the truth",
                        kPresets[p].first),
-           detail >= least && detail <= kMostDetail,
-           fmt::format("{:.3f}, allowed {:.3f} to {}", detail, least, kMostDetail), true});
+           detail >= least && detail <= kMaxDetail,
+           fmt::format("{:.3f}, allowed {:.3f} to {}", detail, least, kMaxDetail), true});
   return gates;
 }
 

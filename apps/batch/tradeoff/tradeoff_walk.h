@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "batch/tradeoff/tradeoff_gates.h"
-#include "batch/tradeoff/tradeoff_stage.h"
+#include "batch/tradeoff/tradeoff_renderer.h"
 #include "shared/camera/camera_path.h"
 
 namespace ibr::app {
@@ -25,7 +25,7 @@ struct TradeoffWalk {
 };
 
 /// Measures a walk of views 1/60 s apart. `step` is called before each drawn frame and may throw.
-TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const TradeoffWay& way,
+TradeoffWalk measureWalk(TradeoffRenderer& stage, const std::string& preset, const TradeoffVariant& variant,
                          const std::vector<View>& walk, const std::function<void()>& step);
 
 /// Checks that there are no holes, and that a change is at most 1.5 times the median step. Each preset's gradient

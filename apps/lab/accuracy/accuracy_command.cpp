@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/author/accuracy.h"
+#include "ibr/lab/accuracy.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -55,13 +55,13 @@ struct Figure {
   double (*value)(const MatchAccuracy&);
 };
 constexpr Figure kFigures[] = {
-    {"vertices", "vertices", 0, [](const MatchAccuracy& a) { return double(a.vertexError.size()); }},
-    {"medianPx", "median px", 3, [](const MatchAccuracy& a) { return quantile(a.vertexError, 0.5); }},
-    {"within1Px", "< 1 px", 4, [](const MatchAccuracy& a) { return shareWithin(a.vertexError, 1.0); }},
-    {"beyond3Px", "> 3 px", 4, [](const MatchAccuracy& a) { return 1.0 - shareWithin(a.vertexError, 3.0); }},
-    {"kept", "kept", 3, [](const MatchAccuracy& a) { return a.kept / a.coVisible; }},
-    {"precision", "precision", 3, [](const MatchAccuracy& a) { return a.rightTier0 / a.tier0; }},
-    {"recall", "recall", 3, [](const MatchAccuracy& a) { return a.rightTier0 / a.right; }},
+    {"vertices", "vertices", 0, [](const MatchAccuracy& a) { return double(a.vertexErrorsPx.size()); }},
+    {"medianPx", "median px", 3, [](const MatchAccuracy& a) { return quantile(a.vertexErrorsPx, 0.5); }},
+    {"within1Px", "< 1 px", 4, [](const MatchAccuracy& a) { return shareWithin(a.vertexErrorsPx, 1.0); }},
+    {"beyond3Px", "> 3 px", 4, [](const MatchAccuracy& a) { return 1.0 - shareWithin(a.vertexErrorsPx, 3.0); }},
+    {"kept", "kept", 3, [](const MatchAccuracy& a) { return a.coVisibleTier0 / a.coVisible; }},
+    {"precision", "precision", 3, [](const MatchAccuracy& a) { return a.correctTier0 / a.tier0; }},
+    {"recall", "recall", 3, [](const MatchAccuracy& a) { return a.correctTier0 / a.correct; }},
     {"within1Sigma", "< 1 sigma", 3, [](const MatchAccuracy& a) { return shareWithin(a.deviation, 1.0); }},
     {"within2Sigma", "< 2 sigma", 3, [](const MatchAccuracy& a) { return shareWithin(a.deviation, 2.0); }},
     {"folded", "folded", 0, [](const MatchAccuracy& a) { return double(a.folded); }}};
@@ -89,7 +89,7 @@ void writeExact(Scene scene, std::span<const DepthView> truth, const Options& op
     ProgressLine progress(context);
     moved = setExactMatches(scene, truth, matches, context.options().threads, progress.callback());
   }
-  shareScene(scene, options.exact);
+  saveSceneWithLinks(scene, options.exact);
   context.print("{}: {} points were moved to their exact matches\n", options.exact, moved);
 }
 

@@ -34,7 +34,7 @@ ExitCode bench(const Options& options, const Context& context) {
     step();
     GpuSceneOptions gpuScene = withLog(run.gpuScene, context);
     gpuScene.source = [](const Scene& scene, std::size_t node, int firstLevel) {
-      return smallerLevels(benchPhotograph(scene, node), firstLevel);
+      return withoutLargestLevels(benchPhotograph(scene, node), firstLevel);
     };
     const BenchSubject subject{shape->name, makeBenchScene(*shape, options.detail), gpuScene,
                                benchViews(*shape, run.views, run.size.width, run.size.height)};

@@ -194,8 +194,8 @@ void makeMesh(const BenchShape& shape, const Scene& scene, Cell& cell) {
       if (!north) mesh.triangles.emplace_back(vertex(0, 0), vertex(0, 1), vertex(1, 0));
       if (!south) mesh.triangles.emplace_back(vertex(1, 0), vertex(0, 1), vertex(1, 1));
     }
-  mesh.uncertainty.assign(mesh.pointCount(), 0.0f);
-  mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
+  mesh.uncertainty.assign(mesh.vertexCount(), 0.0f);
+  mesh.tier.assign(mesh.triangles.size(), kTierConsistent);
   mesh.ecc.assign(mesh.triangles.size(), 1.0f);
 }
 

@@ -71,7 +71,7 @@ bool mayShow(const Camera& camera, const TexturedPlane& plane) {
   return angle <= cone + std::asin(radius / distance);
 }
 
-SyntheticScene shownTo(const Court& court, const Camera& camera) {
+SyntheticScene visibleTo(const Court& court, const Camera& camera) {
   SyntheticScene scene;
   std::ranges::copy_if(court.planes, std::back_inserter(scene.planes),
                        [&](const TexturedPlane& plane) { return mayShow(camera, plane); });
@@ -131,14 +131,14 @@ Camera cameraInCourt(const Court& court, double at) {
 }
 
 Image8 photograph(const Court& court, const Camera& camera, int samplesPerAxis) {
-  return renderTruth(shownTo(court, camera), camera, samplesPerAxis);
+  return renderTruth(visibleTo(court, camera), camera, samplesPerAxis);
 }
 
 std::vector<CourtTrack> tracksOf(const Court& court, std::uint64_t seed) {
   Random random(seed + 1);
   const auto count = std::uint32_t(court.cameras.size());
   std::vector<SyntheticScene> shown;
-  for (const Camera& camera : court.cameras) shown.push_back(shownTo(court, camera));
+  for (const Camera& camera : court.cameras) shown.push_back(visibleTo(court, camera));
   std::vector<CourtTrack> tracks;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Camera& camera = court.cameras[i];

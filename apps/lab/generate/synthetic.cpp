@@ -124,7 +124,7 @@ MorphMesh makePictureMesh(const SyntheticScene& scene, const std::vector<std::ui
   auto vertexAt = [&](int x, int y) {
     std::uint32_t& index = vertex.pixel(x, y)[0];
     if (index == std::numeric_limits<std::uint32_t>::max()) {
-      index = std::uint32_t(mesh.pointCount());
+      index = std::uint32_t(mesh.vertexCount());
       addVertex(mesh, *commonPoint(scene, members, {x, y}), scene.centreOfInfinity.has_value());
     }
     return index;
@@ -166,7 +166,7 @@ MorphMesh makeSurfaceMesh(const SyntheticScene& scene, const std::vector<std::ui
       std::array<std::int64_t, 3> key;
       constexpr double kOffGrid = 0.1234;  // places round numbers inside a bin
       for (std::size_t a = 0; a < 3; ++a) key[a] = std::llround(position[int(a)] / (1e-4 * step) + kOffGrid);
-      const auto [found, fresh] = vertexAt.emplace(key, std::uint32_t(mesh.pointCount()));
+      const auto [found, fresh] = vertexAt.emplace(key, std::uint32_t(mesh.vertexCount()));
       if (fresh) addVertex(mesh, *commonPoint(scene, members, index, at), scene.centreOfInfinity.has_value());
       return found->second;
     };
@@ -190,15 +190,16 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
                    const SyntheticOptions& options) {
   MorphMesh mesh = options.surfaceStep > 0 ? makeSurfaceMesh(scene, members, options.surfaceStep)
                                            : makePictureMesh(scene, members, options.gridStep);
-  mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
+  mesh.tier.assign(mesh.triangles.size(), kTierConsistent);
   mesh.ecc.assign(mesh.triangles.size(), 1.0f);
   return mesh;
 }
 
-constexpr double kFarthest = 1e12;  // limit of validate() for scenes
+constexpr double kMaxCoordinateMagnitude = 1e12;  // limit of validate() for scenes
 
 bool within(glm::dvec3 v) {
-  return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;
+  return std::abs(v.x) <= kMaxCoordinateMagnitude && std::abs(v.y) <= kMaxCoordinateMagnitude &&
+         std::abs(v.z) <= kMaxCoordinateMagnitude;
 }
 
 void checkPlane(const TexturedPlane& plane, std::size_t index) {
@@ -211,8 +212,9 @@ void checkPlane(const TexturedPlane& plane, std::size_t index) {
   demand(std::abs(glm::length(plane.u) - 1) < kRounding && std::abs(glm::length(plane.v) - 1) < kRounding &&
              std::abs(glm::dot(plane.u, plane.v)) < kRounding,
          "u and v are not perpendicular unit vectors");
-  demand(plane.extentU > 0 && plane.extentV > 0 && largest <= kFarthest, "width or height is not within 0 to 1e12");
-  demand(plane.wavelength >= 1e-9 * largest && plane.wavelength <= kFarthest,
+  demand(plane.extentU > 0 && plane.extentV > 0 && largest <= kMaxCoordinateMagnitude,
+         "width or height is not within 0 to 1e12");
+  demand(plane.wavelength >= 1e-9 * largest && plane.wavelength <= kMaxCoordinateMagnitude,
          "wavelength is below 1e-9 of the larger side, or beyond 1e12");
 }
 

@@ -8,7 +8,7 @@
 
 #include "base/check.h"
 #include "batch/command.h"
-#include "ibr/author/matchers.h"
+#include "ibr/lab/matchers.h"
 #include "io/image_file.h"
 #include "lab/lab_commands.h"
 #include "shared/cli/progress.h"
@@ -28,7 +28,8 @@ struct Options {
 };
 
 std::string nameOf(const MatchScore& score) {
-  return std::string(methodName(score.method)) + (score.filter == TriangleFilter::homogeneous ? ", homogeneous" : "");
+  return std::string(matchMethodName(score.method)) +
+         (score.filter == TriangleFilter::homogeneous ? ", homogeneous" : "");
 }
 
 struct Figure {
@@ -41,7 +42,7 @@ constexpr Figure kFigures[] = {{"vertices", "vertices", 0, [](const MatchScore& 
                                {"medianPx", "median px", 3, [](const MatchScore& s) { return s.medianPx; }},
                                {"within1Px", "< 1 px", 3, [](const MatchScore& s) { return s.within1Px; }},
                                {"beyond3Px", "> 3 px", 3, [](const MatchScore& s) { return s.beyond3Px; }},
-                               {"kept", "kept", 3, [](const MatchScore& s) { return s.kept; }},
+                               {"kept", "kept", 3, [](const MatchScore& s) { return s.completeness; }},
                                {"precision", "precision", 3, [](const MatchScore& s) { return s.precision; }},
                                {"coverage", "coverage", 3, [](const MatchScore& s) { return s.coverage; }},
                                {"memberPsnr", "member dB", 1, [](const MatchScore& s) { return s.memberPsnr; }},
@@ -61,7 +62,7 @@ ExitCode compare(const Options& options, const Context& context) {
   ProgressLine progress(context);
   for (std::size_t c = 0; c < cases.size(); ++c) {
     check(progress.show({"matching", c, cases.size()}), ErrorCode::cancelled, "stopped");
-    for (const MatchScore& score : compareMethods(cases[c], context.options().seed)) {
+    for (const MatchScore& score : compareMatchMethods(cases[c], context.options().seed)) {
       std::vector<std::string> row{score.name, nameOf(score)};
       Json json{{"case", score.name}, {"method", nameOf(score)}};
       for (const Figure& figure : kFigures) {

@@ -10,7 +10,7 @@
 #include "batch/build/optimise_options.h"
 #include "batch/command.h"
 #include "batch/command_text.h"
-#include "batch/files/kept_lines.h"
+#include "batch/files/measurement_cache.h"
 #include "lab/lab_commands.h"
 #include "lab/sweep/sweep_measure.h"
 #include "shared/cli/options.h"
@@ -71,7 +71,7 @@ class Report {
   std::vector<std::string> notes_;
 };
 
-std::optional<SweepRow> keptRow(const KeptLines& kept, std::uint64_t key, const SweepSetting& setting) {
+std::optional<SweepRow> cachedRow(const MeasurementCache& kept, std::uint64_t key, const SweepSetting& setting) {
   const std::optional<Json> json = kept.find(key);
   if (!json) return std::nullopt;
   try {
@@ -101,15 +101,15 @@ ExitCode sweep(const Options& options, const Context& context) {
           source.string());
   SweepMeasure measure(options.sweep, context);
   makeFolders(options.output);
-  KeptLines kept(fs::path(options.output) / "sweep.kept.jsonl");
+  MeasurementCache kept(fs::path(options.output) / "sweep.kept.jsonl");
   std::vector<std::optional<SweepRow>> rows(settings.size());
   std::vector<std::size_t> missing;
   for (std::size_t s = 0; s < settings.size(); ++s) {
-    rows[s] = keptRow(kept, measure.keyOf(settings[s]), settings[s]);
+    rows[s] = cachedRow(kept, measure.keyOf(settings[s]), settings[s]);
     if (!rows[s]) missing.push_back(s);
   }
-  context.say(LogLevel::info, "{} settings on cells {}; {} cached", settings.size(), joined(measure.cells()),
-              settings.size() - missing.size());
+  context.logMessage(LogLevel::info, "{} settings on cells {}; {} cached", settings.size(), joined(measure.cells()),
+                     settings.size() - missing.size());
   const Report report(options, measure);
   {
     ProgressLine progress(context);
@@ -168,10 +168,10 @@ const Command kSweepCommand{
       app.add_flag("--list", options->list, "Only list the settings");
       RenderSettings defaults;
       defaults.maxCells = 1;
-      defaults.maxTier = kTierAgrees;
+      defaults.maxTier = kTierConsistent;
       declareAllSettings(app, evaluation.settings, defaults);
       declareGpuScene(app, evaluation.gpuScene);
-      app.callback([options, &app] { options->command = commandText("ibr-lab sweep", givenWords(app)); });
+      app.callback([options, &app] { options->command = commandText("ibr-lab sweep", givenArguments(app)); });
       return [options](const Context& context) { return sweep(*options, context); };
     }};
 

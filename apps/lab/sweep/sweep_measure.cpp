@@ -40,21 +40,21 @@ std::uint64_t keyOfAll(const SweepOptions& options, const Context& context) {
 }
 
 // Measures the unchanged mesh: runs one cheap cycle on a copy, and uses only the values from before the cycle.
-AlignmentSummary judgeOnly(const Aligner& aligner, const Alignment& alignment, AlignmentOptions options,
-                           const ProgressCallback& progress) {
+AlignmentSummary evaluateOnly(const Aligner& aligner, const Alignment& alignment, AlignmentOptions options,
+                              const ProgressCallback& progress) {
   Alignment copy = alignment;
   options.maxCycles = 1;
   options.instances = 2;
   AlignmentSummary summary = aligner(copy, options, progress);
   summary.finalEcc = summary.initialEcc;
   summary.finalEccPaper = summary.initialEccPaper;
-  summary.starEccAfter = summary.starEccBefore;
+  summary.finalStarEcc = summary.initialStarEcc;
   summary.cycles.clear();
   summary.bestCycle = 0;
   return summary;
 }
 
-double processorSeconds() {
+double cpuSeconds() {
   return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
@@ -97,21 +97,23 @@ const Aligner& SweepMeasure::alignerOf(AlignmentMethod method) {
 SweepRow SweepMeasure::measure(const SweepSetting& setting, const ProgressCallback& progress) {
   SweepRow row{.setting = setting};
   Scene scene = scene_;
-  OptimiseCellsOptions cells{
-      .alignment = setting.alignment, .cells = options_.cells, .threads = context_.options().threads, .finished = {}};
+  OptimiseCellsOptions cells{.alignment = setting.alignment,
+                             .cells = options_.cells,
+                             .threads = context_.options().threads,
+                             .cacheFolder = {}};
   if (!setting.optimised) cells.alignment.method = AlignmentMethod::cpu;
   const Aligner& aligner = alignerOf(cells.alignment.method);
   const Aligner judge = [&](Alignment& alignment, const AlignmentOptions& options, const ProgressCallback& inner) {
-    return judgeOnly(aligner, alignment, options, inner);
+    return evaluateOnly(aligner, alignment, options, inner);
   };
-  const double begin = processorSeconds();
+  const double begin = cpuSeconds();
   const OptimiseSceneReport report =
       optimiseCells(scene, cells, setting.optimised ? aligner : judge, [&](const Progress& p) {
         return progress({p.stage, p.total > 0 ? kOptimiserParts * p.done / p.total : 0, kParts});
       });
   if (setting.optimised) {
     row.seconds = report.seconds;
-    row.processorSeconds = processorSeconds() - begin;
+    row.cpuSeconds = cpuSeconds() - begin;
     for (const OptimisedCell& cell : report.cells) {
       row.mutations += double(sumOf(cell.summary.cycles).mutations);
       row.cycles = std::max(row.cycles, double(cell.summary.cycles.size()));

@@ -22,7 +22,7 @@ struct Figure {
   double SweepRow::*value;
 };
 constexpr Figure kFigures[] = {{"seconds", "s", 2, &SweepRow::seconds},
-                               {"processorSeconds", "CPU s", 2, &SweepRow::processorSeconds},
+                               {"processorSeconds", "CPU s", 2, &SweepRow::cpuSeconds},
                                {"mutations", "mutations", 0, &SweepRow::mutations},
                                {"cycles", "cycles", 0, &SweepRow::cycles},
                                {"ecc", "ECC", 4, &SweepRow::ecc},
@@ -40,7 +40,7 @@ constexpr Score kScores[] = {{"psnrCovered", "PSNR covered", 3, &Scores::psnrCov
                              {"ssim", "SSIM", 4, &Scores::ssim},
                              {"coverage", "coverage", 4, &Scores::coverage}};
 
-constexpr std::size_t kFewestForVerdict = 5;  // minimum number of settings: fewer may be in order by chance
+constexpr std::size_t kMinSettingsForVerdict = 5;  // minimum number of settings: fewer may be in order by chance
 
 // Formats all digits, unlike numberText; empty if the value is not finite.
 std::string csvText(double value) {
@@ -128,7 +128,7 @@ double rankCorrelation(const std::vector<SweepRow>& rows, const std::string& met
 std::string verdict(const std::vector<SweepRow>& rows) {
   const double rho = rankCorrelation(rows);
   const std::string question = "Does ECC predict PSNR? ";
-  if (std::isnan(rho) || measured(rows) < kFewestForVerdict)
+  if (std::isnan(rho) || measured(rows) < kMinSettingsForVerdict)
     return question + "There are too few different settings to answer.";
   const char* answer = rho >= 0.7   ? "Yes"
                        : rho >= 0.3 ? "Partly"
@@ -178,14 +178,11 @@ std::string sweepCsv(const std::vector<SweepRow>& rows) {
 }
 
 std::string sweepJson(const std::vector<SweepRow>& rows, const Json& more) {
-  const auto replace = Json::error_handler_t::replace;
-  std::string lines;
-  for (const SweepRow& row : rows)
-    lines += fmt::format("{}\n    {}", lines.empty() ? "" : ",", rowJson(row).dump(-1, ' ', false, replace));
-  Json rest{{"spearman", {{"all", rankCorrelation(rows)}}}, {"verdict", verdict(rows)}};
-  for (const std::string& method : methodsOf(rows)) rest["spearman"][method] = rankCorrelation(rows, method);
-  rest.update(more);
-  return fmt::format("{{\n  \"settings\": [{}\n  ],{}", lines, rest.dump(2, ' ', false, replace).substr(1));
+  Json json{{"settings", Json::array()}, {"spearman", {{"all", rankCorrelation(rows)}}}, {"verdict", verdict(rows)}};
+  for (const SweepRow& row : rows) json["settings"].push_back(rowJson(row));
+  for (const std::string& method : methodsOf(rows)) json["spearman"][method] = rankCorrelation(rows, method);
+  json.update(more);
+  return json.dump(1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string sweepSvg(const std::vector<SweepRow>& rows, const std::string& title,

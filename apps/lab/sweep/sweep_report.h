@@ -14,8 +14,8 @@ namespace ibr::app {
 /// Result of a setting. ECCs are means over the cells, of all points and images of each cell; NaN: not measured.
 struct SweepRow {
   SweepSetting setting;
-  double seconds = 0;           // elapsed time of the optimiser, all cells
-  double processorSeconds = 0;  // CPU time of all threads, which depends little on other programs on the machine
+  double seconds = 0;     // elapsed time of the optimiser, all cells
+  double cpuSeconds = 0;  // CPU time of all threads, which depends little on other programs on the machine
   double mutations = 0, cycles = 0;
   double ecc = 0, eccPaper = 0;  // AlignmentSummary::finalEcc, finalEccPaper
   Scores scores;                 // mean over the views

@@ -208,7 +208,7 @@ void declareSweepLists(CLI::App& app, SweepLists& lists) {
 }
 
 std::string SweepSetting::method() const {
-  return optimised ? wordOf(alignment.method) : "none";
+  return optimised ? optionValue(alignment.method) : "none";
 }
 
 std::string SweepSetting::name() const {

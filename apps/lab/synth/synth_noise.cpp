@@ -37,7 +37,7 @@ glm::dquat turn(const glm::dvec3& by) {
   return angle > 0 ? glm::angleAxis(angle, by / angle) : glm::dquat(1, 0, 0, 0);
 }
 
-void placeAnew(PosedModel& model) {
+void retriangulate(PosedModel& model) {
   for (Track& track : model.tracks) {
     std::vector<Camera> cameras;
     std::vector<glm::dvec2> pixels;
@@ -77,7 +77,7 @@ ExitCode synthesiseNoise(const NoiseOptions& options, const Context& context) {
       const double x = random(options.trackPixels);
       seen.pixel += glm::dvec2(x, random(options.trackPixels));
     }
-  placeAnew(model);
+  retriangulate(model);
   writeColmapModel(model, options.output);
   const PoseErrors errors = poseErrors(model, exact);
   context.print("{}: {} photographs, {} points; {}\n", options.output, model.images.size(), model.tracks.size(),

@@ -19,15 +19,17 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kBeyond = 0.1;      // extension past the first and the last photograph, share of a cell's reach
-constexpr double kNarrowest = 0.55;  // limits of narrowing(), share of the photographs' field of view, as a tangent
-constexpr double kWidest = 0.9;
-constexpr double kNeighbours = 1.1;     // factor on the coverage, since neighbouring cells add their surroundings
-constexpr double kTurnPerStep = 0.5;    // turn that takes as long as a median step, radians
-constexpr double kNearlyLine = 0.05;    // maximum of the variance off the principal axis, share of the total variance
-constexpr double kFps = 30;             // frames a second, common for viewers and videos
-constexpr int kSmoothings = 2;          // passes of the filter (1 2 1) / 4
-constexpr std::size_t kMost2Opt = 500;  // maximum number of stations for 2-opt, which takes quadratic time a pass
+constexpr double kBeyond = 0.1;         // extension past the first and the last photograph, share of a cell's reach
+constexpr double kMinNarrowing = 0.55;  // limits of narrowing(), share of the photographs' field of view, as a tangent
+constexpr double kMaxNarrowing = 0.9;
+constexpr double kNeighbours = 1.1;   // factor on the coverage, since neighbouring cells add their surroundings
+constexpr double kTurnPerStep = 0.5;  // turn that takes as long as a median step, radians
+constexpr double kMaxLineVariance =
+    0.05;                            // maximum of the variance off the principal axis, share of the total variance
+constexpr double kFps = 30;          // frames a second, common for viewers and videos
+constexpr int kSmoothingPasses = 2;  // passes of the filter (1 2 1) / 4
+constexpr std::size_t kMax2OptStations =
+    500;  // maximum number of stations for 2-opt, which takes quadratic time a pass
 
 struct Look {
   glm::dvec3 axis, up;
@@ -121,7 +123,7 @@ void nearestNeighbours(std::vector<Station>& tour) {
 }
 
 // 2-opt: reverses sections of the open tour while a reversal makes the tour shorter.
-void untangle(std::vector<Station>& tour) {
+void improveBy2Opt(std::vector<Station>& tour) {
   const auto between = [&](std::size_t a, std::size_t b) { return glm::distance(tour[a].position, tour[b].position); };
   for (bool shorter = true; shorter;) {
     shorter = false;
@@ -142,9 +144,9 @@ void sortIntoTour(std::vector<Station>& stations) {
     return glm::dot(axis, a.position) < glm::dot(axis, b.position);
   };
   std::ranges::stable_sort(stations, along);
-  if (off >= kNearlyLine) {
+  if (off >= kMaxLineVariance) {
     nearestNeighbours(stations);
-    if (stations.size() <= kMost2Opt) untangle(stations);
+    if (stations.size() <= kMax2OptStations) improveBy2Opt(stations);
   }
   // From the earlier photograph to the later, which is the direction in which the photographer walked.
   if (stations.front().choices[0].nodes[0] > stations.back().choices[0].nodes[0]) std::ranges::reverse(stations);
@@ -192,7 +194,7 @@ std::vector<Look> looksAlong(const std::vector<Station>& tour, const Choice& sta
 
 template <class T, class Member>
 void smooth(std::vector<T>& values, Member member) {
-  for (int pass = 0; pass < kSmoothings; ++pass) {
+  for (int pass = 0; pass < kSmoothingPasses; ++pass) {
     const std::vector<T> old = values;
     for (std::size_t i = 1; i + 1 < values.size(); ++i)
       values[i].*member = 0.25 * (old[i - 1].*member) + 0.5 * (old[i].*member) + 0.25 * (old[i + 1].*member);
@@ -220,8 +222,8 @@ void chooseSize(const Intrinsics& photograph, CameraPath& path) {
 
 // Vertical, radians: the photographs' field of view times `narrowed`; panoramas: fixed, like a wide-angle lens.
 double fieldOfView(const Intrinsics& photograph, const CameraPath& path, double narrowed) {
-  constexpr double kOfPanoramas = 1.1;
-  if (photograph.model == CameraModel::equirectangular) return kOfPanoramas;
+  constexpr double kPanoramaFovY = 1.1;
+  if (photograph.model == CameraModel::equirectangular) return kPanoramaFovY;
   const double tanX = 0.5 * photograph.width / photograph.fx, tanY = 0.5 * photograph.height / photograph.fy;
   return 2 * std::atan(narrowed * std::min(tanY, tanX * path.height / path.width));
 }
@@ -231,7 +233,8 @@ double narrowing(const Scene& scene) {
   std::vector<double> coverages;
   for (const Cell& cell : scene.cells)
     if (std::isfinite(cell.quality.coverage)) coverages.push_back(cell.quality.coverage);
-  return coverages.empty() ? kWidest : std::clamp(kNeighbours * std::sqrt(median(coverages)), kNarrowest, kWidest);
+  return coverages.empty() ? kMaxNarrowing
+                           : std::clamp(kNeighbours * std::sqrt(median(coverages)), kMinNarrowing, kMaxNarrowing);
 }
 
 // Moves the end key outwards along the path, to a little past the last photograph of the cell at this station.

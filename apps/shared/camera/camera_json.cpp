@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kLargestSide = 65536;
+constexpr int kMaxSidePx = 65536;
 
 // Turns −0 into 0, so that one view has one text.
 double plain(double value) {
@@ -31,7 +31,7 @@ void addPose(Json& json, const Pose& pose) {
 Pose poseOf(const JsonField& object) {
   const JsonField position = object.at("position");
   position.size(3, 3);
-  const auto coordinate = [&](std::size_t i) { return position.at(i).number(-kLargestCoordinate, kLargestCoordinate); };
+  const auto coordinate = [&](std::size_t i) { return position.at(i).number(-kMaxCoordinate, kMaxCoordinate); };
   const glm::dvec3 p(coordinate(0), coordinate(1), coordinate(2));
   const JsonField rotation = object.at("rotation");
   rotation.size(4, 4);
@@ -42,7 +42,7 @@ Pose poseOf(const JsonField& object) {
 }
 
 double fovOf(const JsonField& object) {
-  return object.at("fovY").number(kNarrowestFov, kWidestFov);
+  return object.at("fovY").number(kMinFov, kMaxFov);
 }
 
 Json intrinsicsJson(const Intrinsics& k) {
@@ -59,16 +59,16 @@ Intrinsics intrinsicsOf(const JsonField& object) {
   const std::string word = model.text();
   model.wanted(word == "pinhole" || word == "equirectangular", "\"pinhole\" or \"equirectangular\"");
   Intrinsics k;
-  k.width = object.at("width").integer(1, kLargestSide);
-  k.height = object.at("height").integer(1, kLargestSide);
+  k.width = object.at("width").integer(1, kMaxSidePx);
+  k.height = object.at("height").integer(1, kMaxSidePx);
   if (word == "equirectangular") {
     k.model = CameraModel::equirectangular;
     return k;
   }
-  k.fx = object.at("fx").number(1e-9, kLargestCoordinate);
-  k.fy = object.at("fy").number(1e-9, kLargestCoordinate);
-  k.cx = object.at("cx").number(-kLargestCoordinate, kLargestCoordinate);
-  k.cy = object.at("cy").number(-kLargestCoordinate, kLargestCoordinate);
+  k.fx = object.at("fx").number(1e-9, kMaxCoordinate);
+  k.fy = object.at("fy").number(1e-9, kMaxCoordinate);
+  k.cx = object.at("cx").number(-kMaxCoordinate, kMaxCoordinate);
+  k.cy = object.at("cy").number(-kMaxCoordinate, kMaxCoordinate);
   return k;
 }
 

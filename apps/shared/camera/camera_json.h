@@ -9,8 +9,8 @@
 
 namespace ibr::app {
 
-constexpr double kLargestCoordinate = 1e15;
-constexpr double kNarrowestFov = 1e-3, kWidestFov = std::numbers::pi - 1e-3;  // radians
+constexpr double kMaxCoordinate = 1e15;
+constexpr double kMinFov = 1e-3, kMaxFov = std::numbers::pi - 1e-3;  // radians
 
 /// Returns a unit quaternion unchanged and any other divided by its length. A second division would change the last
 /// bits, and two images of the same view would differ.

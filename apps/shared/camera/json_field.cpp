@@ -10,20 +10,21 @@ namespace ibr::app {
 using Json = nlohmann::ordered_json;
 
 namespace {
-constexpr int kDeepest = 8;
+constexpr int kMaxDepth = 8;
 }
 
 JsonField JsonField::at(const char* key) const {
   wanted(has(key), "an object with \"{}\"", key);
-  return {json_[key], place_ + '/' + key};
+  return {json_[key], path_ + '/' + key};
 }
 
 JsonField JsonField::at(std::size_t i) const {
-  return {json_[i], fmt::format("{}/{}", place_, i)};
+  return {json_[i], fmt::format("{}/{}", path_, i)};
 }
 
-std::size_t JsonField::size(std::size_t least, std::size_t most) const {
-  wanted(json_.is_array() && json_.size() >= least && json_.size() <= most, "an array of {} to {} values", least, most);
+std::size_t JsonField::size(std::size_t minSize, std::size_t maxSize) const {
+  wanted(json_.is_array() && json_.size() >= minSize && json_.size() <= maxSize, "an array of {} to {} values", minSize,
+         maxSize);
   return json_.size();
 }
 
@@ -47,14 +48,14 @@ std::string JsonField::text() const {
 void JsonField::refuse(const std::string& what) const {
   std::string text = json_.dump(-1, ' ', true, Json::error_handler_t::replace);
   if (text.size() > 60) text = text.substr(0, 57) + "...";
-  fail(ErrorCode::invalidInput, "{}: is {}, but must be {}", place_, text, what);
+  fail(ErrorCode::invalidInput, "{}: is {}, but must be {}", path_, text, what);
 }
 
 // Refuses repeated keys, of which nlohmann keeps the last. Limits the depth while parsing, before any recursion.
 Json parseJson(const std::string& text, const std::string& name) {
   std::vector<std::vector<std::string>> open;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    check(depth <= kDeepest, ErrorCode::invalidInput, "{}: nested more than {} levels deep", name, kDeepest);
+    check(depth <= kMaxDepth, ErrorCode::invalidInput, "{}: nested more than {} levels deep", name, kMaxDepth);
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
     if (event == Json::parse_event_t::key) {

@@ -17,15 +17,15 @@ nlohmann::ordered_json parseJson(const std::string& text, const std::string& nam
 /// Value with its name in messages: "NAME: /keys/3/time". The JSON must outlive it. All throw Error{invalidInput}.
 class JsonField {
  public:
-  JsonField(const nlohmann::ordered_json& json, std::string place) : json_(json), place_(std::move(place)) {}
+  JsonField(const nlohmann::ordered_json& json, std::string path) : json_(json), path_(std::move(path)) {}
   /// The root value of the JSON from `name`.
   static JsonField whole(const nlohmann::ordered_json& json, const std::string& name) { return {json, name + ": "}; }
 
   bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
   JsonField at(const char* key) const;
   JsonField at(std::size_t i) const;
-  /// Number of elements of an array, from `least` to `most`.
-  std::size_t size(std::size_t least, std::size_t most) const;
+  /// Number of elements of an array, from `minSize` to `maxSize`.
+  std::size_t size(std::size_t minSize, std::size_t maxSize) const;
   double number(double low, double high) const;
   int integer(int low, int high) const;
   std::string text() const;
@@ -41,7 +41,7 @@ class JsonField {
   [[noreturn]] void refuse(const std::string& what) const;
 
   const nlohmann::ordered_json& json_;
-  std::string place_;
+  std::string path_;
 };
 
 }  // namespace ibr::app

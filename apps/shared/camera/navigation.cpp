@@ -12,15 +12,15 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kLongestStep = 1;         // longest step that is simulated, s
+constexpr double kMaxStepSeconds = 1;      // longest step that is simulated, s
 constexpr double kInertia = 0.1;           // time constant of the velocity, s: 63 % of a change take this time
-constexpr double kRest = 1e-3;             // share of the speed below which the camera stops
+constexpr double kStopShare = 1e-3;        // share of the speed below which the camera stops
 constexpr double kFast = 4, kSlow = 0.25;  // factors on the speed
 constexpr double kNotch = 1.2;             // factor on the speed for a notch of the wheel
-constexpr double kSlowest = 1e-9, kFastest = 1e12;
+constexpr double kMinSpeed = 1e-9, kMaxSpeed = 1e12;
 constexpr double kFieldPx = 600;  // pointer path that turns the view by its field of view, px
 constexpr double kOrbitPx = 600;  // pointer path that orbits by half a turn, px
-const double kHighest = glm::radians(89.0);
+const double kMaxPitch = glm::radians(89.0);
 
 bool isFinite(const NavigationInput& input) {
   const double all[] = {input.seconds, input.move.x,  input.move.y,  input.move.z, input.look.x,
@@ -42,7 +42,7 @@ glm::dquat turnOf(const glm::dquat& rotation, glm::dvec3 up, glm::dvec2 radians)
   const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, -1);
   const double height = std::asin(std::clamp(glm::dot(ahead, up), -1.0, 1.0));
   const double wanted =
-      std::clamp(height - radians.y, std::min(height, -kHighest), std::max(height, kHighest)) - height;
+      std::clamp(height - radians.y, std::min(height, -kMaxPitch), std::max(height, kMaxPitch)) - height;
   return glm::angleAxis(-radians.x, up) * glm::angleAxis(wanted, levelRight(rotation, up));
 }
 
@@ -76,7 +76,7 @@ void fly(Navigation& state, glm::dvec3 wanted, double seconds) {
   const double left = std::exp(-seconds / kInertia);
   state.pose.position += wanted * seconds + (state.velocity - wanted) * (kInertia * (1 - left));
   state.velocity = wanted + (state.velocity - wanted) * left;
-  if (wanted == glm::dvec3(0) && glm::length(state.velocity) < kRest * state.speed) {
+  if (wanted == glm::dvec3(0) && glm::length(state.velocity) < kStopShare * state.speed) {
     state.pose.position += state.velocity * kInertia;  // the remaining way of the exponential decay
     state.velocity = glm::dvec3(0);
   }
@@ -106,8 +106,9 @@ void follow(Navigation& state, double seconds) {
 
 bool navigate(Navigation& state, const NavigationInput& input, const RoamingBounds* bounds) {
   check(isFinite(input) && input.seconds >= 0, ErrorCode::invalidInput, "navigation: input is not finite");
-  const double seconds = std::min(input.seconds, kLongestStep);
-  state.speed = std::clamp(state.speed * std::pow(kNotch, std::clamp(input.wheel, -100.0, 100.0)), kSlowest, kFastest);
+  const double seconds = std::min(input.seconds, kMaxStepSeconds);
+  state.speed =
+      std::clamp(state.speed * std::pow(kNotch, std::clamp(input.wheel, -100.0, 100.0)), kMinSpeed, kMaxSpeed);
   const bool wantsMove = input.move != glm::dvec3(0);
   if (wantsMove || moves(input.look) || moves(input.orbit)) state.flight.reset();
   if (state.flight) {
@@ -119,7 +120,8 @@ bool navigate(Navigation& state, const NavigationInput& input, const RoamingBoun
   if (wantsMove || state.velocity != glm::dvec3(0)) fly(state, wantedVelocity(state, input), seconds);
   look(state, 0.5 * input.look);
   orbit(state, input.orbit);
-  if (bounds && state.pose.position != before) state.pose.position = keptWithin(*bounds, before, state.pose.position);
+  if (bounds && state.pose.position != before)
+    state.pose.position = clampedToBounds(*bounds, before, state.pose.position);
   return wantsMove || state.velocity != glm::dvec3(0);
 }
 

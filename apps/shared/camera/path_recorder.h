@@ -14,8 +14,8 @@ namespace ibr::app {
 /// Inserts a key at its time and returns its index. Replaces a key within a millisecond.
 std::size_t putKey(CameraPath& path, const CameraKey& key);
 
-/// Appends a key after the last one. The time between both is the way (wayBetween) at `unitsPerSecond` > 0, at least a
-/// frame. The first key is at 0 s.
+/// Appends a key after the last one. The time between both is the way (poseDistance) at `unitsPerSecond` > 0, at least
+/// a frame. The first key is at 0 s.
 std::size_t appendKey(CameraPath& path, const Pose& pose, double fovY, double unitsPerSecond);
 
 /// Moves a key to another time and returns its new index. A key may pass others, but not come within 1 ms of one.
@@ -25,7 +25,7 @@ void deleteKey(CameraPath& path, std::size_t key);
 
 /// Returns the way from one pose to another, world units: the root of the sum of squares of the straight distance and
 /// of the turn, which counts `unitsPerRadian` per radian.
-double wayBetween(const Pose& from, const Pose& to, double unitsPerRadian);
+double poseDistance(const Pose& from, const Pose& to, double unitsPerRadian);
 
 /// Returns twice the median distance between consecutive keys at different positions; 1 if there are none. Half a
 /// radian then takes as long as the median step.

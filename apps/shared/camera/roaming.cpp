@@ -15,9 +15,9 @@ namespace {
 using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostAsked = 500;  // maximum number of cameras that neighbourDistance samples
+constexpr std::size_t kMaxSampledCameras = 500;  // maximum number of cameras that neighbourDistance samples
 constexpr double kRadiansPerStep = 0.5;
-constexpr double kTwiceAStep = 2, kOfTheSpan = 0.05;
+constexpr double kStepsPerSecond = 2, kExtentShare = 0.05;
 
 glm::dvec3 nearestOn(glm::dvec3 a, glm::dvec3 b, glm::dvec3 p) {
   const glm::dvec3 line = b - a;
@@ -35,8 +35,8 @@ glm::dvec3 nearestPoint(const RoamingBounds& bounds, glm::dvec3 p) {
       nearest = candidate;
     }
   };
-  for (const glm::dvec3& place : bounds.places) offer(place);
-  for (const auto& [a, b] : bounds.neighbours) offer(nearestOn(bounds.places[a], bounds.places[b], p));
+  for (const glm::dvec3& place : bounds.positions) offer(place);
+  for (const auto& [a, b] : bounds.neighbours) offer(nearestOn(bounds.positions[a], bounds.positions[b], p));
   return nearest;
 }
 
@@ -48,7 +48,7 @@ double largestCoordinate(const std::vector<Pose>& cameras) {
 }
 
 // Positions closer than this differ by rounding alone and count as equal.
-double samePlace(const std::vector<Pose>& cameras) {
+double samePositionTolerance(const std::vector<Pose>& cameras) {
   return 1e-12 * largestCoordinate(cameras);
 }
 
@@ -64,7 +64,7 @@ Neighbours cellNeighbours(const Scene& scene) {
 }
 
 Neighbours nearNeighbours(const std::vector<Pose>& cameras, std::size_t count) {
-  const double same = samePlace(cameras);
+  const double same = samePositionTolerance(cameras);
   std::set<std::pair<std::uint32_t, std::uint32_t>> lines;
   for (std::uint32_t a = 0; a < cameras.size(); ++a) {
     std::vector<std::pair<double, std::uint32_t>> others;
@@ -79,11 +79,11 @@ Neighbours nearNeighbours(const std::vector<Pose>& cameras, std::size_t count) {
 }
 
 double distanceTo(const RoamingBounds& bounds, glm::dvec3 position) {
-  return bounds.places.empty() ? kInfinity : glm::distance(nearestPoint(bounds, position), position);
+  return bounds.positions.empty() ? kInfinity : glm::distance(nearestPoint(bounds, position), position);
 }
 
-glm::dvec3 keptWithin(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 to) {
-  if (bounds.places.empty()) return to;
+glm::dvec3 clampedToBounds(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 to) {
+  if (bounds.positions.empty()) return to;
   const glm::dvec3 nearest = nearestPoint(bounds, to);
   const double distance = glm::distance(nearest, to);
   if (distance <= bounds.radius) return to;
@@ -92,11 +92,11 @@ glm::dvec3 keptWithin(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 t
 }
 
 std::optional<double> neighbourDistance(const std::vector<Pose>& cameras) {
-  const double same = samePlace(cameras);
-  const std::size_t asked = std::min(cameras.size(), kMostAsked);
+  const double same = samePositionTolerance(cameras);
+  const std::size_t sampled = std::min(cameras.size(), kMaxSampledCameras);
   std::vector<double> distances;
-  for (std::size_t i = 0; i < asked; ++i) {
-    const Pose& camera = cameras[i * cameras.size() / asked];
+  for (std::size_t i = 0; i < sampled; ++i) {
+    const Pose& camera = cameras[i * cameras.size() / sampled];
     double least = kInfinity;
     for (const Pose& other : cameras)
       if (const double distance = glm::distance(camera.position, other.position); distance > same)
@@ -107,7 +107,7 @@ std::optional<double> neighbourDistance(const std::vector<Pose>& cameras) {
   return quantile(distances, 0.5);
 }
 
-double firstSpeed(const std::vector<Pose>& cameras) {
+double initialSpeed(const std::vector<Pose>& cameras) {
   const auto step = neighbourDistance(cameras);
   if (!step) return 1;
   glm::dvec3 low(kInfinity), high(-kInfinity);
@@ -115,7 +115,7 @@ double firstSpeed(const std::vector<Pose>& cameras) {
     low = glm::min(low, camera.position);
     high = glm::max(high, camera.position);
   }
-  return std::max(kTwiceAStep * *step, kOfTheSpan * glm::distance(low, high));
+  return std::max(kStepsPerSecond * *step, kExtentShare * glm::distance(low, high));
 }
 
 std::optional<std::size_t> nearestCamera(const std::vector<Pose>& cameras, const Pose& pose) {

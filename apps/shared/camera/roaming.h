@@ -14,8 +14,8 @@ namespace ibr::app {
 
 /// All points within `radius` of a photograph's position, or of the line between two neighbours.
 struct RoamingBounds {
-  std::vector<glm::dvec3> places;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;  // indices into places
+  std::vector<glm::dvec3> positions;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;  // indices into positions
   double radius = 0;                                                // world units, > 0
 };
 
@@ -30,8 +30,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> nearNeighbours(const std::v
 double distanceTo(const RoamingBounds& bounds, glm::dvec3 position);
 
 /// Returns the end of a motion from `from` to `to`, limited to the bounds. A motion out of them ends at the nearest
-/// point of the boundary. A camera that is already outside gets no farther away. Without places: `to`.
-glm::dvec3 keptWithin(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 to);
+/// point of the boundary. A camera that is already outside gets no farther away. Without positions: `to`.
+glm::dvec3 clampedToBounds(const RoamingBounds& bounds, glm::dvec3 from, glm::dvec3 to);
 
 /// Returns the median distance from a camera to the nearest camera at another position; nullopt if all are at one. At
 /// most 500 cameras are sampled.
@@ -39,7 +39,7 @@ std::optional<double> neighbourDistance(const std::vector<Pose>& cameras);
 
 /// Returns an initial speed, world units a second: two distances between neighbours, at least a twentieth of the
 /// cameras' extent; 1 if all cameras share a position.
-double firstSpeed(const std::vector<Pose>& cameras);
+double initialSpeed(const std::vector<Pose>& cameras);
 
 /// Returns the camera with the view nearest to `pose`: half a radian counts as much as the distance between neighbours.
 /// nullopt: there are no cameras.

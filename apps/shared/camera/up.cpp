@@ -33,18 +33,18 @@ glm::dvec3 centreOf(const std::vector<Pose>& cameras) {
   return middle;
 }
 
-Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish) {
-  const double spacing = wish.spacing.value_or(0.5 * wish.eyeHeight);
+Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorOptions& options) {
+  const double spacing = options.spacing.value_or(0.5 * options.eyeHeight);
   check(spacing > 0, ErrorCode::invalidInput, "--floor {}: a floor above the photographs requires --floor-spacing",
-        wish.eyeHeight);
-  return {up, glm::dot(up, middle) - wish.eyeHeight, spacing, 16 * spacing};
+        options.eyeHeight);
+  return {up, glm::dot(up, middle) - options.eyeHeight, spacing, 16 * spacing};
 }
 
-Floor floorBelow(const Scene& scene, const FloorWish& wish) {
+Floor floorBelow(const Scene& scene, const FloorOptions& options) {
   const std::vector<Pose> poses = posesOf(scene);
   const auto up = upOf(poses);
   check(up.has_value(), ErrorCode::invalidInput, "--floor: the photographs have no common up direction");
-  return floorBelow(centreOf(poses), *up, wish);
+  return floorBelow(centreOf(poses), *up, options);
 }
 
 }  // namespace ibr::app

@@ -19,7 +19,7 @@ std::vector<Pose> posesOf(const Scene& scene);
 std::vector<Pose> posesOf(const HtmModel& model);
 
 /// Options of the guiding floor, from the command line or an image's record. World units.
-struct FloorWish {
+struct FloorOptions {
   double eyeHeight = 1;           // depth below the centre of the photographs; < 0: above
   std::optional<double> spacing;  // distance between lines, > 0; nullopt: half the eye height
 };
@@ -28,10 +28,10 @@ struct FloorWish {
 glm::dvec3 centreOf(const std::vector<Pose>& cameras);
 
 /// Returns a floor below `middle`, orthogonal to `up` (unit). Throws Error{invalidInput} if the spacing is not above 0.
-Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish);
+Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorOptions& options);
 
 /// Returns a floor orthogonal to the photographs' up direction. Throws Error{invalidInput} if the photographs have no
 /// common up direction, or if the spacing is not positive.
-Floor floorBelow(const Scene& scene, const FloorWish& wish);
+Floor floorBelow(const Scene& scene, const FloorOptions& options);
 
 }  // namespace ibr::app

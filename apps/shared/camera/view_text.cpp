@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLongest = 4096;
+constexpr std::size_t kMaxCharacters = 4096;
 constexpr const char* kName = "view";
 constexpr std::array<std::string_view, 5> kFields{"position", "rotation", "fovY", "up", "time"};
 
@@ -37,7 +37,8 @@ std::string viewText(const TextView& view) {
 }
 
 TextView viewOf(const std::string& text) {
-  check(text.size() <= kLongest, ErrorCode::invalidInput, "{}: is longer than {} characters", kName, kLongest);
+  check(text.size() <= kMaxCharacters, ErrorCode::invalidInput, "{}: is longer than {} characters", kName,
+        kMaxCharacters);
   const Json json = parseJson(text, kName);
   const JsonField root = JsonField::whole(json, kName);
   TextView view{poseOf(root), fovOf(root), {}};

@@ -41,7 +41,7 @@ class Context {
   /// Log for messages of the library and of the commands, to stderr.
   LogCallback log() const;
   template <class... Args>
-  void say(LogLevel level, fmt::format_string<Args...> format, Args&&... args) const {
+  void logMessage(LogLevel level, fmt::format_string<Args...> format, Args&&... args) const {
     write(level, fmt::format(format, std::forward<Args>(args)...));
   }
 

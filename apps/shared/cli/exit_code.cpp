@@ -28,7 +28,7 @@ ExitCode exitCodeOf(ErrorCode code) {
   return kExitRunTime;
 }
 
-ExitCode complain(std::string_view program, std::string_view what, ExitCode code) {
+ExitCode printError(std::string_view program, std::string_view what, ExitCode code) {
   std::fputs(fmt::format("{}: {}{}\n", program, levelName(LogLevel::error), what).c_str(), stderr);
   return code;
 }
@@ -37,13 +37,13 @@ ExitCode guarded(std::string_view program, const std::function<ExitCode()>& body
   try {
     return body();
   } catch (const Error& e) {
-    return complain(program, e.what(), exitCodeOf(e.code()));
+    return printError(program, e.what(), exitCodeOf(e.code()));
   } catch (const std::bad_alloc&) {
-    return complain(program, "out of memory", kExitRunTime);
+    return printError(program, "out of memory", kExitRunTime);
   } catch (const std::filesystem::filesystem_error& e) {
-    return complain(program, e.what(), kExitIo);
+    return printError(program, e.what(), kExitIo);
   } catch (const std::exception& e) {
-    return complain(program, e.what(), kExitRunTime);
+    return printError(program, e.what(), kExitRunTime);
   }
 }
 

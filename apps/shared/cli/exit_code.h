@@ -24,9 +24,9 @@ enum ExitCode : int {
 ExitCode exitCodeOf(ErrorCode code);
 
 /// Writes "PROGRAM: error: WHAT" to stderr and returns `code`.
-ExitCode complain(std::string_view program, std::string_view what, ExitCode code);
+ExitCode printError(std::string_view program, std::string_view what, ExitCode code);
 
-/// Returns the result of `body`; if `body` throws, reports the error with `complain` and returns its code.
+/// Returns the result of `body`; if `body` throws, reports the error with `printError` and returns its code.
 ExitCode guarded(std::string_view program, const std::function<ExitCode()>& body) noexcept;
 
 }  // namespace ibr::app

@@ -29,7 +29,7 @@ fs::path ours(const fs::path& base) {
 }
 
 // Parses lines such as XDG_PICTURES_DIR="$HOME/Pictures" in user-dirs.dirs; "$HOME" alone means no folder.
-fs::path namedByUser() {
+fs::path userPicturesFolder() {
   const std::string key = "XDG_PICTURES_DIR=\"", home = "$HOME/";
   std::ifstream file(baseFolder("XDG_CONFIG_HOME", ".config") / "user-dirs.dirs");
   for (std::string line; std::getline(file, line);) {
@@ -55,7 +55,7 @@ fs::path cacheFolder() {
 
 fs::path picturesFolder() {
   std::error_code ignored;
-  for (const fs::path& pictures : {namedByUser(), fromEnvironment("HOME") / "Pictures"})
+  for (const fs::path& pictures : {userPicturesFolder(), fromEnvironment("HOME") / "Pictures"})
     if (pictures.is_absolute() && fs::is_directory(pictures, ignored)) return pictures / "ibr";
   return fs::current_path(ignored);
 }

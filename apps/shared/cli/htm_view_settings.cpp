@@ -25,25 +25,25 @@ void declareHtmSettings(CLI::App& app, HtmSettings& settings) {
             "Share of the weights below which the remaining cameras are left out");
 }
 
-void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& onSource) {
+void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& sourceMesh) {
   addChoice<HtmMethod>(
       app, "--method", settings.method,
       {{"htm", HtmMethod::harmonised}, {"vdtbm", HtmMethod::blended}, {"vdvbm", HtmMethod::vertexColours}},
       "Source of colours: displaced photographs (htm), blended photographs (vdtbm), or vertex colours (vdvbm) [htm]");
-  addChoice<bool>(app, "--mesh", onSource, {{"optimised", false}, {"source", true}},
+  addChoice<bool>(app, "--mesh", sourceMesh, {{"optimised", false}, {"source", true}},
                   "Mesh to draw; the source mesh, before optimisation, has nothing to harmonise [optimised]");
   declareHtmSettings(app, settings);
-  addDouble(app, "--smooth", settings.smoothSeconds, 0, 60,
+  addDouble(app, "--smooth", settings.smoothingSeconds, 0, 60,
             "Along a path, time constant with which weights follow the "
             "view, in seconds");
 }
 
-nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool onSource) {
+nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool sourceMesh) {
   return {{"method", htmMethodName(settings.method)},
           {"gamma", settings.gamma},
           {"weightCut", settings.weightCut},
-          {"smooth", settings.smoothSeconds},
-          {"mesh", onSource ? "source" : "optimised"}};
+          {"smooth", settings.smoothingSeconds},
+          {"mesh", sourceMesh ? "source" : "optimised"}};
 }
 
 }  // namespace ibr::app

@@ -15,10 +15,10 @@ const char* htmMethodName(HtmMethod method);
 /// Declares --gamma and --weight-cut.
 void declareHtmSettings(CLI::App& app, HtmSettings& settings);
 
-/// Declares these, --method, --mesh and --smooth. `onSource`: draws the mesh from before the optimisation.
-void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& onSource);
+/// Declares these, --method, --mesh and --smooth. `sourceMesh`: draws the mesh from before the optimisation.
+void declareHtmPictureSettings(CLI::App& app, HtmSettings& settings, bool& sourceMesh);
 
 /// Returns the effective settings, each under the name of its option.
-nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool onSource);
+nlohmann::ordered_json htmSettingsJson(const HtmSettings& settings, bool sourceMesh);
 
 }  // namespace ibr::app

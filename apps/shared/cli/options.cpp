@@ -51,7 +51,7 @@ std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::
     return kExitOk;
   } catch (const CLI::ParseError& e) {
     const std::string name = app.get_name();
-    return complain(name, fmt::format("{}\n{}: {} --help lists the options", e.what(), name, name), kExitCommandLine);
+    return printError(name, fmt::format("{}\n{}: {} --help lists the options", e.what(), name, name), kExitCommandLine);
   }
 }
 
@@ -94,15 +94,15 @@ void declareCommonOptions(CLI::App& app, CommonOptions& options) {
   app.add_flag("-v,--verbose", options.verbose, "Print more messages");
 }
 
-bool wasGiven(const CLI::Option& option) {
+bool isSet(const CLI::Option& option) {
   if (option.count() == 0) return false;
   return !option.get_force_callback() || option.results()[0] != option.get_default_str();
 }
 
-std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut) {
+std::vector<std::string> givenArguments(const CLI::App& app, const std::set<std::string>& leftOut) {
   std::vector<std::string> words;
   for (const CLI::Option* option : app.get_options()) {
-    if (!wasGiven(*option) || leftOut.contains(option->get_name())) continue;
+    if (!isSet(*option) || leftOut.contains(option->get_name())) continue;
     const bool flag = option->get_items_expected_max() == 0;
     if (!option->get_positional() && !flag) words.push_back(option->get_name());
     for (const std::string& value : option->results())
@@ -185,9 +185,9 @@ std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const
   return options;
 }
 
-void refuseGiven(const std::vector<CLI::Option*>& options, const std::string& why) {
+void refuseIfSet(const std::vector<CLI::Option*>& options, const std::string& why) {
   for (const CLI::Option* option : options)
-    if (wasGiven(*option)) throw CLI::ValidationError(option->get_name(), why);
+    if (isSet(*option)) throw CLI::ValidationError(option->get_name(), why);
 }
 
 }  // namespace ibr::app

@@ -48,11 +48,11 @@ std::uint64_t parsedBytes(const std::string& option, const std::string& text);
 CLI::Option* addBytes(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& description);
 
 /// True if the option was given; a default of an option whose callback is always called does not count.
-bool wasGiven(const CLI::Option& option);
+bool isSet(const CLI::Option& option);
 
 /// Returns the given options with their values, as typed; without defaults and without the options in
 /// `leftOut`.
-std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut = {});
+std::vector<std::string> givenArguments(const CLI::App& app, const std::set<std::string>& leftOut = {});
 
 /// Size as WxH, such as 1280x720.
 struct PictureSize {
@@ -73,7 +73,7 @@ void addGraph(CLI::App& app, bool& graph);
 std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare);
 
 /// Throws CLI::ValidationError with `why` for the first of the options that was given.
-void refuseGiven(const std::vector<CLI::Option*>& options, const std::string& why);
+void refuseIfSet(const std::vector<CLI::Option*>& options, const std::string& why);
 
 /// Declares an option that takes one of a few words.
 template <class T>

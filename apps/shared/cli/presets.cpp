@@ -3,7 +3,7 @@
 
 #include <fmt/ranges.h>
 
-#include "shared/cli/setting_words.h"
+#include "shared/cli/setting_arguments.h"
 #include "shared/cli/settings.h"
 
 namespace ibr::app {
@@ -51,7 +51,7 @@ NearestPreset nearestPreset(const RenderSettings& settings) {
       for (const auto& [name, value] : ours.items())
         if (value != theirs[name]) but[name] = value;
       if (!nearest || but.size() < nearest->differences)
-        nearest = {presetName(chosen, kind), fmt::format("{}", fmt::join(settingWords(but), " ")), but.size()};
+        nearest = {presetName(chosen, kind), fmt::format("{}", fmt::join(settingArguments(but), " ")), but.size()};
     }
   return *nearest;
 }
@@ -78,7 +78,7 @@ void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<
 
 DeviceKind deviceKindFor(const std::string& wish) {
   const std::optional<DeviceDescription> device = Device::preferred(wish);
-  return device ? kindOf(device->type) : DeviceKind::software;
+  return device ? deviceKindOf(device->type) : DeviceKind::software;
 }
 
 std::string presetName(Preset preset, DeviceKind kind) {
@@ -96,7 +96,7 @@ std::string presetText(const RenderSettings& settings) {
   return nearest.but.empty() ? nearest.name : nearest.name + " with " + nearest.but;
 }
 
-RenderSettings presetOver(const RenderSettings& settings, Preset preset, DeviceKind kind) {
+RenderSettings withPreset(const RenderSettings& settings, Preset preset, DeviceKind kind) {
   RenderSettings chosen = ibr::preset(preset, kind);
   chosen.overlay = settings.overlay;
   chosen.mutedCells = settings.mutedCells;

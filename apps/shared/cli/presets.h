@@ -18,7 +18,7 @@ inline constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{
                                      std::pair{"reference", Preset::reference}};
 
 /// Returns the preset; keeps from `settings` the overlays and the choice of cells to draw.
-RenderSettings presetOver(const RenderSettings& settings, Preset preset, DeviceKind kind);
+RenderSettings withPreset(const RenderSettings& settings, Preset preset, DeviceKind kind);
 
 /// Declares --preset. `settings` is set to `defaults`, or as declareSettings describes.
 void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults);

@@ -48,7 +48,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
   addDouble(app, "--vote-scale", settings.voteScale, 0.05, 1,
             "Size of the image in which photographs vote for depth, as a factor on the drawn image's sides; 0.25 with "
             "balanced-software");
-  addInt(app, "--tiers", settings.maxTier, kTierAgrees, kTierFilled,
+  addInt(app, "--tiers", settings.maxTier, kTierConsistent, kTierFilled,
          "Draw tiers 0 to N: 0 confirmed by several photographs, 2 adds gathered pixels of unconfirmed depth, 3 fills "
          "holes from around, except in scenes with masks");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
@@ -117,7 +117,7 @@ void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::opti
 void declareOverlays(CLI::App& app, RenderSettings& settings) {
   std::vector<std::pair<std::string, Overlay>> choices;
   std::string description = "Diagnostic image over the rendered image or in its place [none]:";
-  for (const OverlayWord& line : kOverlays) {
+  for (const OverlayOption& line : kOverlays) {
     choices.emplace_back(line.word, line.overlay);
     if (line.overlay != Overlay::none) description += fmt::format("\n{}: {}", line.word, line.shows);
   }
@@ -147,21 +147,21 @@ void checkCells(const RenderSettings& settings, const Scene& scene) {
       check(cell<n, ErrorCode::invalidInput, "{} {}: the scene has {} cells, 0 to {}", name, cell, n, n> 0 ? n - 1 : 0);
 }
 
-const OverlayWord& wordOf(Overlay overlay) {
+const OverlayOption& optionValue(Overlay overlay) {
   return kOverlays[std::size_t(overlay)];
 }
 
-const char* wordOf(ColourMapping mapping) {
+const char* optionValue(ColourMapping mapping) {
   for (const auto& [word, meaning] : kColourMappings)
     if (meaning == mapping) return word;
   return "";
 }
 
-const char* wordOf(Exposure exposure) {
+const char* optionValue(Exposure exposure) {
   return kExposures[std::size_t(exposure)].first;
 }
 
-const char* wordOf(Composition composition) {
+const char* optionValue(Composition composition) {
   return composition == Composition::cells ? "cells" : composition == Composition::gathered ? "gathered" : "hybrid";
 }
 
@@ -169,7 +169,7 @@ Composition next(Composition composition) {
   return composition == Composition::hybrid ? Composition::cells : Composition(int(composition) + 1);
 }
 
-const char* wordOf(BlendMode blend) {
+const char* optionValue(BlendMode blend) {
   return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
 }
 
@@ -177,9 +177,9 @@ void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
   addBytes(app, "--vram-budget", options.budgetBytes,
            "Maximum device memory for the scene, in bytes (K, M, G for 2^10, 2^20, 2^30); photographs are then "
            "streamed [no limit]");
-  addChoice<BlockTextures>(
+  addChoice<BlockTextureMode>(
       app, "--blocks", options.blocks,
-      {{"auto", BlockTextures::automatic}, {"keep", BlockTextures::keep}, {"decode", BlockTextures::decode}},
+      {{"auto", BlockTextureMode::automatic}, {"keep", BlockTextureMode::keep}, {"decode", BlockTextureMode::decode}},
       "Keep texture compression (bc1, bc7), or decode textures to rgba8 [auto: decode on software devices that have "
       "the memory]");
   addChoice<TextureFilter>(app, "--filter", options.filter,
@@ -200,7 +200,7 @@ void declareTextureFormat(CLI::App& app, TextureFormat& format) {
 }
 
 nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
-  return {{"composition", wordOf(settings.composition)},
+  return {{"composition", optionValue(settings.composition)},
           {"photographs", settings.gatherCandidates},
           {"colours", settings.gatherColours},
           {"layers", settings.gatherLayers},
@@ -210,14 +210,14 @@ nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"align", settings.alignCells ? "on" : "off"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
-          {"blend", wordOf(settings.blend)},
+          {"blend", optionValue(settings.blend)},
           {"extrapolation", settings.extrapolationLimit},
           {"switch", settings.switchSeconds},
           {"textureScale", settings.textureScale},
           {"renderScale", settings.renderScale},
           {"eyeColours", settings.shareEyeColours ? "shared" : "own"},
-          {"exposure", wordOf(settings.exposure)},
-          {"colour", wordOf(settings.colourMapping)},
+          {"exposure", optionValue(settings.exposure)},
+          {"colour", optionValue(settings.colourMapping)},
           {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"
                           : settings.colourTable == ColourTable::strict ? "strict"
                                                                         : "preserving"},
@@ -231,9 +231,9 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
   json.update(optionsJson(settings));
   if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
   json["vramBudget"] = budget;
-  json["blocks"] = gpuScene.blocks == BlockTextures::keep     ? "keep"
-                   : gpuScene.blocks == BlockTextures::decode ? "decode"
-                                                              : "auto";
+  json["blocks"] = gpuScene.blocks == BlockTextureMode::keep     ? "keep"
+                   : gpuScene.blocks == BlockTextureMode::decode ? "decode"
+                                                                 : "auto";
   json["filter"] = gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
                    : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
                    : gpuScene.filter == TextureFilter::bicubic   ? "bicubic"
@@ -242,11 +242,11 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
 }
 
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
-                                           const std::optional<FloorWish>& floor) {
+                                           const std::optional<FloorOptions>& floor) {
   nlohmann::ordered_json json = settingsJson(settings, gpuScene), eyeHeight, spacing, overlay;
   if (floor) eyeHeight = floor->eyeHeight;
   if (floor && floor->spacing) spacing = *floor->spacing;
-  if (settings.overlay != Overlay::none) overlay = wordOf(settings.overlay).word;
+  if (settings.overlay != Overlay::none) overlay = optionValue(settings.overlay).word;
   json["floor"] = eyeHeight;
   json["floorSpacing"] = spacing;
   json["overlay"] = overlay;

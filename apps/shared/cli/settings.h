@@ -13,9 +13,9 @@
 
 namespace ibr::app {
 
-/// Declares the render settings of products. `settings` is set to `defaults`. Without defaults, the preset `balanced` of the device
-/// of --device is set when the options are parsed. Its composition becomes cells if an option needs cells (the
-/// paper's methods, --solo).
+/// Declares the render settings of products. `settings` is set to `defaults`. Without defaults, the preset `balanced`
+/// of the device of --device is set when the options are parsed. Its composition becomes cells if an option needs cells
+/// (the paper's methods, --solo).
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
 /// As declareSettings, with the paper's methods and the parameters of colour tables, for commands that measure.
@@ -49,33 +49,33 @@ void declareTextureFormat(CLI::App& app, TextureFormat& format);
 inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
     std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
-const char* wordOf(ColourMapping mapping);
+const char* optionValue(ColourMapping mapping);
 
 /// Words of --exposure, also in reports.
 inline constexpr std::array kExposures{std::pair{"off", Exposure::off}, std::pair{"scene", Exposure::scene},
                                        std::pair{"adapted", Exposure::adapted}};
-const char* wordOf(Exposure exposure);
-const char* wordOf(BlendMode blend);
-const char* wordOf(Composition composition);
+const char* optionValue(Exposure exposure);
+const char* optionValue(BlendMode blend);
+const char* optionValue(Composition composition);
 /// Returns the next composition, cyclic.
 Composition next(Composition composition);
 
 /// Words of --overlay and their descriptions, in the order in which the viewer cycles through them.
-struct OverlayWord {
+struct OverlayOption {
   Overlay overlay;
   const char* word;
   const char* shows;
 };
 inline constexpr std::array kOverlays{
-    OverlayWord{Overlay::none, "none", "the image alone"},
-    OverlayWord{Overlay::wireframe, "wireframe", "triangle edges, lighter for cells of better rank"},
-    OverlayWord{Overlay::tiers, "tiers", "confirmed depth, completed depth, holes"},
-    OverlayWord{Overlay::weights, "weights", "weights of a cell's photographs in each pixel"},
-    OverlayWord{Overlay::confidence, "confidence", "confidence of the depth"},
-    OverlayWord{Overlay::depth, "depth", "distance along the viewing axis"},
-    OverlayWord{Overlay::overlap, "overlap", "number of cells that show a pixel"},
-    OverlayWord{Overlay::agreement, "agreement", "correlation of a cell's photographs around a pixel"}};
-const OverlayWord& wordOf(Overlay overlay);
+    OverlayOption{Overlay::none, "none", "the image alone"},
+    OverlayOption{Overlay::wireframe, "wireframe", "triangle edges, lighter for cells of better rank"},
+    OverlayOption{Overlay::tiers, "tiers", "confirmed depth, completed depth, holes"},
+    OverlayOption{Overlay::weights, "weights", "weights of a cell's photographs in each pixel"},
+    OverlayOption{Overlay::confidence, "confidence", "confidence of the depth"},
+    OverlayOption{Overlay::depth, "depth", "distance along the viewing axis"},
+    OverlayOption{Overlay::overlap, "overlap", "number of cells that show a pixel"},
+    OverlayOption{Overlay::agreement, "agreement", "correlation of a cell's photographs around a pixel"}};
+const OverlayOption& optionValue(Overlay overlay);
 
 /// Returns the drawing settings, each under the name of its option.
 nlohmann::ordered_json optionsJson(const RenderSettings& settings);
@@ -84,8 +84,8 @@ nlohmann::ordered_json optionsJson(const RenderSettings& settings);
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
 /// Returns all settings that determine the image of a view: those of settingsJson, "floor" and "floorSpacing"
-/// (FloorWish), "overlay", each null if absent, and "mute" and "solo", lists of cells.
+/// (FloorOptions), "overlay", each null if absent, and "mute" and "solo", lists of cells.
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
-                                           const std::optional<FloorWish>& floor);
+                                           const std::optional<FloorOptions>& floor);
 
 }  // namespace ibr::app

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-std::vector<std::string> foldersThatBegin(const fs::path& parent, const std::string& beginning) {
+std::vector<std::string> foldersWithPrefix(const fs::path& parent, const std::string& beginning) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator it(parent.empty() ? "." : parent, error), end; !error && it != end; it.increment(error)) {
@@ -43,7 +43,7 @@ fs::path typedPath(const std::string& text) {
 std::string completedFolder(const std::string& text) {
   const fs::path typed = typedPath(text);
   const std::string beginning = typed.filename().string();
-  const std::vector<std::string> names = foldersThatBegin(typed.parent_path(), beginning);
+  const std::vector<std::string> names = foldersWithPrefix(typed.parent_path(), beginning);
   if (names.empty()) return text;
   std::string common = names[0];
   for (const std::string& name : names) {

@@ -11,16 +11,17 @@ namespace ibr::app {
 namespace {
 
 // Runs on the loading thread.
-HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
-  return preparedHtmPicture(model, camera, readHtmPicture(model, camera));
+HtmImage readPrepared(const HtmModel& model, std::size_t camera) {
+  return prepareHtmImage(model, camera, readHtmPicture(model, camera));
 }
 
 }  // namespace
 
 HtmPlayer::HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& options, const Context& context)
-    : path_(path), onSource_(options.onSource), showsGraph_(options.graph), context_(context) {
+    : path_(path), sourceMesh_(options.sourceMesh), showsGraph_(options.graph), context_(context) {
   if (assetKind(path) == AssetKind::htmSequence) {
-    sequence_ = std::make_unique<HtmSequence>(path, readPrepared, HtmSequenceOptions{.ahead = options.ahead});
+    sequence_ =
+        std::make_unique<HtmSequence>(path, readPrepared, HtmSequenceOptions{.framesAhead = options.framesAhead});
     show(options.seconds);
     return;
   }
@@ -34,10 +35,10 @@ void HtmPlayer::take(std::shared_ptr<const HtmFrame> frame) {
   uploaded_ = false;
   frame_ = std::move(frame);
   const HtmModel& model = frame_->model;
-  check(!onSource_ || model.source.has_value(), ErrorCode::invalidInput,
+  check(!sourceMesh_ || model.source.has_value(), ErrorCode::invalidInput,
         "{}: the model has no source mesh, which --mesh source requires", model.folder.string());
-  model_ = onSource_ ? std::make_shared<const HtmModel>(baselineModel(model))
-                     : std::shared_ptr<const HtmModel>(frame_, &model);
+  model_ = sourceMesh_ ? std::make_shared<const HtmModel>(unoptimisedModel(model))
+                       : std::shared_ptr<const HtmModel>(frame_, &model);
 }
 
 void HtmPlayer::show(double seconds) {
@@ -58,17 +59,17 @@ void HtmPlayer::upload() {
     device_ = std::make_unique<Device>(Device::create({.device = context_.options().device, .log = context_.log()}));
   double reading = 0;  // s
   const Stopwatch watch;
-  const HtmPictureSource source = [&](const HtmModel& model, std::size_t camera) {
+  const HtmImageSource source = [&](const HtmModel& model, std::size_t camera) {
     if (!frame_->pictures.empty()) return frame_->pictures[camera];
     const Stopwatch file;
-    HtmPicture picture = readHtmPicture(model, camera);
+    HtmImage picture = readHtmPicture(model, camera);
     reading += file.seconds();
     return picture;
   };
   if (pictures_) {
     pictures_->show(*model_, source);
   } else {
-    pictures_ = std::make_unique<HtmPictures>(*model_, *device_, source);
+    pictures_ = std::make_unique<HtmModelRenderer>(*model_, *device_, source);
     if (showsGraph_) pictures_->showGraph();
   }
   uploaded_ = true;
@@ -76,13 +77,13 @@ void HtmPlayer::upload() {
   shown_.back().loading += 1e3 * reading;
 }
 
-HtmPlayer::Picture HtmPlayer::render(const Camera& view, double seconds, const HtmSettings& settings, HtmState& state,
-                                     double dtSeconds) {
+HtmPlayer::Picture HtmPlayer::render(const Camera& view, double seconds, const HtmSettings& settings,
+                                     HtmPlanState& state, double dtSeconds) {
   show(seconds);
   if (!uploaded_) upload();
-  if (stateOf_ && stateOf_ != model_) state = htmStateFor(*model_, *stateOf_, state);
+  if (stateOf_ && stateOf_ != model_) state = transferHtmState(*model_, *stateOf_, state);
   stateOf_ = model_;
-  Shown& shown = shown_.back();
+  FrameCosts& shown = shown_.back();
   const Picture picture{pictures_->render(view, settings, state, dtSeconds), shown.frame};
   shown.preparation += picture.preparation;
   shown.rendering += picture.milliseconds;

@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "ibr/htm_sequence.h"
-#include "shared/draw/htm_renderer.h"
+#include "shared/draw/htm_model_renderer.h"
 
 namespace ibr::app {
 
 struct HtmPlayerOptions {
-  bool onSource = false;  // draws the meshes from before the optimisation
-  std::size_t ahead = 8;  // frames loaded in the background
-  double seconds = 0;     // first time to show, s
-  bool graph = false;     // draws the model's cameras as well
+  bool sourceMesh = false;      // draws the meshes from before the optimisation
+  std::size_t framesAhead = 8;  // frames loaded in the background
+  double seconds = 0;           // first time to show, s
+  bool graph = false;           // draws the model's cameras as well
 };
 
 /// Loads the next frames while one is drawn. Waits for a frame that is not loaded yet. The device holds one frame at a
@@ -24,7 +24,7 @@ struct HtmPlayerOptions {
 class HtmPlayer {
  public:
   /// Opens a model or a sequence and reads its first frame. The device is created for the first image. Throws Error;
-  /// invalidInput if `onSource` is set and a model has no mesh from before the optimisation.
+  /// invalidInput if `sourceMesh` is set and a model has no mesh from before the optimisation.
   HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& options, const Context& context);
 
   bool isVideo() const { return sequence_ != nullptr; }
@@ -33,14 +33,15 @@ class HtmPlayer {
   std::string deviceName() const { return device_ ? device_->name() : std::string(); }
 
   /// Renders the frame at a time; a single model is the same at all times. `state` and `dtSeconds`: see
-  /// HtmPictures::render. Weights continue from frame to frame.
-  struct Picture : HtmPictures::Picture {
+  /// HtmModelRenderer::render. Weights continue from frame to frame.
+  struct Picture : HtmModelRenderer::Picture {
     std::size_t frame = 0;
   };
-  Picture render(const Camera& view, double seconds, const HtmSettings& settings, HtmState& state, double dtSeconds);
+  Picture render(const Camera& view, double seconds, const HtmSettings& settings, HtmPlanState& state,
+                 double dtSeconds);
 
   /// Cost of showing a frame, for each time it was shown, ms.
-  struct Shown {
+  struct FrameCosts {
     std::size_t frame = 0;
     std::string name;        // folder of the frame's model
     double loading = 0;      // reading the model and its images' mip levels; in the background for 3D video
@@ -50,7 +51,7 @@ class HtmPlayer {
     double rendering = 0;    // of all images of the frame
     std::size_t pictures = 0;
   };
-  const std::vector<Shown>& shown() const { return shown_; }
+  const std::vector<FrameCosts>& shown() const { return shown_; }
 
  private:
   void show(double seconds);
@@ -58,16 +59,16 @@ class HtmPlayer {
   void upload();
 
   std::filesystem::path path_;
-  bool onSource_, showsGraph_;
+  bool sourceMesh_, showsGraph_;
   const Context& context_;
   std::unique_ptr<HtmSequence> sequence_;
   std::shared_ptr<const HtmFrame> frame_;
   std::shared_ptr<const HtmModel> model_;    // frame_'s model, or its copy with the mesh from before the optimisation
   std::shared_ptr<const HtmModel> stateOf_;  // model of the last image's state
   std::unique_ptr<Device> device_;
-  std::unique_ptr<HtmPictures> pictures_;
+  std::unique_ptr<HtmModelRenderer> pictures_;
   bool uploaded_ = false;  // pictures_ shows model_
-  std::vector<Shown> shown_;
+  std::vector<FrameCosts> shown_;
 };
 
 }  // namespace ibr::app

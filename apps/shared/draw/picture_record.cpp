@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kKey = "ibr";
 constexpr int kVersion = 1;
-constexpr double kLatest = 1e9;  // limit of "time", s
+constexpr double kMaxTimeSeconds = 1e9;  // limit of "time", s
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::optional<PictureRecord> readRecord(const std::filesystem::path& file) {
   const JsonField view = root.at("view");
   PictureRecord record;
   record.camera = {intrinsicsOf(view.at("intrinsics")), poseOf(view)};
-  if (view.has("time")) record.time = view.at("time").number(-kLatest, kLatest);
+  if (view.has("time")) record.time = view.at("time").number(-kMaxTimeSeconds, kMaxTimeSeconds);
   const JsonField settings = root.at("settings");
   settings.wanted(settings.json().is_object(), "an object");
   record.settings = settings.json();

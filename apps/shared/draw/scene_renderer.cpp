@@ -28,8 +28,8 @@ GpuSceneOptions withLog(GpuSceneOptions options, const Context& context) {
 }
 
 void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame) {
-  if (!gpuScene.streams()) return;
-  GpuScene::Streamed streamed;
+  if (!gpuScene.needsStreaming()) return;
+  GpuScene::StreamStatus streamed;
   do {
     const std::uint64_t completed = frame++;
     submitAndWait(device,

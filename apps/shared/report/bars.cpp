@@ -14,7 +14,7 @@ namespace ibr::app {
 namespace {
 
 // Lengths in px of the drawing.
-constexpr double kNames = 190, kWidth = 460, kRow = 24, kTop = 70, kGap = 40, kLetter = 5.6, kRight = 110;
+constexpr double kNames = 190, kWidth = 460, kRow = 24, kTop = 70, kGap = 40, kCharacterWidth = 5.6, kRight = 110;
 // Colours for colour-blind viewers: Okabe & Ito, "Color universal design", 2008.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#606870", "#a0b030"};
 
@@ -88,7 +88,7 @@ std::string tornadoColumn(const TornadoColumn& column, std::size_t c, const std:
       if (std::isfinite(mark.at[c])) marks.push_back(&mark);
     std::ranges::stable_sort(marks, {}, [&](const TornadoMark* mark) { return mark->at[c]; });
     for (const TornadoMark* mark : marks) {
-      const double x = at(mark->at[c]), width = kLetter * double(lettersOf(mark->value));
+      const double x = at(mark->at[c]), width = kCharacterWidth * double(characterCount(mark->value));
       out += box(x - 1, y + 3, 2, kRow - 6, kColours[0], fmt::format("{}: {:.4g}", mark->value, mark->at[c]));
       if (x + 3 < taken || x + 3 + width > left + kWidth + kGap) continue;
       out += text(x + 3, y + 16, mark->value, "font-size=\"10\"");
@@ -116,7 +116,7 @@ std::string stackedSvg(const std::string& title, const std::vector<StackedBar>& 
   double x = 16;
   for (const std::string& name : names) {
     out += box(x, kTop - 24, 12, 12, colourOf(name), name) + text(x + 17, kTop - 14, name);
-    x += 36 + 7 * double(lettersOf(name));
+    x += 36 + 7 * double(characterCount(name));
   }
   for (std::size_t b = 0; b < bars.size(); ++b) {
     const double y = kTop + kRow * double(b);

@@ -19,11 +19,11 @@ namespace ibr::app {
 namespace {
 
 // Lengths in px of the drawing.
-constexpr double kWidth = 900, kLeastHeight = 240, kMostHeight = 900;
+constexpr double kWidth = 900, kMinHeight = 240, kMaxHeight = 900;
 constexpr double kMargin = 60, kLegend = 380, kLine = 16, kScaleBar = 160;
-constexpr std::size_t kLetters = 56;  // of a legend line
-constexpr std::size_t kMostListed = 40, kMostAmiss = 10;
-constexpr const char *kAddColour = "#c2410c", *kTroubleColour = "#b91c1c";
+constexpr std::size_t kLegendCharacters = 56;  // of a legend line
+constexpr std::size_t kMaxListed = 40, kMaxProblems = 10;
+constexpr const char *kAddColour = "#c2410c", *kProblemColour = "#b91c1c";
 
 // The viridis colour map (Smith & van der Walt 2015) without its bright end, which is invisible on white.
 std::string colourOf(double share) {
@@ -45,7 +45,7 @@ class Drawing {
       for (const std::uint32_t member : cell.members) used_[member] = true;
       if (cell.quality.score > best_) best_ = cell.quality.score;
     }
-    for (const UnusedPhotograph& unused : scene.unused) reason_.emplace(unused.name, unused.reason);
+    for (const UnusedPhotograph& unused : scene.unusedPhotographs) reason_.emplace(unused.name, unused.reason);
     fit();
   }
 
@@ -55,8 +55,8 @@ class Drawing {
       if (!used_[n]) drawCamera(n);
     for (std::size_t n = 0; n < scene_.nodes.size(); ++n)
       if (used_[n]) drawCamera(n);
-    for (const Advice& advice : advice_.advice) drawTrouble(advice);
-    for (std::size_t v = 0; v < advice_.views.size(); ++v) drawNext(v);
+    for (const Advice& advice : advice_.advice) drawProblem(advice);
+    for (std::size_t v = 0; v < advice_.views.size(); ++v) drawNextView(v);
     drawScale();
     const double legend = drawLegend();
     return fmt::format(
@@ -75,34 +75,34 @@ class Drawing {
 
   void fit() {
     glm::dvec2 low(0.0), high(0.0);
-    std::vector<glm::dvec2> places;
+    std::vector<glm::dvec2> positions;
     for (const Node& node : scene_.nodes) {
-      places.push_back(view_.flat(node.camera.pose.position));
-      low = glm::min(low, places.back());
-      high = glm::max(high, places.back());
+      positions.push_back(view_.flat(node.camera.pose.position));
+      low = glm::min(low, positions.back());
+      high = glm::max(high, positions.back());
     }
     for (const NextView& view : advice_.views) {
       low = glm::min(low, view_.flat(view.camera.pose.position));
       high = glm::max(high, view_.flat(view.camera.pose.position));
     }
     const glm::dvec2 size = high - low;
-    scale_ = std::min((kWidth - 2 * kMargin) / size.x, (kMostHeight - 2 * kMargin) / size.y);
+    scale_ = std::min((kWidth - 2 * kMargin) / size.x, (kMaxHeight - 2 * kMargin) / size.y);
     if (!std::isfinite(scale_)) scale_ = 1;
-    height_ = std::max(kLeastHeight, size.y * scale_ + 2 * kMargin);
+    height_ = std::max(kMinHeight, size.y * scale_ + 2 * kMargin);
     shift_ = glm::dvec2(kWidth, height_) / 2.0 - glm::dvec2(1, -1) * scale_ * (low + high) / 2.0;
-    frustum_ = std::clamp(0.35 * spacing(places) * scale_, 7.0, 34.0);
+    frustum_ = std::clamp(0.35 * spacing(positions) * scale_, 7.0, 34.0);
   }
 
   // Typical distance in the drawing from a position to the nearest other one, from up to 200 samples.
-  static double spacing(const std::vector<glm::dvec2>& places) {
+  static double spacing(const std::vector<glm::dvec2>& positions) {
     constexpr std::size_t kSamples = 200;
     double longest = 0;
-    for (const glm::dvec2& p : places) longest = std::max(longest, glm::length(p));
+    for (const glm::dvec2& p : positions) longest = std::max(longest, glm::length(p));
     std::vector<double> nearest;
-    for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / kSamples) {
+    for (std::size_t i = 0; i < positions.size(); i += 1 + positions.size() / kSamples) {
       double least = std::numeric_limits<double>::infinity();
-      for (const glm::dvec2& other : places)  // positions that coincide count once
-        if (const double d = glm::distance(places[i], other); d > 1e-3 * longest) least = std::min(least, d);
+      for (const glm::dvec2& other : positions)  // positions that coincide count once
+        if (const double d = glm::distance(positions[i], other); d > 1e-3 * longest) least = std::min(least, d);
       if (std::isfinite(least)) nearest.push_back(least);
     }
     if (nearest.empty()) return std::numeric_limits<double>::infinity();
@@ -156,7 +156,7 @@ class Drawing {
     put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.2\" stroke=\"none\"/></g>", centre.x, centre.y);
   }
 
-  void drawNext(std::size_t v) {
+  void drawNextView(std::size_t v) {
     const NextView& next = advice_.views[v];
     const glm::dvec2 centre = at(next.camera.pose.position);
     put("<g stroke=\"{0}\" fill=\"{0}\"><title>{1}: {2}</title>", kAddColour, v + 1, escapedXml(next.where));
@@ -167,11 +167,11 @@ class Drawing {
         centre.x, centre.y + 3.5, v + 1);
   }
 
-  void drawTrouble(const Advice& advice) {
+  void drawProblem(const Advice& advice) {
     const auto place = [&](std::size_t i) { return at(scene_.nodes[advice.nodes[i]].camera.pose.position); };
     if (advice.nodes.empty() || advice.kind == AdviceKind::apart || advice.kind == AdviceKind::unused) return;
-    put("<g stroke=\"{}\" stroke-width=\"1.6\" fill=\"none\"><title>{}</title>", kTroubleColour,
-        escapedXml(advice.sentence));
+    put("<g stroke=\"{}\" stroke-width=\"1.6\" fill=\"none\"><title>{}</title>", kProblemColour,
+        escapedXml(advice.problem));
     if (advice.kind == AdviceKind::wide || advice.kind == AdviceKind::hole)
       put("<polyline points=\"{}\" stroke-dasharray=\"5 4\"/>", points({place(0), place(1)}));
     else
@@ -230,7 +230,7 @@ class Drawing {
       line("next-best views", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kAddColour).c_str());
       for (std::size_t v = 0; v < advice_.views.size(); ++v) {
         bool first = true;
-        for (const std::string& part : wrapped(advice_.views[v].where, kLetters)) {
+        for (const std::string& part : wrapped(advice_.views[v].where, kLegendCharacters)) {
           line(first ? fmt::format("{} {}", v + 1, part) : part, first ? 0 : 12, " font-size=\"11\"");
           first = false;
         }
@@ -238,23 +238,23 @@ class Drawing {
       y += 6;
     }
     if (!advice_.advice.empty()) {
-      line("problems", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kTroubleColour).c_str());
-      for (std::size_t a = 0; a < std::min(advice_.advice.size(), kMostAmiss); ++a)
-        for (const std::string& part : wrapped(advice_.advice[a].sentence, kLetters))
+      line("problems", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kProblemColour).c_str());
+      for (std::size_t a = 0; a < std::min(advice_.advice.size(), kMaxProblems); ++a)
+        for (const std::string& part : wrapped(advice_.advice[a].problem, kLegendCharacters))
           line(part, 0, " font-size=\"11\"");
-      if (advice_.advice.size() > kMostAmiss)
-        line(fmt::format("and {} more", advice_.advice.size() - kMostAmiss), 0, " font-size=\"11\"");
+      if (advice_.advice.size() > kMaxProblems)
+        line(fmt::format("and {} more", advice_.advice.size() - kMaxProblems), 0, " font-size=\"11\"");
       y += 6;
     }
-    if (scene_.unused.empty()) return y;
-    line(fmt::format("{} unused", scene_.unused.size()), 0, " font-weight=\"bold\" fill=\"#7a7a7a\"");
-    for (std::size_t i = 0; i < std::min(scene_.unused.size(), kMostListed); ++i) {
-      line(scene_.unused[i].name, 0, " fill=\"#7a7a7a\"");
-      for (const std::string& part : wrapped(scene_.unused[i].reason, kLetters))
+    if (scene_.unusedPhotographs.empty()) return y;
+    line(fmt::format("{} unused", scene_.unusedPhotographs.size()), 0, " font-weight=\"bold\" fill=\"#7a7a7a\"");
+    for (std::size_t i = 0; i < std::min(scene_.unusedPhotographs.size(), kMaxListed); ++i) {
+      line(scene_.unusedPhotographs[i].name, 0, " fill=\"#7a7a7a\"");
+      for (const std::string& part : wrapped(scene_.unusedPhotographs[i].reason, kLegendCharacters))
         line(part, 12, " fill=\"#7a7a7a\" font-size=\"11\"");
     }
-    if (scene_.unused.size() > kMostListed)
-      line(fmt::format("and {} more", scene_.unused.size() - kMostListed), 0, " fill=\"#7a7a7a\"");
+    if (scene_.unusedPhotographs.size() > kMaxListed)
+      line(fmt::format("and {} more", scene_.unusedPhotographs.size() - kMaxListed), 0, " fill=\"#7a7a7a\"");
     return y;
   }
 
@@ -264,7 +264,7 @@ class Drawing {
   std::vector<bool> used_;
   std::map<std::string, std::string> reason_;
   double best_ = 0;  // best score of the cells
-  double scale_ = 1, height_ = kLeastHeight, frustum_ = 10;
+  double scale_ = 1, height_ = kMinHeight, frustum_ = 10;
   glm::dvec2 shift_{0.0};
   std::string out_;
 };

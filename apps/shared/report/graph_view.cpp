@@ -11,8 +11,8 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kAlike = 1.15;  // ratio below which two spreads count as equal
-constexpr double kLevel = 0.3;   // |cos| between an axis and up below which the axis counts as horizontal
+constexpr double kEqualSpreadRatio = 1.15;  // ratio below which two spreads count as equal
+constexpr double kLevel = 0.3;              // |cos| between an axis and up below which the axis counts as horizontal
 
 struct Spreads {
   std::array<glm::dvec3, 3> axis;  // largest spread first
@@ -78,7 +78,7 @@ GraphView graphView(const Scene& scene) {
       covariance += glm::outerProduct(p, p);
     }
   const auto [axis, spread] = spreadsOf(covariance);
-  const double least = kAlike * spread[2] + 1e-3 * spread[0];
+  const double least = kEqualSpreadRatio * spread[2] + 1e-3 * spread[0];
   glm::dvec3 toward = axis[2];
   if (!(spread[0] > least)) {
     toward = up;

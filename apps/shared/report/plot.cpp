@@ -20,7 +20,7 @@ namespace {
 // Lengths in px of the drawing.
 constexpr double kHeight = 330;  // of a panel's plot area
 constexpr double kLeft = 88, kRight = 24, kTop = 92, kBottom = 50;
-constexpr double kLine = 18, kLetter = 5.6, kNoteLetter = 7, kLabelHeight = 11, kMarker = 5, kRing = 9;
+constexpr double kLine = 18, kCharacterWidth = 5.6, kNoteCharacterWidth = 7, kLabelHeight = 11, kMarker = 5, kRing = 9;
 
 // Okabe & Ito, "Color universal design", 2008; without yellow, which is invisible on white.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
@@ -148,14 +148,14 @@ class Panel {
                     left.x, left.y, field_.high.x);
     const bool above = left.y - 2 * kLabelHeight > field_.low.y;
     const glm::dvec2 low(left.x + 6, above ? left.y - 4 - kLabelHeight : left.y + 4);
-    taken_.push_back({low, low + glm::dvec2(kLetter * double(lettersOf(level.name)), kLabelHeight)});
+    taken_.push_back({low, low + glm::dvec2(kCharacterWidth * double(characterCount(level.name)), kLabelHeight)});
     out_ += text({low.x, low.y + kLabelHeight - 2}, level.name, "font-size=\"10\" fill=\"#606870\"");
   }
 
   void drawFront(const std::vector<PlotPoint>& of, const char* colour) {
     std::vector<glm::dvec2> points;
     for (const PlotPoint& point : of)
-      points.emplace_back(drawn(point) ? point.x : std::nan(""), panel_.lessIsBetter ? -point.y : point.y);
+      points.emplace_back(drawn(point) ? point.x : std::nan(""), panel_.lowerIsBetter ? -point.y : point.y);
     std::string path;
     for (const std::size_t i : paretoFront(points)) {
       const glm::dvec2 p = at(of[i].x, of[i].y);
@@ -191,8 +191,9 @@ class Panel {
   // is placed farther away, with a line to its marker.
   void drawLabel(std::size_t s, const PlotPoint& point) {
     if (point.label.empty() || !point.labelled) return;
-    const double letters = double(lettersOf(point.label)) + (point.usual ? 1 : 0);
-    const glm::dvec2 p = at(point.x, point.y), size((point.usual ? 1.1 : 1) * kLetter * letters, kLabelHeight);
+    const double characters = double(characterCount(point.label)) + (point.usual ? 1 : 0);
+    const glm::dvec2 p = at(point.x, point.y),
+                     size((point.usual ? 1.1 : 1) * kCharacterWidth * characters, kLabelHeight);
     const auto write = [&](glm::dvec2 low) {
       out_ += text({low.x, low.y + size.y - 2}, point.label,
                    fmt::format("class=\"label\" font-size=\"{}\" fill=\"{}\"", point.usual ? 11 : 10, colourOf(s)));
@@ -230,7 +231,7 @@ std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words,
   rows = 1;
   // `mark`: SVG element centred on the origin.
   const auto entry = [&](const std::string& mark, const std::string& name) {
-    const double length = 26 + 6.6 * double(lettersOf(name));
+    const double length = 26 + 6.6 * double(characterCount(name));
     if (at.x > kLeft && at.x + length > width) {
       at = {kLeft, at.y + kLine};
       ++rows;
@@ -261,7 +262,7 @@ std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& pane
   const double top = kTop + kLine * (rows - 1);
   std::vector<std::string> lines;
   for (const std::string& note : notes)
-    for (const std::string& line : wrapped(note, std::size_t((width - kLeft - kRight) / kNoteLetter)))
+    for (const std::string& line : wrapped(note, std::size_t((width - kLeft - kRight) / kNoteCharacterWidth)))
       lines.push_back(line);
   const double below = top + kHeight + kBottom;
   std::string out = fmt::format(

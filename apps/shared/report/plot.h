@@ -32,9 +32,9 @@ struct PlotLevel {
 struct PlotPanel {
   std::string title, xName, yName;
   bool logarithmicX = false, logarithmicY = false;
-  bool joinFront = false;     // joins each series' Pareto front: smaller x, larger y
-  bool joinAll = false;       // the same for all series together
-  bool lessIsBetter = false;  // inverts y for the front
+  bool joinFront = false;      // joins each series' Pareto front: smaller x, larger y
+  bool joinAll = false;        // the same for all series together
+  bool lowerIsBetter = false;  // inverts y for the front
   std::vector<PlotSeries> series;
   std::vector<PlotLevel> levels;
   double width = 380;  // of the plot area, px

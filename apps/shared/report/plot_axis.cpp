@@ -10,10 +10,10 @@ namespace ibr::app {
 namespace {
 
 constexpr double kMargin = 0.08;  // share of the values' range, on each side
-constexpr int kMostTicks = 7;
+constexpr int kMaxTicks = 7;
 
 // Ticks at 1, 2 and 5 times powers of ten. If these are few, all digits; if too many, powers of ten alone, thinned
-// to kMostTicks.
+// to kMaxTicks.
 std::vector<double> logTicks(double low, double high) {
   std::vector<double> all, fine, coarse;
   for (int n = int(std::floor(std::log10(low))); n <= int(std::ceil(std::log10(high))); ++n)
@@ -24,9 +24,9 @@ std::vector<double> logTicks(double low, double high) {
       if (digit == 1 || digit == 2 || digit == 5) fine.push_back(tick);
       if (digit == 1) coarse.push_back(tick);
     }
-  if (fine.size() < 4 && int(all.size()) <= kMostTicks) return all;
-  if (int(fine.size()) <= kMostTicks) return fine;
-  const std::size_t each = (coarse.size() + kMostTicks - 1) / kMostTicks;
+  if (fine.size() < 4 && int(all.size()) <= kMaxTicks) return all;
+  if (int(fine.size()) <= kMaxTicks) return fine;
+  const std::size_t each = (coarse.size() + kMaxTicks - 1) / kMaxTicks;
   std::vector<double> some;
   for (std::size_t i = 0; i < coarse.size(); i += each) some.push_back(coarse[i]);
   return some;
@@ -72,7 +72,7 @@ PlotAxis axisOver(const std::vector<double>& values, bool logarithmic) {
     for (const double tick : axis.ticks) axis.labels.push_back(fmt::format("{:g}", tick));
   }
   if (axis.ticks.size() < 2) {
-    const RoundTicks ticks = roundTicks(axis.low, axis.high, kMostTicks);
+    const RoundTicks ticks = roundTicks(axis.low, axis.high, kMaxTicks);
     axis.ticks = ticks.values;
     axis.labels.clear();
     for (const double tick : axis.ticks) axis.labels.push_back(fmt::format("{:.{}f}", tick, ticks.decimals));

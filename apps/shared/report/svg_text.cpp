@@ -28,12 +28,12 @@ std::string escapedXml(const std::string& text) {
   return out;
 }
 
-std::size_t lettersOf(const std::string& text) {
+std::size_t characterCount(const std::string& text) {
   return std::size_t(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-std::vector<std::string> wrapped(const std::string& text, std::size_t letters) {
+std::vector<std::string> wrapped(const std::string& text, std::size_t characters) {
   std::vector<std::string> lines{""};
   std::string word;
   for (const char c : text + ' ') {
@@ -41,7 +41,8 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t letters) {
       word += c;
       continue;
     }
-    if (!lines.back().empty() && lettersOf(lines.back()) + 1 + lettersOf(word) > letters) lines.emplace_back();
+    if (!lines.back().empty() && characterCount(lines.back()) + 1 + characterCount(word) > characters)
+      lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + word;
     word.clear();
   }

@@ -12,9 +12,9 @@ namespace ibr::app {
 std::string escapedXml(const std::string& text);
 
 /// Returns the number of characters, not bytes, of a UTF-8 text.
-std::size_t lettersOf(const std::string& text);
+std::size_t characterCount(const std::string& text);
 
-/// Wraps at spaces into lines of at most `letters` characters; longer words get their own line. Never empty.
-std::vector<std::string> wrapped(const std::string& text, std::size_t letters);
+/// Wraps at spaces into lines of at most `characters` characters; longer words get their own line. Never empty.
+std::vector<std::string> wrapped(const std::string& text, std::size_t characters);
 
 }  // namespace ibr::app

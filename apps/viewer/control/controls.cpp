@@ -46,141 +46,141 @@ constexpr std::array kKeys{
 };
 
 // Returns true while a panel uses the keyboard, so that keys do not move the camera. A mere click does not count.
-bool panelTakesKeys(const Viewer& viewer) {
+bool panelUsesKeyboard(const Viewer& viewer) {
   const ImGuiIO& io = ImGui::GetIO();
-  return io.WantTextInput || io.NavVisible || viewer.panelHasKeys || viewer.asksForFolder;
+  return io.WantTextInput || io.NavVisible || viewer.panelFocused || viewer.showOpenDialog;
 }
 
-NavigationInput handsOf(const Viewer& viewer, OpenItem& place, double seconds) {
+NavigationInput readNavigationInput(const Viewer& viewer, OpenItem& item, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
-  NavigationInput hands{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
+  NavigationInput input{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
   const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
   // Ignores the mouse motion of the frame in which a button goes down: that motion came before the press.
   const auto holds = [&](ImGuiMouseButton button) {
     return !io.WantCaptureMouse && ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
   };
-  if (holds(ImGuiMouseButton_Right)) hands.look = pulled;
+  if (holds(ImGuiMouseButton_Right)) input.look = pulled;
   if (!io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Middle))
-    place.pickAt = glm::dvec2(double(io.MousePos.x * io.DisplayFramebufferScale.x),
-                              double(io.MousePos.y * io.DisplayFramebufferScale.y));
-  if (holds(ImGuiMouseButton_Middle)) hands.orbit = pulled;
+    item.pickPixel = glm::dvec2(double(io.MousePos.x * io.DisplayFramebufferScale.x),
+                                double(io.MousePos.y * io.DisplayFramebufferScale.y));
+  if (holds(ImGuiMouseButton_Middle)) input.orbit = pulled;
   if (!io.WantCaptureMouse && io.KeyCtrl)
-    place.walk.fovY = std::clamp(place.walk.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
+    item.navigation.fovY = std::clamp(item.navigation.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
   else if (!io.WantCaptureMouse)
-    hands.wheel = double(io.MouseWheel);
-  if (io.KeyCtrl || panelTakesKeys(viewer)) return hands;
+    input.wheel = double(io.MouseWheel);
+  if (io.KeyCtrl || panelUsesKeyboard(viewer)) return input;
   const auto down = [&](int key) { return ImGui::IsKeyDown(key) && !viewer.shortcutKeys.contains(key) ? 1.0 : 0.0; };
   // Arrows navigate inside a panel as soon as the panel has been clicked.
   constexpr double kArrow = 400;  // px/s
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow))
-    hands.look += kArrow * seconds *
+    input.look += kArrow * seconds *
                   glm::dvec2(down(GLFW_KEY_RIGHT) - down(GLFW_KEY_LEFT), down(GLFW_KEY_DOWN) - down(GLFW_KEY_UP));
-  hands.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
+  input.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
                 down(GLFW_KEY_S) - down(GLFW_KEY_W)};
-  return hands;
+  return input;
 }
 
 // Returns true for inputs that end the playback of a camera path.
-bool handsMove(const NavigationInput& hands) {
-  return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
+bool endsPlayback(const NavigationInput& input) {
+  return input.move != glm::dvec3(0) || input.look != glm::dvec2(0) || input.orbit != glm::dvec2(0);
 }
 
 // Returns true if a flight, a panel or a key moved the camera since the path was last shown.
-bool wasMoved(const OpenItem& place) {
-  const Navigation& walk = place.walk;
-  return walk.flight || walk.pose.position != place.routePose.position ||
-         walk.pose.rotation != place.routePose.rotation || walk.fovY != place.routeFovY;
+bool movedByUser(const OpenItem& item) {
+  const Navigation& navigation = item.navigation;
+  return navigation.flight || navigation.pose.position != item.pathPose.position ||
+         navigation.pose.rotation != item.pathPose.rotation || navigation.fovY != item.pathFovY;
 }
 
 // Returns true while the playback continues.
-bool followRoute(OpenItem& place, double seconds) {
-  const double first = place.route.keys.front().time, whole = place.route.keys.back().time - first;
-  const Camera shown = cameraAt(place.route, first + place.routeTime);
-  place.walk.pose = place.routePose = shown.pose;
-  place.walk.fovY = place.routeFovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
-  place.walk.velocity = glm::dvec3(0);
-  place.showingRoute = place.routeTime < whole;  // the last key itself is shown before the end
-  const double next = place.routeTime + seconds;
-  place.routeTime = place.repeatingRoute && whole > 0 ? std::fmod(next, whole) : next;
-  return place.showingRoute;
+bool advancePlayback(OpenItem& item, double seconds) {
+  const double first = item.cameraPath.keys.front().time, whole = item.cameraPath.keys.back().time - first;
+  const Camera shown = cameraAt(item.cameraPath, first + item.pathTime);
+  item.navigation.pose = item.pathPose = shown.pose;
+  item.navigation.fovY = item.pathFovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
+  item.navigation.velocity = glm::dvec3(0);
+  item.playingPath = item.pathTime < whole;  // the last key itself is shown before the end
+  const double next = item.pathTime + seconds;
+  item.pathTime = item.loopingPath && whole > 0 ? std::fmod(next, whole) : next;
+  return item.playingPath;
 }
 
-void goTo(OpenItem& place, std::optional<std::size_t> viewpoint) {
-  if (viewpoint) place.flyToViewpoint(*viewpoint);
+void goTo(OpenItem& item, std::optional<std::size_t> viewpoint) {
+  if (viewpoint) item.flyToViewpoint(*viewpoint);
 }
 
-void turnOverlays(OpenItem& place, bool back) {
-  if (!place.scene || !overlaysGoWith(place.settings)) return;
+void cycleOverlays(OpenItem& item, bool back) {
+  if (!item.scene || !overlaysGoWith(item.settings)) return;
   const std::size_t n = kOverlays.size();
-  place.settings.overlay = kOverlays[(std::size_t(place.settings.overlay) + (back ? n - 1 : 1)) % n].overlay;
-  place.changed = true;
+  item.settings.overlay = kOverlays[(std::size_t(item.settings.overlay) + (back ? n - 1 : 1)) % n].overlay;
+  item.changed = true;
 }
 
-void turnComposition(OpenItem& place) {
-  if (!place.scene) return;
-  place.settings.composition = next(place.settings.composition);
-  place.changed = true;
+void cycleComposition(OpenItem& item) {
+  if (!item.scene) return;
+  item.settings.composition = next(item.settings.composition);
+  item.changed = true;
 }
 
 // Handles keys that act on the open scene.
-void pressInPlace(Viewer& viewer, OpenItem& place, const KeyPress& press) {
+void handleItemKey(Viewer& viewer, OpenItem& item, const KeyPress& press) {
   switch (press.key) {
     case GLFW_KEY_O:
-      return turnOverlays(place, press.shift);
+      return cycleOverlays(item, press.shift);
     case GLFW_KEY_C:
-      return turnComposition(place);
+      return cycleComposition(item);
     case GLFW_KEY_RIGHT_BRACKET:
-      return goTo(place, nextCamera(place.poses(), place.walk.pose, 1));
+      return goTo(item, nextCamera(item.poses(), item.navigation.pose, 1));
     case GLFW_KEY_LEFT_BRACKET:
-      return goTo(place, nextCamera(place.poses(), place.walk.pose, -1));
+      return goTo(item, nextCamera(item.poses(), item.navigation.pose, -1));
     case GLFW_KEY_BACKSPACE:
-      return goTo(place, nearestCamera(place.poses(), place.walk.pose));
+      return goTo(item, nearestCamera(item.poses(), item.navigation.pose));
     case GLFW_KEY_L:
-      place.walk.pose = levelled(place.walk.pose, place.walk.up);
-      place.changed = true;
+      item.navigation.pose = levelled(item.navigation.pose, item.navigation.up);
+      item.changed = true;
       return;
     case GLFW_KEY_G:
-      place.showGraph = !place.showGraph;
-      place.changed = true;
+      item.showGraph = !item.showGraph;
+      item.changed = true;
       return;
     case GLFW_KEY_K:
-      return place.addRouteKey();
+      return item.addPathKey();
     case GLFW_KEY_J:
-      return place.showRoute();
+      return item.showCameraPath();
     case GLFW_KEY_B:
-      place.bounded = !place.bounded;
+      item.bounded = !item.bounded;
       return;
     case GLFW_KEY_SPACE:
-      place.playing = place.video && !place.playing;
+      item.playing = item.video && !item.playing;
       return;
     case GLFW_KEY_P:
-      viewer.wantsScreenshot = true;
+      viewer.screenshotRequested = true;
       return;
     default:
       return;
   }
 }
 
-void pressWithControl(Viewer& viewer, int key) {
+void handleControlKey(Viewer& viewer, int key) {
   constexpr float kStep = 1.25f;
-  const std::size_t n = viewer.places.size();
+  const std::size_t n = viewer.items.size();
   switch (key) {
     case GLFW_KEY_O:
-      viewer.asksForFolder = true;
+      viewer.showOpenDialog = true;
       return;
     case GLFW_KEY_W:
       return viewer.closeCurrent();
     case GLFW_KEY_S:
-      viewer.wantsRoute = true;
+      viewer.savePathRequested = true;
       return;
     case GLFW_KEY_M:
-      viewer.wantsVideo = true;
+      viewer.videoRequested = true;
       return;
     case GLFW_KEY_C:
-      viewer.wantsCopy = true;
+      viewer.copyRequested = true;
       return;
     case GLFW_KEY_V:
-      viewer.wantsPaste = true;
+      viewer.pasteRequested = true;
       return;
     case GLFW_KEY_PAGE_DOWN:
       if (n > 0) viewer.current = (viewer.current + 1) % n;
@@ -205,20 +205,20 @@ void pressWithControl(Viewer& viewer, int key) {
   }
 }
 
-void pressOne(Viewer& viewer, const KeyPress& press) {
-  if (press.control) viewer.shortcutKeys.insert(press.place);
+void handleKeyPress(Viewer& viewer, const KeyPress& press) {
+  if (press.control) viewer.shortcutKeys.insert(press.physicalKey);
   if (press.key == GLFW_KEY_F1) viewer.showHelp = !viewer.showHelp;
   if (press.key == GLFW_KEY_F2) viewer.showInterface = !viewer.showInterface;
-  if (press.key == GLFW_KEY_F6) viewer.wantsPanelKeys = viewer.showInterface = true;
-  if (press.control && press.key == GLFW_KEY_Q) viewer.wantsClose = true;
-  if (ImGui::GetIO().WantTextInput || viewer.asksForFolder) return;
-  if (press.control) return pressWithControl(viewer, press.key);
-  if (panelTakesKeys(viewer)) return;
+  if (press.key == GLFW_KEY_F6) viewer.focusNextPanel = viewer.showInterface = true;
+  if (press.control && press.key == GLFW_KEY_Q) viewer.closeRequested = true;
+  if (ImGui::GetIO().WantTextInput || viewer.showOpenDialog) return;
+  if (press.control) return handleControlKey(viewer, press.key);
+  if (panelUsesKeyboard(viewer)) return;
   if (press.key >= GLFW_KEY_1 && press.key <= GLFW_KEY_9) {
-    viewer.shownPanel = std::size_t(press.key - GLFW_KEY_1);
+    viewer.activePage = std::size_t(press.key - GLFW_KEY_1);
     viewer.showInterface = true;
   }
-  if (OpenItem* place = viewer.place()) pressInPlace(viewer, *place, press);
+  if (OpenItem* item = viewer.item()) handleItemKey(viewer, *item, press);
 }
 
 }  // namespace
@@ -229,24 +229,24 @@ std::span<const KeyHelp> keyHelp() {
 
 void press(Viewer& viewer, std::span<const KeyPress> keys) {
   std::erase_if(viewer.shortcutKeys, [](int key) { return !ImGui::IsKeyDown(key); });
-  for (const KeyPress& key : keys) pressOne(viewer, key);
+  for (const KeyPress& key : keys) handleKeyPress(viewer, key);
 }
 
-bool control(Viewer& viewer, OpenItem& place, double seconds) {
-  const Pose before = place.walk.pose;
-  const double fovBefore = place.walk.fovY;
-  const NavigationInput hands = handsOf(viewer, place, seconds);
+bool control(Viewer& viewer, OpenItem& item, double seconds) {
+  const Pose before = item.navigation.pose;
+  const double fovBefore = item.navigation.fovY;
+  const NavigationInput input = readNavigationInput(viewer, item, seconds);
   if (!ImGui::GetIO().WantCaptureMouse && ImGui::IsAnyMouseDown()) ImGui::SetWindowFocus(nullptr);
-  place.showingRoute = place.showingRoute && !handsMove(hands) && !wasMoved(place);
-  bool goesOn = place.showingRoute ? followRoute(place, seconds)
-                                   : navigate(place.walk, hands, place.bounded ? &place.bounds : nullptr);
-  bool changed = goesOn || place.walk.pose.position != before.position || place.walk.pose.rotation != before.rotation ||
-                 place.walk.fovY != fovBefore;
-  if (place.video && place.playing) {
-    place.time = std::fmod(place.time + seconds, place.video->duration());
+  item.playingPath = item.playingPath && !endsPlayback(input) && !movedByUser(item);
+  bool goesOn = item.playingPath ? advancePlayback(item, seconds)
+                                 : navigate(item.navigation, input, item.bounded ? &item.bounds : nullptr);
+  bool changed = goesOn || item.navigation.pose.position != before.position ||
+                 item.navigation.pose.rotation != before.rotation || item.navigation.fovY != fovBefore;
+  if (item.video && item.playing) {
+    item.time = std::fmod(item.time + seconds, item.video->duration());
     changed = true;
   }
-  return std::exchange(place.changed, false) || changed;
+  return std::exchange(item.changed, false) || changed;
 }
 
 }  // namespace ibr::app

@@ -10,7 +10,7 @@
 namespace ibr::app {
 
 /// Call after ImGui::NewFrame, before rendering. `seconds`: since the previous frame. Returns true if the view changes.
-bool control(Viewer& viewer, OpenItem& place, double seconds);
+bool control(Viewer& viewer, OpenItem& item, double seconds);
 
 /// Handles pressed keys. Call between ImGui::NewFrame and `control`. While text is typed or a panel has keyboard focus,
 /// most keys are left to ImGui.

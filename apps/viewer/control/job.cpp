@@ -22,7 +22,7 @@ Job::~Job() {
   thread_.join();
 }
 
-void Job::say(std::string_view line) {
+void Job::setProgress(std::string_view line) {
   const std::lock_guard lock(mutex_);
   progress_ = line;
   wakeWindow();
@@ -32,16 +32,16 @@ void Job::run() {
   State ended = State::done;
   try {
     for (const JobPlan::Step& step : plan_.steps) {
-      say(step.what);
+      setProgress(step.what);
       const ChildResult result = runChild(
-          step.words, {}, [this](std::string_view line) { say(line); }, [this] { return !cancelled_; });
+          step.words, {}, [this](std::string_view line) { setProgress(line); }, [this] { return !cancelled_; });
       if (result.stopped || result.status != 0) {
         ended = result.stopped ? State::cancelled : State::failed;
         break;
       }
     }
   } catch (const std::exception& e) {
-    say(e.what());
+    setProgress(e.what());
     ended = State::failed;
   }
   const std::lock_guard lock(mutex_);

@@ -17,10 +17,10 @@ struct JobPlan {
     std::string what;                // progress text until the program prints its first line
     std::vector<std::string> words;  // program and arguments
   };
-  std::string name;             // name of the result, for people
-  std::vector<Step> steps;      // each begins after the previous one has succeeded
-  std::string done;             // message on success; empty: none
-  std::filesystem::path opens;  // scene opened on success; empty: none
+  std::string name;                   // name of the result, for people
+  std::vector<Step> steps;            // each begins after the previous one has succeeded
+  std::string done;                   // message on success; empty: none
+  std::filesystem::path resultScene;  // scene opened on success; empty: none
 };
 
 class Job {
@@ -40,7 +40,7 @@ class Job {
 
  private:
   void run();
-  void say(std::string_view line);
+  void setProgress(std::string_view line);
 
   const JobPlan plan_;
   std::atomic<bool> cancelled_ = false;

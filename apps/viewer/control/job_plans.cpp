@@ -5,7 +5,7 @@
 
 #include <cctype>
 
-#include "shared/cli/setting_words.h"
+#include "shared/cli/setting_arguments.h"
 #include "viewer/control/screenshot.h"
 
 namespace fs = std::filesystem;
@@ -37,9 +37,9 @@ Words posesIn(const fs::path& folder) {
 }
 
 // Returns the options of `ibr render` for the current settings.
-Words wordsOf(const OpenItem& place, const GpuSceneOptions& gpuScene) {
-  Words words = settingWords(settingsOf(place, gpuScene));
-  if (place.video && !place.playing) append(words, {"--time", fmt::format("{}", place.time)});
+Words wordsOf(const OpenItem& item, const GpuSceneOptions& gpuScene) {
+  Words words = settingArguments(settingsOf(item, gpuScene));
+  if (item.video && !item.playing) append(words, {"--time", fmt::format("{}", item.time)});
   return words;
 }
 
@@ -65,12 +65,12 @@ Words encode(const fs::path& pictures, double fps, const fs::path& video) {
 
 }  // namespace
 
-bool holdsPhotographs(const fs::path& folder) noexcept try {
-  constexpr int kEnough = 2, kLooks = 10000;
-  int found = 0, looks = 0;
+bool containsPhotographs(const fs::path& folder) noexcept try {
+  constexpr int kMinPhotographs = 2, kMaxEntries = 10000;
+  int found = 0, entries = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    if (++looks > kLooks) return false;
-    if (isPhotograph(entry.path()) && ++found == kEnough) return true;
+    if (++entries > kMaxEntries) return false;
+    if (isPhotograph(entry.path()) && ++found == kMinPhotographs) return true;
   }
   return false;
 } catch (const fs::filesystem_error&) {
@@ -83,20 +83,22 @@ JobPlan buildPlan(const fs::path& photographs) {
   const fs::path scene = folder.string() + "-scene";
   Words words{ibrProgram().string(), "build", folder.string(), "-o", scene.string()};
   append(words, posesIn(folder));
-  return {.name = scene.filename().string(), .steps = {{"starting", std::move(words)}}, .done = {}, .opens = scene};
+  return {
+      .name = scene.filename().string(), .steps = {{"starting", std::move(words)}}, .done = {}, .resultScene = scene};
 }
 
-JobPlan videoPlan(const OpenItem& place, const fs::path& cameraPath, const GpuSceneOptions& gpuScene,
+JobPlan videoPlan(const OpenItem& item, const fs::path& cameraPath, const GpuSceneOptions& gpuScene,
                   const std::string& device) {
   const fs::path pictures = fs::path(cameraPath).replace_extension(), video = pictures.string() + ".mp4";
-  Words render{ibrProgram().string(), "render", place.path.string(), "--poses",
+  Words render{ibrProgram().string(), "render", item.path.string(), "--poses",
                cameraPath.string(),   "-o",     pictures.string()};
-  append(render, wordsOf(place, gpuScene));
+  append(render, wordsOf(item, gpuScene));
   if (!device.empty()) append(render, {"--device", device});
-  JobPlan plan{.name = video.filename().string(), .steps = {{"starting", std::move(render)}}, .done = {}, .opens = {}};
+  JobPlan plan{
+      .name = video.filename().string(), .steps = {{"starting", std::move(render)}}, .done = {}, .resultScene = {}};
   if (isOnPath("ffmpeg")) {
     const fs::path part = pictures.string() + ".part.mp4";  // temporary name: NAME.mp4 is always complete
-    plan.steps.push_back({"ffmpeg encodes the video", encode(pictures, place.route.fps, part)});
+    plan.steps.push_back({"ffmpeg encodes the video", encode(pictures, item.cameraPath.fps, part)});
     plan.steps.push_back({"", {"mv", part.string(), video.string()}});
     plan.done = fmt::format("{} written", video.string());
   } else {

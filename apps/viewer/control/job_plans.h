@@ -12,7 +12,7 @@
 namespace ibr::app {
 
 /// Returns true for two or more photographs in the folder or its subfolders, among the first 10000 entries.
-bool holdsPhotographs(const std::filesystem::path& folder) noexcept;
+bool containsPhotographs(const std::filesystem::path& folder) noexcept;
 
 /// Builds a scene with `ibr build` from a folder of photographs. The output folder lies beside the input and has
 /// "-scene" appended to its name. Uses poses in the folder (sparse/, sparse/0/ or transforms.json), else COLMAP
@@ -22,7 +22,7 @@ JobPlan buildPlan(const std::filesystem::path& photographs);
 /// Renders a camera path NAME.json with `ibr render` and the scene's settings to NAME/frame_0000.png and so on. If
 /// ffmpeg is available, also encodes NAME.mp4. Playing 3D video starts with the path; paused 3D video stays at its
 /// current time.
-JobPlan videoPlan(const OpenItem& place, const std::filesystem::path& cameraPath, const GpuSceneOptions& gpuScene,
+JobPlan videoPlan(const OpenItem& item, const std::filesystem::path& cameraPath, const GpuSceneOptions& gpuScene,
                   const std::string& device);
 
 }  // namespace ibr::app

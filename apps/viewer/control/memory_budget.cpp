@@ -10,7 +10,7 @@
 namespace ibr::app {
 namespace {
 
-bool saysBudgets(VkPhysicalDevice device) {
+bool reportsBudgets(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vk(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
   std::vector<VkExtensionProperties> all(count);
@@ -34,10 +34,10 @@ std::uint32_t largestLocalHeap(const VkPhysicalDeviceMemoryProperties& memory) {
 MemoryMeter::MemoryMeter(const Device& device)
     : device_(device),
       heap_(largestLocalHeap(device.memoryProperties())),
-      saysBudgets_(saysBudgets(device.physicalDevice())) {}
+      reportsBudgets_(reportsBudgets(device.physicalDevice())) {}
 
 MemoryBudget MemoryMeter::read() const {
-  if (!saysBudgets_) return {device_.memoryProperties().memoryHeaps[heap_].size, std::nullopt};
+  if (!reportsBudgets_) return {device_.memoryProperties().memoryHeaps[heap_].size, std::nullopt};
   VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{.sType =
                                                        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
   VkPhysicalDeviceMemoryProperties2 memory{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,

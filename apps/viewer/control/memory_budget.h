@@ -24,7 +24,7 @@ class MemoryMeter {
  private:
   const Device& device_;
   std::uint32_t heap_;
-  bool saysBudgets_;
+  bool reportsBudgets_;
 };
 
 }  // namespace ibr::app

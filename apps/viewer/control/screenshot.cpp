@@ -6,8 +6,8 @@
 #include "base/file.h"
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/settings.h"
+#include "shared/draw/image_operations.h"
 #include "shared/draw/picture_record.h"
-#include "shared/draw/pictures.h"
 
 namespace fs = std::filesystem;
 
@@ -21,19 +21,19 @@ fs::path freeFile(const fs::path& folder, const char* name, const char* extensio
   }
 }
 
-nlohmann::ordered_json settingsOf(const OpenItem& place, const GpuSceneOptions& gpuScene) {
+nlohmann::ordered_json settingsOf(const OpenItem& item, const GpuSceneOptions& gpuScene) {
   nlohmann::ordered_json settings =
-      place.scene ? pictureSettingsJson(place.settings, gpuScene, {}) : htmSettingsJson(place.htmSettings, false);
-  settings["graph"] = place.showGraph;
+      item.scene ? pictureSettingsJson(item.settings, gpuScene, {}) : htmSettingsJson(item.htmSettings, false);
+  settings["graph"] = item.showGraph;
   return settings;
 }
 
-void writeScreenshot(const fs::path& file, const Image8& image, const OpenItem& place, VkExtent2D extent,
+void writeScreenshot(const fs::path& file, const Image8& image, const OpenItem& item, VkExtent2D extent,
                      const GpuSceneOptions& gpuScene) {
   if (file.has_parent_path()) makeFolders(file.parent_path());
-  const Camera camera = cameraOf(place, extent);
-  const std::optional<double> time = place.video ? std::optional(place.time) : std::nullopt;
-  writePicture(file, place.scene ? rgb(image) : image, {camera, time, settingsOf(place, gpuScene)});
+  const Camera camera = cameraOf(item, extent);
+  const std::optional<double> time = item.video ? std::optional(item.time) : std::nullopt;
+  writePicture(file, item.scene ? rgb(image) : image, {camera, time, settingsOf(item, gpuScene)});
 }
 
 }  // namespace ibr::app

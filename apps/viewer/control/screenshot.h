@@ -15,10 +15,10 @@ namespace ibr::app {
 std::filesystem::path freeFile(const std::filesystem::path& folder, const char* name, const char* extension);
 
 /// Returns all settings that determine the image, in the format that `ibr render` reports.
-nlohmann::ordered_json settingsOf(const OpenItem& place, const GpuSceneOptions& gpuScene);
+nlohmann::ordered_json settingsOf(const OpenItem& item, const GpuSceneOptions& gpuScene);
 
 /// Writes the same image file as `ibr render` for the same view and settings. Throws Error{io}.
-void writeScreenshot(const std::filesystem::path& file, const Image8& image, const OpenItem& place, VkExtent2D extent,
+void writeScreenshot(const std::filesystem::path& file, const Image8& image, const OpenItem& item, VkExtent2D extent,
                      const GpuSceneOptions& gpuScene);
 
 }  // namespace ibr::app

@@ -17,7 +17,7 @@ namespace ibr::app {
 namespace {
 
 // The first settings apply to all scenes, and may name cells that this scene lacks. Returns true if any were removed.
-bool keepCellsOf(const Scene& scene, RenderSettings& settings) {
+bool dropMissingCells(const Scene& scene, RenderSettings& settings) {
   std::size_t dropped = 0;
   for (std::vector<std::uint32_t>* cells : {&settings.mutedCells, &settings.soloCells})
     dropped += std::erase_if(*cells, [&](std::uint32_t cell) { return cell >= scene.cells.size(); });
@@ -32,29 +32,29 @@ bool same(const fs::path& a, const fs::path& b) {
 }  // namespace
 
 void Viewer::open(const fs::path& path) {
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (same(places[i]->path, path)) {
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (same(items[i]->path, path)) {
       current = i;
       return;
     }
   if (std::ranges::any_of(opening, [&](const Opening& other) { return same(other.path, path); })) return;
   std::error_code ignored;
-  if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
+  if (!assetKind(path) && fs::is_directory(path, ignored) && containsPhotographs(path)) {
     JobPlan plan = buildPlan(path);
-    if (std::ranges::any_of(jobs, [&](const auto& job) { return job->plan().opens == plan.opens; })) return;
+    if (std::ranges::any_of(jobs, [&](const auto& job) { return job->plan().resultScene == plan.resultScene; })) return;
     jobs.push_back(std::make_unique<Job>(std::move(plan)));
-    say(LogLevel::info, fmt::format("building a scene from {}", path.string()));
+    logMessage(LogLevel::info, fmt::format("building a scene from {}", path.string()));
     return;
   }
   opening.push_back({path, std::async(std::launch::async, [path] {
                        struct Wake {
                          ~Wake() { wakeWindow(); }
                        } wake;
-                       return openPlace(path);
+                       return openItem(path);
                      })});
 }
 
-bool Viewer::takeDone() {
+bool Viewer::collectFinishedJobs() {
   const std::size_t before = jobs.size();
   for (std::size_t i = jobs.size(); i-- > 0;) {
     const Job::State state = jobs[i]->state();
@@ -62,65 +62,67 @@ bool Viewer::takeDone() {
     const std::unique_ptr<Job> job = std::move(jobs[i]);
     jobs.erase(jobs.begin() + std::ptrdiff_t(i));
     const JobPlan& plan = job->plan();
-    if (state == Job::State::done && !plan.opens.empty()) {
-      std::erase_if(places, [&](const auto& place) { return same(place->path, plan.opens); });
-      current = std::min(current, places.empty() ? 0 : places.size() - 1);
-      open(plan.opens);
+    if (state == Job::State::done && !plan.resultScene.empty()) {
+      std::erase_if(items, [&](const auto& item) { return same(item->path, plan.resultScene); });
+      current = std::min(current, items.empty() ? 0 : items.size() - 1);
+      open(plan.resultScene);
     }
     if (state == Job::State::done && !plan.done.empty()) show(plan.done);
-    if (state == Job::State::cancelled) say(LogLevel::info, fmt::format("{}: stopped", plan.name));
-    if (state == Job::State::failed) say(LogLevel::error, fmt::format("{}: {}", plan.name, job->progress()));
+    if (state == Job::State::cancelled) logMessage(LogLevel::info, fmt::format("{}: stopped", plan.name));
+    if (state == Job::State::failed) logMessage(LogLevel::error, fmt::format("{}: {}", plan.name, job->progress()));
   }
   return jobs.size() != before;
 }
 
-bool Viewer::takeOpened() {
-  bool any = takeDone();
+bool Viewer::collectOpenedItems() {
+  bool any = collectFinishedJobs();
   // Takes results in the order of the requests.
-  while (!opening.empty() && opening[0].place.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+  while (!opening.empty() && opening[0].item.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     Opening done = std::move(opening[0]);
     opening.erase(opening.begin());
     any = true;
     try {
-      places.push_back(std::make_unique<OpenItem>(done.place.get()));
-      current = places.size() - 1;
-      place()->settings = first;
-      if (firstRoute) {
-        place()->route = *std::exchange(firstRoute, std::nullopt);
-        place()->repeatingRoute = true;
-        place()->showRoute();
+      items.push_back(std::make_unique<OpenItem>(done.item.get()));
+      current = items.size() - 1;
+      item()->settings = first;
+      if (initialCameraPath) {
+        item()->cameraPath = *std::exchange(initialCameraPath, std::nullopt);
+        item()->loopingPath = true;
+        item()->showCameraPath();
       }
-      if (place()->scene && keepCellsOf(*place()->scene, place()->settings))
-        say(LogLevel::warning, fmt::format("{}: the scene has {} cells; --mute and --solo of other cells are ignored",
-                                           place()->name, place()->scene->cells.size()));
-      say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
+      if (item()->scene && dropMissingCells(*item()->scene, item()->settings))
+        logMessage(LogLevel::warning,
+                   fmt::format("{}: the scene has {} cells; --mute and --solo of other cells are ignored", item()->name,
+                               item()->scene->cells.size()));
+      logMessage(LogLevel::info,
+                 fmt::format("{}: {} photographs", items.back()->name, items.back()->viewpoints.size()));
     } catch (const std::exception& e) {
-      say(LogLevel::error, e.what());
+      logMessage(LogLevel::error, e.what());
     }
   }
   return any;
 }
 
 void Viewer::closeCurrent() {
-  if (!place()) return;
-  places.erase(places.begin() + std::ptrdiff_t(current));
-  current = std::min(current, places.empty() ? 0 : places.size() - 1);
+  if (!item()) return;
+  items.erase(items.begin() + std::ptrdiff_t(current));
+  current = std::min(current, items.empty() ? 0 : items.size() - 1);
 }
 
 void Viewer::show(std::string text) {
   message = text;
-  warned = false;
+  messageIsWarning = false;
   messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
-  say(LogLevel::info, std::move(text));
+  logMessage(LogLevel::info, std::move(text));
 }
 
-void Viewer::say(LogLevel level, std::string text) {
+void Viewer::logMessage(LogLevel level, std::string text) {
   constexpr std::size_t kLines = 1000;
   if (mirror) mirror(level, text);
   failed |= level == LogLevel::error;
   if (level >= LogLevel::warning) {
     message = text;
-    warned = true;
+    messageIsWarning = true;
     messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(8);
   }
   log.push_back({level, std::move(text)});

@@ -27,40 +27,41 @@ struct LogLine {
 /// A scene whose files are being read.
 struct Opening {
   std::filesystem::path path;
-  std::future<OpenItem> place;
+  std::future<OpenItem> item;
 };
 
 struct Viewer {
-  std::vector<std::unique_ptr<OpenItem>> places;  // in the order of opening
-  std::size_t current = 0;                        // index into places; unused if empty
-  std::size_t shownTab = 0;                       // index into places, of the panel's tab
+  std::vector<std::unique_ptr<OpenItem>> items;  // in the order of opening
+  std::size_t current = 0;                       // index into items; unused if empty
+  std::size_t activeTab = 0;                     // index into items, of the panel's tab
   std::vector<Opening> opening;
   std::vector<std::unique_ptr<Job>> jobs;
   std::deque<LogLine> log;
-  LogCallback mirror;                    // also receives every message
-  RenderSettings first;                  // initial settings of every scene
-  std::optional<CameraPath> firstRoute;  // path of the first scene that is opened, played in a loop
+  LogCallback mirror;                           // also receives every message
+  RenderSettings first;                         // initial settings of every scene
+  std::optional<CameraPath> initialCameraPath;  // path of the first scene that is opened, played in a loop
 
-  bool showInterface = true;    // F2
-  bool showHelp = false;        // F1
-  std::size_t shownPanel = 0;   // index of the side panel's page
-  bool wantsPanelKeys = false;  // F6: moves the keyboard focus to the next panel, or back to the view
-  bool panelHasKeys = false;    // a panel has the keyboard focus
-  std::size_t keyPanel = 0;     // panel that F6 focused last
-  float interfaceScale = 1;     // relative to the monitor's scale; ctrl +, ctrl -
-  bool layOut = false;          // panels reset to their default sizes in the next frame
-  glm::vec2 laidOutFor{0};      // size of the window for which the side panel was laid out
-  bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
-  bool wantsClose = false;
-  bool asksForFolder = false;  // ctrl O
-  std::string typedFolder;     // text of that dialog
+  bool showInterface = true;      // F2
+  bool showHelp = false;          // F1
+  std::size_t activePage = 0;     // index of the side panel's page
+  bool focusNextPanel = false;    // F6: moves the keyboard focus to the next panel, or back to the view
+  bool panelFocused = false;      // a panel has the keyboard focus
+  std::size_t focusedPanel = 0;   // panel that F6 focused last
+  float interfaceScale = 1;       // relative to the monitor's scale; ctrl +, ctrl -
+  bool resetLayout = false;       // panels reset to their default sizes in the next frame
+  glm::vec2 layoutWindowSize{0};  // size of the window for which the side panel was laid out
+  bool screenshotRequested = false, copyRequested = false, pasteRequested = false, savePathRequested = false,
+       videoRequested = false;
+  bool closeRequested = false;
+  bool showOpenDialog = false;  // ctrl O
+  std::string openDialogText;   // text of that dialog
   std::set<int>
       shortcutKeys;  // keys pressed with ctrl and still down: they must not move the camera if ctrl is released first
-  std::string message;  // shown over the image for some seconds
-  bool warned = false;  // `message` is a warning: shown even if the interface is hidden
+  std::string message;            // shown over the image for some seconds
+  bool messageIsWarning = false;  // `message` is a warning: shown even if the interface is hidden
   std::chrono::steady_clock::time_point messageUntil{};
 
-  std::vector<std::pair<std::string, std::string>> shaderFaults;  // file and compiler output
+  std::vector<std::pair<std::string, std::string>> shaderErrors;  // file and compiler output
 
   // Statistics of the last frames.
   std::vector<ScopeTime> deviceTimes;
@@ -70,17 +71,17 @@ struct Viewer {
   std::size_t onDevice = 0;            // number of scenes
   bool failed = false;                 // a scene could not be opened or drawn
 
-  OpenItem* place() { return current < places.size() ? places[current].get() : nullptr; }
+  OpenItem* item() { return current < items.size() ? items[current].get() : nullptr; }
 
   /// Starts reading a scene. A scene that is already open is shown; one that is being read or built is not started
   /// twice. A folder of photographs is built into a scene first.
   void open(const std::filesystem::path& path);
   /// Takes scenes that have been read, and opens results of finished jobs. Returns true if anything changed.
-  bool takeOpened();
+  bool collectOpenedItems();
   void closeCurrent();
-  bool takeDone();                             // takes finished jobs; a scene that was rebuilt is opened again
-  void show(std::string text);                 // writes to the log, and over the image for 3 s
-  void say(LogLevel level, std::string text);  // writes to the log; warnings also over the image
+  bool collectFinishedJobs();                         // takes finished jobs; a scene that was rebuilt is opened again
+  void show(std::string text);                        // writes to the log, and over the image for 3 s
+  void logMessage(LogLevel level, std::string text);  // writes to the log; warnings also over the image
 };
 
 }  // namespace ibr::app

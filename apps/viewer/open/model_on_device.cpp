@@ -6,56 +6,58 @@
 #include "ibr/offscreen.h"
 #include "shared/camera/mesh_pick.h"
 #include "shared/draw/graph_lines.h"
-#include "shared/draw/htm_renderer.h"
-#include "shared/draw/pictures.h"
+#include "shared/draw/htm_model_renderer.h"
+#include "shared/draw/image_operations.h"
+#include "viewer/open/item_on_device.h"
 #include "viewer/open/open_item_kinds.h"
-#include "viewer/open/place_on_device.h"
 
 namespace ibr::app {
 namespace {
 
-class ModelOnDevice final : public PlaceOnDevice {
+class ModelOnDevice final : public ItemOnDevice {
  public:
-  ModelOnDevice(Device& device, OpenItem& place) : device_(device), place_(place) { choose(); }
+  ModelOnDevice(Device& device, OpenItem& item) : device_(device), item_(item) { choose(); }
 
-  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
+  void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     choose();
     prepare(target);
-    const Camera view = cameraOf(place_, target.extent);
-    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, place_.htmSettings, moment.seconds}, state_);
-    quiet_ = sameView(view, lastView_) ? quiet_ + moment.seconds : 0;
+    const Camera view = cameraOf(item_, target.extent);
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, item_.htmSettings, context.seconds}, state_);
+    quiet_ = sameView(view, lastView_) ? quiet_ + context.seconds : 0;
     lastView_ = view;
     state_ = plan.next;
-    renderer_->record(moment.commands, plan, target, timer);
-    if (place_.showGraph) {
-      const GpuScope scope(moment.commands, timer, "graph");
-      recordGraph(moment.commands, graph(), view, target);
+    renderer_->record(context.commands, plan, target, timer);
+    if (item_.showGraph) {
+      const GpuScope scope(context.commands, timer, "graph");
+      recordGraph(context.commands, graph(), view, target);
     }
   }
 
-  bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
+  bool needsRedraw() const override {
+    return item_.playing || waiting_ || quiet_ < 5 * item_.htmSettings.smoothingSeconds;
+  }
 
   Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
     choose(true);  // waits, so that the image shows the frame that its metadata names
     Offscreen offscreen(device_, extent);
     const HtmRenderer renderer(device_, *gpuModel_, {.maxExtent = extent});
-    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(item_, extent), item_.htmSettings, 0});
     ++frame;
     Image8 image = offscreen.render([&](VkCommandBuffer commands) {
       renderer.record(commands, plan, offscreen.target());
-      if (place_.showGraph) recordGraph(commands, graph(), plan.view, offscreen.target());
+      if (item_.showGraph) recordGraph(commands, graph(), plan.view, offscreen.target());
     });
-    if (place_.showGraph) makeOpaque(image);  // lines also lie outside the object, where alpha is 0
+    if (item_.showGraph) makeOpaque(image);  // lines also lie outside the object, where alpha is 0
     return image;
   }
 
   std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
-    const Camera view = cameraOf(place_, extent);
+    const Camera view = cameraOf(item_, extent);
     return pickedPoint(model_->surface.mesh, view.pose.position,
                        view.pose.rotation * unproject(view.intrinsics, pixel));
   }
 
-  void remakePipelines() override {
+  void rebuildPipelines() override {
     vkDeviceWaitIdle(device_.handle());
     graph_.reset();
     if (!renderer_) return;
@@ -75,11 +77,11 @@ class ModelOnDevice final : public PlaceOnDevice {
   // Selects the model of the current time. If the model is not loaded yet, waits for it, or keeps the last model until
   // a later call.
   void choose(bool waits = false) {
-    std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*place_.model};
-    HtmPictureSource source = readHtmPicture;
-    if (place_.video) {
-      const std::size_t index = place_.video->frameAt(place_.time);
-      const auto frame = model_ && !waits ? place_.video->tryFrame(index) : place_.video->frame(index);
+    std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*item_.model};
+    HtmImageSource source = readHtmPicture;
+    if (item_.video) {
+      const std::size_t index = item_.video->frameAt(item_.time);
+      const auto frame = model_ && !waits ? item_.video->tryFrame(index) : item_.video->frame(index);
       waiting_ = !frame;
       if (!frame) return;
       model = {frame, &frame->model};
@@ -87,10 +89,10 @@ class ModelOnDevice final : public PlaceOnDevice {
     }
     if (model == model_) return;
     if (gpuModel_) {
-      state_ = htmStateFor(*model, *model_, state_);
+      state_ = transferHtmState(*model, *model_, state_);
       vkDeviceWaitIdle(device_.handle());
       gpuModel_->replace(*model, source);
-      if (renderer_) renderer_->show(*gpuModel_);
+      if (renderer_) renderer_->setModel(*gpuModel_);
     } else {
       gpuModel_.emplace(device_, *model, source);
     }
@@ -108,12 +110,12 @@ class ModelOnDevice final : public PlaceOnDevice {
   }
 
   GraphOverlay& graph() {
-    if (!graph_) graph_ = graphLines(device_, *place_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
+    if (!graph_) graph_ = graphLines(device_, *item_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
     return *graph_;
   }
 
   Device& device_;
-  OpenItem& place_;
+  OpenItem& item_;
   std::shared_ptr<const HtmModel> model_;
   HtmBounds bounds_;
   std::optional<GpuHtmModel> gpuModel_;
@@ -121,7 +123,7 @@ class ModelOnDevice final : public PlaceOnDevice {
   std::optional<GraphOverlay> graph_;
   VkExtent2D largest_{0, 0};
   VkFormat format_ = VK_FORMAT_UNDEFINED;
-  HtmState state_;
+  HtmPlanState state_;
   Camera lastView_;
   double quiet_ = 0;
   bool waiting_ = false;
@@ -129,12 +131,12 @@ class ModelOnDevice final : public PlaceOnDevice {
 
 }  // namespace
 
-std::unique_ptr<PlaceOnDevice> modelOnDevice(Device& device, OpenItem& place) {
-  return std::make_unique<ModelOnDevice>(device, place);
+std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, OpenItem& item) {
+  return std::make_unique<ModelOnDevice>(device, item);
 }
 
-std::unique_ptr<PlaceOnDevice> putOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options) {
-  return place.scene ? sceneOnDevice(device, place, options) : modelOnDevice(device, place);
+std::unique_ptr<ItemOnDevice> uploadItem(Device& device, OpenItem& item, const GpuSceneOptions& options) {
+  return item.scene ? sceneOnDevice(device, item, options) : modelOnDevice(device, item);
 }
 
 }  // namespace ibr::app

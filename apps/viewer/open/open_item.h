@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An open scene, harmonised model or 3D video, with its camera and settings ([T] §4.1.1). Its GPU resources are a
-// PlaceOnDevice, which may be lost and created again.
+// ItemOnDevice, which may be lost and created again.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 #include "shared/camera/camera_path.h"
 #include "shared/camera/navigation.h"
 #include "shared/report/graph_view.h"
-#include "viewer/open/effects.h"
+#include "viewer/open/comparison.h"
 #include "viewer/open/trust.h"
 
 namespace ibr::app {
@@ -41,31 +41,31 @@ struct OpenItem {
   GraphView map;         // projection for the map of capture sites
 
   // The user's view and settings.
-  Navigation walk;
-  bool bounded = false;                 // the camera stays within `bounds`
-  CameraPath route{1280, 720, 30, {}};  // recorded key by key; size of the window at the last save
-  double routeTime = 0;                 // s since the start of the path, while it is shown
-  bool showingRoute = false, repeatingRoute = false;
-  Pose routePose;        // last pose shown from the path: any other movement of the view ends the playback
-  double routeFovY = 0;  // radians
+  Navigation navigation;
+  bool bounded = false;                      // the camera stays within `bounds`
+  CameraPath cameraPath{1280, 720, 30, {}};  // recorded key by key; size of the window at the last save
+  double pathTime = 0;                       // s since the start of the path, while it is shown
+  bool playingPath = false, loopingPath = false;
+  Pose pathPose;        // last pose shown from the path: any other movement of the view ends the playback
+  double pathFovY = 0;  // radians
   RenderSettings settings;
   HtmSettings htmSettings;
   double time = 0;  // s, of 3D video
   bool playing = false;
   /// Appends a key at the current view to the path. The time from the previous key follows from the flying
   /// speed.
-  void addRouteKey();
+  void addPathKey();
   /// Plays the path from its beginning, in real time.
-  void showRoute();
+  void showCameraPath();
 
   bool changed = false;    // a panel changed something that affects the image
   bool showGraph = false;  // draws frusta and cells over the image
 
   // Requests to the device, and their results.
-  std::optional<glm::dvec2> pickAt;  // px of a click: the point seen there becomes the orbit centre
-  std::optional<Trust> trust;        // of the current view, while it rests
-  bool wantsEffects = false;
-  std::optional<Effects> effects;
+  std::optional<glm::dvec2> pickPixel;  // px of a click: the point seen there becomes the orbit centre
+  std::optional<Trust> trust;           // of the current view, while it rests
+  bool comparisonRequested = false;
+  std::optional<SettingsComparison> comparison;
 
   std::vector<Pose> poses() const;  // of viewpoints
   /// Moves the view to a photograph within `seconds`.
@@ -73,10 +73,10 @@ struct OpenItem {
 };
 
 /// Reads the files. May run on any thread. Throws Error that names the file.
-OpenItem openPlace(const std::filesystem::path& path);
+OpenItem openItem(const std::filesystem::path& path);
 
 /// Returns the current view as a pinhole camera for an image of this size.
-Camera cameraOf(const OpenItem& place, VkExtent2D extent);
+Camera cameraOf(const OpenItem& item, VkExtent2D extent);
 
 bool sameView(const Camera& a, const Camera& b);
 

@@ -7,20 +7,20 @@
 #include "shared/draw/graph_lines.h"
 #include "shared/draw/scene_renderer.h"
 #include "shared/report/statistics.h"
+#include "viewer/open/item_on_device.h"
 #include "viewer/open/open_item_kinds.h"
-#include "viewer/open/place_on_device.h"
 #include "viewer/open/trust_probe.h"
 
 namespace ibr::app {
 namespace {
 
 // Returns true if a renderer made with `has` can draw everything that `needs` asks for.
-bool serves(const RendererOptions& has, const RendererOptions& needs) {
+bool canDraw(const RendererOptions& has, const RendererOptions& needs) {
   const auto within = [](const auto& few, const auto& many) {
     return std::ranges::all_of(few, [&](auto one) { return std::ranges::find(many, one) != many.end(); });
   };
   return has.maxExtent.width >= needs.maxExtent.width && has.maxExtent.height >= needs.maxExtent.height &&
-         has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
+         has.crossFadeOrders >= needs.crossFadeOrders && has.fill >= needs.fill && has.colour >= needs.colour &&
          within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
          has.maxRenderScale >= needs.maxRenderScale && within(needs.formats, has.formats) &&
          within(needs.orders, has.orders) && within(needs.blends, has.blends) &&
@@ -29,57 +29,57 @@ bool serves(const RendererOptions& has, const RendererOptions& needs) {
          has.voteScale >= needs.voteScale;
 }
 
-class SceneOnDevice final : public PlaceOnDevice {
+class SceneOnDevice final : public ItemOnDevice {
  public:
-  SceneOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options)
-      : device_(device), place_(place), bounds_(sceneBounds(*place.scene)), gpuScene_(device, *place.scene, options) {}
+  SceneOnDevice(Device& device, OpenItem& item, const GpuSceneOptions& options)
+      : device_(device), item_(item), bounds_(sceneBounds(*item.scene)), gpuScene_(device, *item.scene, options) {}
 
-  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
-    const Camera view = cameraOf(place_, target.extent);
-    plan_ = planFrame(*place_.scene, bounds_, {{view}, place_.settings, moment.seconds}, plan_.next);
+  void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
+    const Camera view = cameraOf(item_, target.extent);
+    plan_ = planFrame(*item_.scene, bounds_, {{view}, item_.settings, context.seconds}, plan_.next);
     prepare(target);
-    streamed_ = gpuScene_.stream(moment.commands, plan_, moment.frame, moment.completed);
-    renderer_->record(moment.commands, plan_, std::span(&target, 1), timer);
-    if (place_.showGraph) {
-      const GpuScope scope(moment.commands, timer, "graph");
-      recordGraph(moment.commands, graph(), plan_, std::span(&target, 1));
+    streamed_ = gpuScene_.stream(context.commands, plan_, context.frame, context.completed);
+    renderer_->record(context.commands, plan_, std::span(&target, 1), timer);
+    if (item_.showGraph) {
+      const GpuScope scope(context.commands, timer, "graph");
+      recordGraph(context.commands, graph(), plan_, std::span(&target, 1));
     }
     // The colour mapping may fade for longer than the draw order's cross-fade.
-    const RenderSettings& s = place_.settings;
+    const RenderSettings& s = item_.settings;
     const bool same = sameView(view, lastView_) && s == lastSettings_;
     lastView_ = view;
     lastSettings_ = s;
-    quiet_ = same ? quiet_ + moment.seconds : 0;
+    quiet_ = same ? quiet_ + context.seconds : 0;
     const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
     const std::optional<glm::dvec3>& exposure = plan_.next.exposure;
     const bool adapts = exposure && lastExposure_ && glm::distance(*exposure, *lastExposure_) > 1e-4;
     lastExposure_ = exposure;
-    restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts;
+    needsRedraw_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts;
   }
 
-  bool restless() const override { return restless_; }
+  bool needsRedraw() const override { return needsRedraw_; }
 
   Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
-    const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, place_.settings, 0}, {});
+    const FramePlan plan = planFrame(*item_.scene, bounds_, {{cameraOf(item_, extent)}, item_.settings, 0}, {});
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
-    const Renderer renderer(device_, gpuScene_, needsOf(place_.settings, extent));
+    const Renderer renderer(device_, gpuScene_, optionsNeeded(item_.settings, extent));
     return offscreen.render([&](VkCommandBuffer commands) {
       const Target target = offscreen.target();
       renderer.record(commands, plan, target);
-      if (place_.showGraph) recordGraph(commands, graph(), plan, std::span(&target, 1));
+      if (item_.showGraph) recordGraph(commands, graph(), plan, std::span(&target, 1));
     });
   }
 
-  TimedPicture timed(const Camera& view, const RenderSettings& settings, std::uint64_t& frame) override {
+  TimedImage timed(const Camera& view, const RenderSettings& settings, std::uint64_t& frame) override {
     constexpr int kFrames = 5;  // after the first frame, which is slow
-    const FramePlan plan = planFrame(*place_.scene, bounds_, {{view}, settings, 0}, {});
+    const FramePlan plan = planFrame(*item_.scene, bounds_, {{view}, settings, 0}, {});
     const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
-    const Renderer renderer(device_, gpuScene_, needsOf(settings, extent));
+    const Renderer renderer(device_, gpuScene_, optionsNeeded(settings, extent));
     ScopeTimer timer(device_, 1);
-    TimedPicture picture{};
+    TimedImage picture{};
     std::vector<double> times;
     for (int i = 0; i <= kFrames; ++i) {
       const Stopwatch watch;
@@ -96,16 +96,16 @@ class SceneOnDevice final : public PlaceOnDevice {
   }
 
   std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
-    const Camera view = cameraOf(place_, extent);
-    const auto depth = probe().depthAt(view, place_.settings, pixel);
+    const Camera view = cameraOf(item_, extent);
+    const auto depth = probe().depthAt(view, item_.settings, pixel);
     return depth ? pickedPoint(view, pixel, *depth) : std::nullopt;
   }
 
   std::optional<Trust> trust(VkExtent2D extent) override {
-    return probe().trust(cameraOf(place_, extent), place_.settings);
+    return probe().trust(cameraOf(item_, extent), item_.settings);
   }
 
-  void remakePipelines() override {
+  void rebuildPipelines() override {
     vkDeviceWaitIdle(device_.handle());
     graph_.reset();
     probe_.reset();
@@ -125,19 +125,19 @@ class SceneOnDevice final : public PlaceOnDevice {
             {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0, false}};
   }
 
-  std::optional<GpuScene::Streamed> streamed() const override { return streamed_; }
+  std::optional<GpuScene::StreamStatus> streamed() const override { return streamed_; }
 
  private:
-  RendererOptions needsOf(const RenderSettings& settings, VkExtent2D extent,
-                          VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+  RendererOptions optionsNeeded(const RenderSettings& settings, VkExtent2D extent,
+                                VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     RendererOptions options = optionsFor(settings, extent, format);
-    options.uncertaintyScene = &*place_.scene;
+    options.uncertaintyScene = &*item_.scene;
     return options;
   }
 
   void prepare(const Target& target) {
-    const RendererOptions needed = needsOf(place_.settings, target.extent, target.format);
-    if (renderer_ && serves(options_, needed)) return;
+    const RendererOptions needed = optionsNeeded(item_.settings, target.extent, target.format);
+    if (renderer_ && canDraw(options_, needed)) return;
     vkDeviceWaitIdle(device_.handle());
     renderer_.reset();  // release first, so that two renderers never hold memory at once
     options_ = needed;
@@ -145,36 +145,36 @@ class SceneOnDevice final : public PlaceOnDevice {
   }
 
   GraphOverlay& graph() {
-    if (!graph_) graph_ = graphLines(device_, *place_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
+    if (!graph_) graph_ = graphLines(device_, *item_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all intermediate images
     return *graph_;
   }
 
-  Probe& probe() {
-    if (!probe_) probe_.emplace(device_, *place_.scene, bounds_, gpuScene_);
+  TrustProbe& probe() {
+    if (!probe_) probe_.emplace(device_, *item_.scene, bounds_, gpuScene_);
     return *probe_;
   }
 
   Device& device_;
-  OpenItem& place_;
+  OpenItem& item_;
   SceneBounds bounds_;
   GpuScene gpuScene_;
   RendererOptions options_;
   std::optional<Renderer> renderer_;
   std::optional<GraphOverlay> graph_;
-  std::optional<Probe> probe_;
+  std::optional<TrustProbe> probe_;
   FramePlan plan_;
-  GpuScene::Streamed streamed_;
+  GpuScene::StreamStatus streamed_;
   Camera lastView_;
   RenderSettings lastSettings_;
   std::optional<glm::dvec3> lastExposure_;  // of the adapting exposure, logarithms
   double quiet_ = 0;
-  bool restless_ = true;
+  bool needsRedraw_ = true;
 };
 
 }  // namespace
 
-std::unique_ptr<PlaceOnDevice> sceneOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options) {
-  return std::make_unique<SceneOnDevice>(device, place, options);
+std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, const GpuSceneOptions& options) {
+  return std::make_unique<SceneOnDevice>(device, item, options);
 }
 
 }  // namespace ibr::app

@@ -14,7 +14,7 @@ constexpr int kSide = 64;  // px, longer side of the image that is judged
 
 RendererOptions optionsFor(const Scene& scene) {
   RendererOptions options{.maxExtent = {kSide, kSide}};
-  options.switchMixing = options.fill = options.dissolve = false;
+  options.crossFadeOrders = options.fill = options.dissolve = false;
   options.colour = ColourSupport::off;
   options.formats = {VK_FORMAT_R8G8B8A8_UNORM};
   options.orders = {DrawOrder::ours};
@@ -45,10 +45,10 @@ Camera small(Camera view) {
 
 }  // namespace
 
-Probe::Probe(Device& device, const Scene& scene, const SceneBounds& bounds, const GpuScene& gpuScene)
+TrustProbe::TrustProbe(Device& device, const Scene& scene, const SceneBounds& bounds, const GpuScene& gpuScene)
     : scene_(scene), bounds_(bounds), device_(device), renderer_(device, gpuScene, optionsFor(scene)) {}
 
-FramePlan Probe::planOf(const Camera& view, RenderSettings settings) const {
+FramePlan TrustProbe::planOf(const Camera& view, RenderSettings settings) const {
   settings.order = DrawOrder::ours;
   settings.blend = BlendMode::blend;
   settings.colourMapping = ColourMapping::off;
@@ -59,21 +59,21 @@ FramePlan Probe::planOf(const Camera& view, RenderSettings settings) const {
   return planFrame(scene_, bounds_, {{view}, settings, 0});
 }
 
-FrameBuffers Probe::look(const FramePlan& plan) {
+FrameBuffers TrustProbe::renderBuffers(const FramePlan& plan) {
   const Intrinsics& k = plan.views[0].intrinsics;
   OffscreenBuffers buffers(device_, {std::uint32_t(k.width), std::uint32_t(k.height)});
   return buffers.render(
       [&](VkCommandBuffer commands) { renderer_.recordBuffers(commands, plan, 0, buffers.targets()); });
 }
 
-Trust Probe::trust(const Camera& view, const RenderSettings& settings) {
+Trust TrustProbe::trust(const Camera& view, const RenderSettings& settings) {
   const FramePlan plan = planOf(small(view), settings);
   Trust trust{.extrapolation = std::numeric_limits<double>::infinity()};
   RenderSettings ofCells = settings;
   ofCells.composition = Composition::cells;  // also if the hybrid draws no cells because the gather covers more
   if (const FramePlan nearest = planOf(small(view), ofCells); !nearest.cells.empty())
     trust.extrapolation = nearest.cells[0].extrapolationDistance / bounds_.cells[nearest.cells[0].cell].size;
-  const FrameBuffers known = look(plan);
+  const FrameBuffers known = renderBuffers(plan);
   std::vector<double> errors;
   const int width = known.surface.width, height = known.surface.height;
   for (int y = 0; y < height; ++y)
@@ -88,8 +88,8 @@ Trust Probe::trust(const Camera& view, const RenderSettings& settings) {
   return trust;
 }
 
-std::optional<double> Probe::depthAt(const Camera& view, const RenderSettings& settings, glm::dvec2 pixel) {
-  const double depth = double(look(planOf(pixelOf(view, pixel), settings)).surface.pixel(0, 0)[0]);
+std::optional<double> TrustProbe::depthAt(const Camera& view, const RenderSettings& settings, glm::dvec2 pixel) {
+  const double depth = double(renderBuffers(planOf(pixelOf(view, pixel), settings)).surface.pixel(0, 0)[0]);
   return std::isfinite(depth) ? std::optional(depth) : std::nullopt;
 }
 

@@ -10,10 +10,10 @@
 
 namespace ibr::app {
 
-class Probe {
+class TrustProbe {
  public:
   /// Scene, bounds and device must outlive the probe.
-  Probe(Device& device, const Scene& scene, const SceneBounds& bounds, const GpuScene& gpuScene);
+  TrustProbe(Device& device, const Scene& scene, const SceneBounds& bounds, const GpuScene& gpuScene);
 
   /// All methods submit and wait. Photographs must already be streamed by submitted commands. Throw Error.
   Trust trust(const Camera& view, const RenderSettings& settings);
@@ -23,7 +23,7 @@ class Probe {
 
  private:
   FramePlan planOf(const Camera& view, RenderSettings settings) const;
-  FrameBuffers look(const FramePlan& plan);
+  FrameBuffers renderBuffers(const FramePlan& plan);
 
   const Scene& scene_;
   const SceneBounds& bounds_;

@@ -50,7 +50,7 @@ void wireframe(const FramePlan& plan) {
 }
 
 void tiers() {
-  named(shader::tierColour(kTierAgrees), "confirmed depth");
+  named(shader::tierColour(kTierConsistent), "confirmed depth");
   named(shader::tierColour(kTierCompleted), "completed depth");
   named(shader::tierColour(kTierFilled), "hole, filled or empty");
 }
@@ -68,7 +68,7 @@ void weights(const Scene& scene, const FramePlan& plan) {
 }
 
 void confidence() {
-  const auto share = [](float t) { return between(shader::kLargestUncertainty, shader::kLeastUncertainty, t); };
+  const auto share = [](float t) { return between(shader::kMaxUncertainty, shader::kMinUncertainty, t); };
   ramp([&](float t) { return shader::confidenceColour(1, share(t)); },
        fmt::format("depth \u00b1{:.0f} % or unknown", 100 * share(0)), fmt::format("\u00b1{:.1f} %", 100 * share(1)));
 }
@@ -108,9 +108,9 @@ void swatch(glm::vec3 colour) {
 }
 
 void showLegend(PanelInput& input) {
-  const OpenItem* place = input.viewer.place();
-  if (!place || !place->scene || !input.plan || place->settings.overlay == Overlay::none) return;
-  const OverlayWord& line = wordOf(place->settings.overlay);
+  const OpenItem* item = input.viewer.item();
+  if (!item || !item->scene || !input.plan || item->settings.overlay == Overlay::none) return;
+  const OverlayOption& line = optionValue(item->settings.overlay);
   beginCard("legend", {10, ImGui::GetIO().DisplaySize.y - 10}, {0, 1});
   ImGui::Text("%s: %s", line.word, line.shows);
   switch (line.overlay) {
@@ -123,7 +123,7 @@ void showLegend(PanelInput& input) {
       tiers();
       break;
     case Overlay::weights:
-      weights(*place->scene, *input.plan);
+      weights(*item->scene, *input.plan);
       break;
     case Overlay::confidence:
       confidence();

@@ -70,7 +70,7 @@ bool drawnCell(const Scene& scene, RenderSettings& settings, const FramePlan& pl
 }
 
 // Returns cells in view that were not chosen, and muted or soloed cells that are not drawn, ascending.
-Cells cellsLeftOut(const Scene& scene, const RenderSettings& settings, const FramePlan& plan) {
+Cells skippedCells(const Scene& scene, const RenderSettings& settings, const FramePlan& plan) {
   Cells out = plan.next.hiddenCells;
   out.insert(out.end(), settings.mutedCells.begin(), settings.mutedCells.end());
   out.insert(out.end(), settings.soloCells.begin(), settings.soloCells.end());
@@ -82,12 +82,12 @@ Cells cellsLeftOut(const Scene& scene, const RenderSettings& settings, const Fra
   return out;
 }
 
-bool cellLeftOut(const Scene& scene, RenderSettings& settings, std::uint32_t cell) {
+bool showSkippedCell(const Scene& scene, RenderSettings& settings, std::uint32_t cell) {
   const bool muted = has(settings.mutedCells, cell);
-  const bool othersAlone = !settings.soloCells.empty() && !has(settings.soloCells, cell);
+  const bool othersSolo = !settings.soloCells.empty() && !has(settings.soloCells, cell);
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::TextDisabled("%s", muted ? "muted" : othersAlone ? "off" : "-");
+  ImGui::TextDisabled("%s", muted ? "muted" : othersSolo ? "off" : "-");
   ImGui::TableNextColumn();
   ImGui::TextDisabled("%u", cell);
   ImGui::TableNextColumn();
@@ -106,18 +106,18 @@ void showCells(PanelInput& input) {
     ImGui::TextUnformatted("harmonised models have no cells");
     return;
   }
-  OpenItem& place = *input.viewer.place();
-  const Scene& scene = *place.scene;
+  OpenItem& item = *input.viewer.item();
+  const Scene& scene = *item.scene;
   const FramePlan& plan = *input.plan;
-  RenderSettings& settings = place.settings;
+  RenderSettings& settings = item.settings;
   ImGui::TextWrapped("%zu of %zu cells; not drawn: %u outside the view, %u too far, %u over the maximum, %u by M and S",
                      plan.cells.size(), scene.cells.size(), plan.culledByFrustum, plan.culledByDistance,
-                     plan.culledByCount, plan.culledByChoice);
+                     plan.culledByCount, plan.culledByMuting);
   ImGui::BeginDisabled(settings.mutedCells.empty() && settings.soloCells.empty());
   if (ImGui::SmallButton("show all")) {
     settings.mutedCells.clear();
     settings.soloCells.clear();
-    place.changed = true;
+    item.changed = true;
   }
   ImGui::EndDisabled();
   if (!ImGui::BeginTable("cells", 6,
@@ -126,9 +126,9 @@ void showCells(PanelInput& input) {
   ImGui::TableSetupScrollFreeze(0, 1);
   for (const char* name : {"rank", "cell", "", "outside", "angle", "photographs"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
-  for (std::size_t rank = 0; rank < plan.cells.size(); ++rank) place.changed |= drawnCell(scene, settings, plan, rank);
-  for (const std::uint32_t cell : cellsLeftOut(scene, settings, plan))
-    place.changed |= cellLeftOut(scene, settings, cell);
+  for (std::size_t rank = 0; rank < plan.cells.size(); ++rank) item.changed |= drawnCell(scene, settings, plan, rank);
+  for (const std::uint32_t cell : skippedCells(scene, settings, plan))
+    item.changed |= showSkippedCell(scene, settings, cell);
   ImGui::EndTable();
 }
 

@@ -28,35 +28,35 @@ struct Map {
 }  // namespace
 
 void showMap(PanelInput& input) {
-  OpenItem& place = *input.viewer.place();
-  Map map{place.map, {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
+  OpenItem& item = *input.viewer.item();
+  Map map{item.map, {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
   map.size = {std::max(map.size.x, 50.0f), std::max(map.size.y, 50.0f)};
-  map.low = map.high = map.view.flat(place.viewpoints.front().camera.pose.position);
+  map.low = map.high = map.view.flat(item.viewpoints.front().camera.pose.position);
   const auto include = [&](const glm::dvec3& world) {
     map.low = glm::min(map.low, map.view.flat(world));
     map.high = glm::max(map.high, map.view.flat(world));
   };
-  for (const Viewpoint& v : place.viewpoints) include(v.camera.pose.position);
-  include(place.walk.pose.position);
-  map.low -= place.step;
-  map.high += place.step;
+  for (const Viewpoint& v : item.viewpoints) include(v.camera.pose.position);
+  include(item.navigation.pose.position);
+  map.low -= item.step;
+  map.high += item.step;
 
   ImDrawList& list = *ImGui::GetWindowDrawList();
   ImGui::InvisibleButton("map", map.size);
   const bool pressed = ImGui::IsItemClicked();
   list.PushClipRect(map.corner, {map.corner.x + map.size.x, map.corner.y + map.size.y}, true);
-  if (place.scene)
-    for (const Cell& cell : place.scene->cells)
+  if (item.scene)
+    for (const Cell& cell : item.scene->cells)
       for (std::size_t a = 0; a < cell.members.size(); ++a)
         for (std::size_t b = a + 1; b < cell.members.size(); ++b)
-          list.AddLine(map.at(place.viewpoints[cell.members[a]].camera.pose.position),
-                       map.at(place.viewpoints[cell.members[b]].camera.pose.position), IM_COL32(120, 130, 140, 90));
+          list.AddLine(map.at(item.viewpoints[cell.members[a]].camera.pose.position),
+                       map.at(item.viewpoints[cell.members[b]].camera.pose.position), IM_COL32(120, 130, 140, 90));
   if (input.plan && !input.plan->cells.empty()) {
-    const Cell& best = place.scene->cells[input.plan->cells[0].cell];
+    const Cell& best = item.scene->cells[input.plan->cells[0].cell];
     for (std::size_t a = 0; a < best.members.size(); ++a)
       for (std::size_t b = a + 1; b < best.members.size(); ++b)
-        list.AddLine(map.at(place.viewpoints[best.members[a]].camera.pose.position),
-                     map.at(place.viewpoints[best.members[b]].camera.pose.position), IM_COL32(253, 231, 37, 255), 2);
+        list.AddLine(map.at(item.viewpoints[best.members[a]].camera.pose.position),
+                     map.at(item.viewpoints[best.members[b]].camera.pose.position), IM_COL32(253, 231, 37, 255), 2);
   }
   const float dot = 0.2f * ImGui::GetFontSize(), look = 0.9f * ImGui::GetFontSize();
   const auto arrow = [&](const Pose& pose, ImU32 colour, float length) {
@@ -68,14 +68,14 @@ void showMap(PanelInput& input) {
     return from;
   };
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  for (std::size_t i = 0; i < place.viewpoints.size(); ++i) {
-    const ImVec2 at = arrow(place.viewpoints[i].camera.pose, IM_COL32(33, 145, 140, 255), look);
+  for (std::size_t i = 0; i < item.viewpoints.size(); ++i) {
+    const ImVec2 at = arrow(item.viewpoints[i].camera.pose, IM_COL32(33, 145, 140, 255), look);
     const float dx = mouse.x - at.x, dy = mouse.y - at.y;
     if (!ImGui::IsItemHovered() || dx * dx + dy * dy > 9 * dot * dot) continue;
-    ImGui::SetTooltip("%s", place.viewpoints[i].name.c_str());
-    if (pressed) place.flyToViewpoint(i);
+    ImGui::SetTooltip("%s", item.viewpoints[i].name.c_str());
+    if (pressed) item.flyToViewpoint(i);
   }
-  arrow(place.walk.pose, IM_COL32(255, 255, 255, 255), 1.6f * look);
+  arrow(item.navigation.pose, IM_COL32(255, 255, 255, 255), 1.6f * look);
   list.PopClipRect();
 }
 

@@ -21,22 +21,22 @@ int complete(ImGuiInputTextCallbackData* data) {
 
 void showOpen(PanelInput& input) {
   Viewer& viewer = input.viewer;
-  if (!viewer.asksForFolder) return;
+  if (!viewer.showOpenDialog) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("open", {0.5f * size.x, 0.3f * size.y}, {0.5f, 0.5f}, ImGuiWindowFlags_None);
   ImGui::TextUnformatted("Folder of a scene, a harmonised model, 3D video or photographs:");
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(std::min(36 * ImGui::GetFontSize(), 0.9f * size.x));
   const bool entered =
-      ImGui::InputText("##folder", &viewer.typedFolder,
+      ImGui::InputText("##folder", &viewer.openDialogText,
                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackCompletion, complete);
   const bool left = ImGui::IsItemDeactivated();
   ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: cancel");
   ImGui::End();
   if (!entered && !left) return;
-  viewer.asksForFolder = false;
+  viewer.showOpenDialog = false;
   ImGui::SetWindowFocus(nullptr);  // gives the keyboard back to the view
-  if (const std::filesystem::path folder = typedPath(viewer.typedFolder); entered && !folder.empty())
+  if (const std::filesystem::path folder = typedPath(viewer.openDialogText); entered && !folder.empty())
     viewer.open(folder);
 }
 

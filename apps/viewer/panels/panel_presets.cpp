@@ -22,49 +22,49 @@ const char* descriptionOf(Preset preset) {
   return "";
 }
 
-const Effect* effectNamed(const OpenItem& place, std::string_view name) {
-  if (!place.effects) return nullptr;
-  for (const Effect& line : place.effects->lines)
+const ComparedSettings* effectNamed(const OpenItem& item, std::string_view name) {
+  if (!item.comparison) return nullptr;
+  for (const ComparedSettings& line : item.comparison->lines)
     if (line.name == name) return &line;
   return nullptr;
 }
 
-bool isOfThisView(const Effects& effects, const OpenItem& place) {
-  const Intrinsics& k = effects.view.intrinsics;
-  return sameView(effects.view, cameraOf(place, {std::uint32_t(k.width), std::uint32_t(k.height)}));
+bool isOfThisView(const SettingsComparison& comparison, const OpenItem& item) {
+  const Intrinsics& k = comparison.view.intrinsics;
+  return sameView(comparison.view, cameraOf(item, {std::uint32_t(k.width), std::uint32_t(k.height)}));
 }
 
 }  // namespace
 
-void settingsChanged(OpenItem& place) {
-  place.changed = true;
-  if (!place.effects) return;
-  place.effects->lines.back() = {kAsSet, place.settings, std::nullopt};
-  place.effects->lines.back().settings.overlay = Overlay::none;
+void settingsChanged(OpenItem& item) {
+  item.changed = true;
+  if (!item.comparison) return;
+  item.comparison->lines.back() = {kCurrentSettingsName, item.settings, std::nullopt};
+  item.comparison->lines.back().settings.overlay = Overlay::none;
 }
 
 void showPresets(PanelInput& input) {
-  OpenItem& place = *input.viewer.place();
-  const bool known = place.effects && isOfThisView(*place.effects, place);
+  OpenItem& item = *input.viewer.item();
+  const bool known = item.comparison && isOfThisView(*item.comparison, item);
   for (const auto& [name, chosen] : kPresets) {
     if (ImGui::Button(name, {5.5f * ImGui::GetFontSize(), 0})) {
-      place.settings = presetOver(place.settings, chosen, input.deviceKind);
-      settingsChanged(place);
+      item.settings = withPreset(item.settings, chosen, input.deviceKind);
+      settingsChanged(item);
     }
     ImGui::SameLine();
-    const Effect* effect = known ? effectNamed(place, name) : nullptr;
+    const ComparedSettings* effect = known ? effectNamed(item, name) : nullptr;
     ImGui::TextUnformatted(effect ? text(*effect).c_str() : descriptionOf(chosen));
   }
-  if (ImGui::Button("measure", {5.5f * ImGui::GetFontSize(), 0})) place.wantsEffects = true;
+  if (ImGui::Button("measure", {5.5f * ImGui::GetFontSize(), 0})) item.comparisonRequested = true;
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip(
         "Draws this view with each preset and with the current settings. Shows the frame time on this\n"
         "device, and the PSNR against the reference preset.");
   ImGui::SameLine();
   if (known)
-    ImGui::Text("current: %s", text(place.effects->lines.back()).c_str());
+    ImGui::Text("current: %s", text(item.comparison->lines.back()).c_str());
   else
-    ImGui::TextDisabled(place.effects ? "the view has changed since" : "frame time and quality of this view");
+    ImGui::TextDisabled(item.comparison ? "the view has changed since" : "frame time and quality of this view");
   ImGui::Separator();
 }
 

@@ -50,14 +50,14 @@ bool count(const char* label, std::uint32_t& value, int low, int high, const cha
 bool chooseOverlay(RenderSettings& s) {
   bool changed = false;
   ImGui::BeginDisabled(!overlaysGoWith(s));
-  if (ImGui::BeginCombo("overlay", wordOf(s.overlay).word)) {
-    for (const OverlayWord& line : kOverlays) {
+  if (ImGui::BeginCombo("overlay", optionValue(s.overlay).word)) {
+    for (const OverlayOption& line : kOverlays) {
       if (ImGui::Selectable(line.word, line.overlay == s.overlay)) s.overlay = line.overlay, changed = true;
       hint(line.shows);
     }
     ImGui::EndCombo();
   }
-  hint("Diagnostic image over the rendered image or in its place (O)");
+  hint("Diagnostic image over the rendered image or instead of it (O)");
   ImGui::EndDisabled();
   return changed;
 }
@@ -120,17 +120,17 @@ bool modelSettings(HtmSettings& s) {
              "harmonised: photographs are displaced until they agree, then blended");
   changed |= slide("gamma", s.gamma, 1, 1000, "%.0f", "Preference for cameras that look in the view's direction",
                    ImGuiSliderFlags_Logarithmic);
-  changed |= slide("smoothing", s.smoothSeconds, 0, 2, "%.2f s", "Time constant with which weights follow the view");
+  changed |= slide("smoothing", s.smoothingSeconds, 0, 2, "%.2f s", "Time constant with which weights follow the view");
   return changed;
 }
 
 }  // namespace
 
 void showSettings(PanelInput& input) {
-  OpenItem& place = *input.viewer.place();
-  if (place.scene) showPresets(input);
+  OpenItem& item = *input.viewer.item();
+  if (item.scene) showPresets(input);
   ImGui::PushItemWidth(-9 * ImGui::GetFontSize());
-  if (place.scene ? sceneSettings(place.settings) : modelSettings(place.htmSettings)) settingsChanged(place);
+  if (item.scene ? sceneSettings(item.settings) : modelSettings(item.htmSettings)) settingsChanged(item);
   ImGui::PopItemWidth();
 }
 

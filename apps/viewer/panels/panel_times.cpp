@@ -168,10 +168,10 @@ void showMemory(PanelInput& input) {
   if (device.used)
     ImGui::TextWrapped("%.1f MiB in total, with other open scenes, the window and the driver", inMiB(*device.used));
   if (!input.streamed || input.streamed->needed == 0) return;
-  const GpuScene::Streamed& s = *input.streamed;
+  const GpuScene::StreamStatus& s = *input.streamed;
   ImGui::Separator();
-  ImGui::Text("%u photographs in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting,
-              s.withoutRoom, s.failed);
+  ImGui::Text("%u photographs in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting, s.overBudget,
+              s.failed);
 }
 
 }  // namespace ibr::app

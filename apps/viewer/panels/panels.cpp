@@ -20,28 +20,28 @@ struct Tab {
   void (*show)(PanelInput&);
 };
 constexpr std::array kTabs{
-    Tab{"View", showView},  Tab{"Settings", showSettings}, Tab{"Cells", showCells},   Tab{"Map", showMap},
-    Tab{"Path", showRoute}, Tab{"Times", showTimes},       Tab{"Memory", showMemory}, Tab{"Log", showLog}};
+    Tab{"View", showView},       Tab{"Settings", showSettings}, Tab{"Cells", showCells},   Tab{"Map", showMap},
+    Tab{"Path", showCameraPath}, Tab{"Times", showTimes},       Tab{"Memory", showMemory}, Tab{"Log", showLog}};
 
 // Tabs of the open scenes; a scene can be chosen and closed with the mouse alone.
-void showPlaces(PanelInput& input) {
+void showItemTabs(PanelInput& input) {
   Viewer& viewer = input.viewer;
-  if (!ImGui::BeginTabBar("places", ImGuiTabBarFlags_FittingPolicyScroll)) return;
-  std::size_t closed = viewer.places.size();
-  for (std::size_t i = 0; i < viewer.places.size(); ++i) {
+  if (!ImGui::BeginTabBar("items", ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  std::size_t closed = viewer.items.size();
+  for (std::size_t i = 0; i < viewer.items.size(); ++i) {
     ImGui::PushID(int(i));
     bool open = true;
-    const auto flags = viewer.shownTab != i && viewer.current == i ? ImGuiTabItemFlags_SetSelected : 0;
-    if (ImGui::BeginTabItem(viewer.places[i]->name.c_str(), &open, flags)) {
-      if (!(flags & ImGuiTabItemFlags_SetSelected) && viewer.shownTab == viewer.current) viewer.current = i;
-      viewer.shownTab = i;
+    const auto flags = viewer.activeTab != i && viewer.current == i ? ImGuiTabItemFlags_SetSelected : 0;
+    if (ImGui::BeginTabItem(viewer.items[i]->name.c_str(), &open, flags)) {
+      if (!(flags & ImGuiTabItemFlags_SetSelected) && viewer.activeTab == viewer.current) viewer.current = i;
+      viewer.activeTab = i;
       ImGui::EndTabItem();
     }
     if (!open) closed = i;
     ImGui::PopID();
   }
   ImGui::EndTabBar();
-  if (closed < viewer.places.size()) {
+  if (closed < viewer.items.size()) {
     viewer.current = closed;
     viewer.closeCurrent();
   }
@@ -65,27 +65,27 @@ void chooseTab(std::size_t& shown) {
 }
 
 // F6 moves the keyboard focus through the panels. A mouse click outside the focused panel ends the focus.
-void giveKeys(Viewer& viewer) {
+void moveKeyboardFocus(Viewer& viewer) {
   std::vector<const char*> panels;
-  if (viewer.place()) panels.push_back(kSidePanel);
-  if (viewer.place() && viewer.place()->video) panels.push_back(kTimeLine);
+  if (viewer.item()) panels.push_back(kSidePanel);
+  if (viewer.item() && viewer.item()->video) panels.push_back(kTimeLine);
   if (!viewer.jobs.empty()) panels.push_back(kMessage);
   const bool focused = ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow);
-  if (std::exchange(viewer.wantsPanelKeys, false)) {
-    const bool inside = focused && (viewer.panelHasKeys || ImGui::GetIO().NavVisible);
-    viewer.keyPanel = inside ? viewer.keyPanel + 1 : 0;
-    viewer.panelHasKeys = viewer.keyPanel < panels.size();
-    ImGui::SetWindowFocus(viewer.panelHasKeys ? panels[viewer.keyPanel] : nullptr);
+  if (std::exchange(viewer.focusNextPanel, false)) {
+    const bool inside = focused && (viewer.panelFocused || ImGui::GetIO().NavVisible);
+    viewer.focusedPanel = inside ? viewer.focusedPanel + 1 : 0;
+    viewer.panelFocused = viewer.focusedPanel < panels.size();
+    ImGui::SetWindowFocus(viewer.panelFocused ? panels[viewer.focusedPanel] : nullptr);
   }
   if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui starts with some panel focused
-  if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
+  if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelFocused = false;
 }
 
 // Keeps the panel's distance to the window's right edge when the window is resized, and keeps the panel inside.
-void followWindow(glm::vec2& laidOutFor) {
+void fitPanelToWindow(glm::vec2& layoutWindowSize) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const glm::vec2 before = std::exchange(laidOutFor, {size.x, size.y});
-  if (before == laidOutFor || before.x == 0) return;
+  const glm::vec2 before = std::exchange(layoutWindowSize, {size.x, size.y});
+  if (before == layoutWindowSize || before.x == 0) return;
   const ImVec2 panel{std::min(ImGui::GetWindowWidth(), size.x), std::min(ImGui::GetWindowHeight(), size.y)};
   const ImVec2 at = ImGui::GetWindowPos();
   ImGui::SetWindowSize(panel);
@@ -98,22 +98,22 @@ void showSidePanel(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float width = std::min(26 * ImGui::GetFontSize(), 0.5f * size.x);
   const ImGuiCond when =
-      std::exchange(viewer.layOut, false) && viewer.frames > 1 ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+      std::exchange(viewer.resetLayout, false) && viewer.frames > 1 ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
   ImGui::SetNextWindowPos({size.x - width - 10, 10}, when);
   ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, when);
   if (ImGui::Begin(kSidePanel, nullptr, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing)) {
-    followWindow(viewer.laidOutFor);
-    const OpenItem* place = viewer.place();
-    showPlaces(input);
-    if (viewer.place() != place) {  // the input still describes the scene of the previous frame
+    fitPanelToWindow(viewer.layoutWindowSize);
+    const OpenItem* item = viewer.item();
+    showItemTabs(input);
+    if (viewer.item() != item) {  // the input still describes the scene of the previous frame
       input.plan = nullptr;
       input.memory.clear();
       input.streamed.reset();
     } else {
-      viewer.shownPanel = std::min(viewer.shownPanel, kTabs.size() - 1);
-      chooseTab(viewer.shownPanel);
-      ImGui::PushID(int(viewer.shownPanel));
-      kTabs[viewer.shownPanel].show(input);
+      viewer.activePage = std::min(viewer.activePage, kTabs.size() - 1);
+      chooseTab(viewer.activePage);
+      ImGui::PushID(int(viewer.activePage));
+      kTabs[viewer.activePage].show(input);
       ImGui::PopID();
     }
   }
@@ -131,11 +131,11 @@ void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys)
 
 void showAll(PanelInput& input) {
   Viewer& viewer = input.viewer;
-  giveKeys(viewer);
+  moveKeyboardFocus(viewer);
   if (viewer.showInterface) {
-    if (viewer.place()) {
+    if (viewer.item()) {
       showSidePanel(input);
-      if (viewer.place() && viewer.place()->video) showTimeLine(input);
+      if (viewer.item() && viewer.item()->video) showTimeLine(input);
       showLegend(input);
     } else {
       showWelcome(input);
@@ -143,8 +143,8 @@ void showAll(PanelInput& input) {
   }
   if (viewer.showHelp) showHelp(input);
   showOpen(input);
-  if (viewer.showInterface || viewer.warned || !viewer.opening.empty() || !viewer.jobs.empty() ||
-      !viewer.shaderFaults.empty())
+  if (viewer.showInterface || viewer.messageIsWarning || !viewer.opening.empty() || !viewer.jobs.empty() ||
+      !viewer.shaderErrors.empty())
     showMessage(input);
 }
 
@@ -186,14 +186,14 @@ void showMessage(PanelInput& input) {
   Viewer& viewer = input.viewer;
   const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
   if (!still) viewer.message.clear();
-  if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
+  if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderErrors.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const bool aboveTimeLine = viewer.showInterface && viewer.place() && viewer.place()->video;
+  const bool aboveTimeLine = viewer.showInterface && viewer.item() && viewer.item()->video;
   beginCard(kMessage, {0.5f * size.x, size.y - (aboveTimeLine ? 5 * ImGui::GetFontSize() : 16)}, {0.5f, 1},
             viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
-  for (const auto& [file, text] : viewer.shaderFaults)
+  for (const auto& [file, text] : viewer.shaderErrors)
     ImGui::TextColored({0.95f, 0.7f, 0.3f, 1}, "%s\n%s", file.c_str(), text.c_str());
   for (const auto& job : viewer.jobs) {
     ImGui::PushID(job.get());
@@ -211,23 +211,22 @@ void showMessage(PanelInput& input) {
 }
 
 void showTimeLine(PanelInput& input) {
-  OpenItem& place = *input.viewer.place();
+  OpenItem& item = *input.viewer.item();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.1f * size.x, size.y - 4.5f * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({0.55f * size.x, 0}, ImGuiCond_FirstUseEver);
   if (ImGui::Begin(kTimeLine, nullptr,
                    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoFocusOnAppearing)) {
-    if (ImGui::Button(place.playing ? "pause" : "play ")) place.playing = !place.playing;
+    if (ImGui::Button(item.playing ? "pause" : "play ")) item.playing = !item.playing;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
-    float seconds = float(place.time);
-    const float whole = float(place.video->duration());
-    if (ImGui::SliderFloat(
-            "##time", &seconds, 0, whole,
-            fmt::format("%.2f s of {:.2f}, frame {}", whole, place.video->frameAt(place.time)).c_str())) {
-      place.time = double(seconds);
-      place.playing = false;
-      place.changed = true;
+    float seconds = float(item.time);
+    const float whole = float(item.video->duration());
+    if (ImGui::SliderFloat("##time", &seconds, 0, whole,
+                           fmt::format("%.2f s of {:.2f}, frame {}", whole, item.video->frameAt(item.time)).c_str())) {
+      item.time = double(seconds);
+      item.playing = false;
+      item.changed = true;
     }
   }
   ImGui::End();

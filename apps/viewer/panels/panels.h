@@ -11,7 +11,7 @@
 
 #include "viewer/control/memory_budget.h"
 #include "viewer/control/viewer.h"
-#include "viewer/open/place_on_device.h"
+#include "viewer/open/item_on_device.h"
 #include "window/window.h"
 
 namespace ibr::app {
@@ -25,7 +25,7 @@ struct PanelInput {
   std::vector<MemoryClass> memory = {};
   std::uint64_t sceneBudget = 0;  // --vram-budget; 0: none
   MemoryBudget budget = {};
-  std::optional<GpuScene::Streamed> streamed = {};
+  std::optional<GpuScene::StreamStatus> streamed = {};
 };
 
 /// Draws the whole interface. Call within an ImGui frame.
@@ -37,18 +37,18 @@ void showSettings(PanelInput& input);
 void showCells(PanelInput& input);
 void showMap(PanelInput& input);
 void showPresets(PanelInput& input);  // above the settings
-void showRoute(PanelInput& input);
+void showCameraPath(PanelInput& input);
 void showTimes(PanelInput& input);
 void showMemory(PanelInput& input);
 void showLog(PanelInput& input);
 
 /// Call after a panel has changed the settings of a scene: requests a redraw and clears the outdated measurement.
-void settingsChanged(OpenItem& place);
+void settingsChanged(OpenItem& item);
 
 // Windows over the image.
 void showHelp(PanelInput& input);
 void showWelcome(PanelInput& input);  // while nothing is open
-void showOpen(PanelInput& input);     // while Viewer::asksForFolder
+void showOpen(PanelInput& input);     // while Viewer::showOpenDialog
 void showMessage(PanelInput& input);
 void showTimeLine(PanelInput& input);  // 3D video
 void showLegend(PanelInput& input);    // while an overlay is on

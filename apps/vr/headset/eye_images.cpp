@@ -18,10 +18,10 @@ constexpr XrSwapchainUsageFlags kFilled = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BI
 constexpr XrSwapchainUsageFlags kDepth = XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 
 // Contents are replaced. The runtime hands over images in attachment layouts.
-constexpr ImageUse kColourBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
-                                 VK_ACCESS_2_NONE};
-constexpr ImageUse kDepthBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                                VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+constexpr ImageUse kColourInitialUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                     VK_ACCESS_2_NONE};
+constexpr ImageUse kDepthInitialUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+                                    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
 
 std::vector<std::int64_t> formatsOf(const Session& session) {
   std::uint32_t count = 0;
@@ -119,7 +119,7 @@ EyeImages::EyeImages(Headset& headset, const Device& device, const Session& sess
                       "the eyes' images");
     for (std::uint32_t eye = 0; eye < 2; ++eye) drawnViews_[eye] = makeLayerView(device, *drawn_, eye);
   }
-  if (headset.takesDepth())
+  if (headset.supportsDepthLayer())
     for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D16_UNORM})
       if (depth_.empty() && has(offered, format)) depth_ = make(format, kDepth);
   if (depth_.empty()) {
@@ -183,7 +183,7 @@ std::array<Target, 2> EyeImages::acquire(double unitsPerMetre) {
     Target& target = targets[eye];
     target.extent = extent_;
     target.format = format();
-    target.initialUse = kColourBefore;
+    target.initialUse = kColourInitialUse;
     target.image = drawn_ ? drawn_->get() : chain(colour_).image();
     target.view = drawn_ ? drawnViews_[eye].get() : chain(colour_).view(layer(colour_));
     target.layer = drawn_ ? eye : layer(colour_);
@@ -191,7 +191,7 @@ std::array<Target, 2> EyeImages::acquire(double unitsPerMetre) {
     target.depth = DepthTarget{.image = own ? ownDepth_->get() : chain(depth_).image(),
                                .view = own ? ownDepthViews_[eye].get() : chain(depth_).view(layer(depth_)),
                                .format = own ? VK_FORMAT_D32_SFLOAT : depth_[0].format(),
-                               .initialUse = kDepthBefore,
+                               .initialUse = kDepthInitialUse,
                                .nearPlane = kNearPlane * unitsPerMetre,
                                .farPlane = kFarPlane * unitsPerMetre,
                                .layer = own ? eye : layer(depth_)};
@@ -203,7 +203,8 @@ void EyeImages::finish(VkCommandBuffer commands) const {
   if (!drawn_) return;
   const VkOffset3D corner{std::int32_t(extent_.width), std::int32_t(extent_.height), 1};
   transition(commands, drawn_->get(), use::kColourAttachment, use::kTransferSource);
-  for (const XrImages& images : colour_) transition(commands, images.image(), kColourBefore, use::kTransferDestination);
+  for (const XrImages& images : colour_)
+    transition(commands, images.image(), kColourInitialUse, use::kTransferDestination);
   for (std::uint32_t eye = 0; eye < 2; ++eye) {
     const XrImages& to = colour_[colour_.size() == 2 ? eye : 0];
     const VkImageBlit region{{VK_IMAGE_ASPECT_COLOR_BIT, 0, eye, 1},

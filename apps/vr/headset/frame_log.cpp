@@ -35,7 +35,7 @@ void FrameLog::write(const Json& line) {
   if (!path_.empty()) file_ << line.dump() << '\n' << std::flush;
 }
 
-void FrameLog::add(const FrameTimes& times) {
+void FrameLog::add(const FrameLogEntry& times) {
   ++frames_;
   missed_ += times.missed;
   if (times.intervalMs > 0) intervals_.push_back(times.intervalMs);

@@ -15,7 +15,7 @@
 
 namespace ibr::app {
 
-struct FrameTimes {
+struct FrameLogEntry {
   std::uint64_t frame = 0;  // counted from 1
   double intervalMs = 0;    // between the display times of the previous frame and this one; 0: first, or after a pause
   double processorMs = 0;   // CPU time from the start of the frame to its submission, without waits
@@ -30,7 +30,7 @@ class FrameLog {
   /// An empty path: no file. Throws Error{io} if the file cannot be written.
   explicit FrameLog(const std::filesystem::path& file);
 
-  void add(const FrameTimes& times);
+  void add(const FrameLogEntry& times);
   void add(std::uint64_t frame, const std::string& decision);
   /// Writes the summary line and returns its contents.
   nlohmann::ordered_json finish();

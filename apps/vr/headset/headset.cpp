@@ -58,7 +58,7 @@ LogCallback Headset::counting(const HeadsetOptions& options) {
     if (text.find("VUID-VkDeviceCreateInfo-pNext-02830") == std::string_view::npos) {
       if (count && text.starts_with("Vulkan validation")) ++*count;
       if (log) log(level, text);
-    } else if (!blamed_.exchange(true) && log) {
+    } else if (!runtimeMessageReported_.exchange(true) && log) {
       log(LogLevel::info, "validation error of the OpenXR runtime, ignored: device features passed twice (VUID 02830)");
     }
   };
@@ -77,13 +77,13 @@ void Headset::makeInstance() {
   check(has(offered, XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME), ErrorCode::unsupported,
         "the OpenXR runtime does not support Vulkan: it lacks {}", XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME);
   std::vector<const char*> enabled{XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME};
-  const auto wish = [&](const char* name) {
+  const auto enableIfSupported = [&](const char* name) {
     if (!has(offered, name)) return false;
     enabled.push_back(name);
     return true;
   };
-  takesDepth_ = wish(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME);
-  hidesArea_ = wish(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME);
+  supportsDepthLayer_ = enableIfSupported(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME);
+  supportsVisibilityMask_ = enableIfSupported(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME);
   XrInstanceCreateInfo info{.type = XR_TYPE_INSTANCE_CREATE_INFO};
   std::strcpy(info.applicationInfo.applicationName, "ibr-vr");
   std::strcpy(info.applicationInfo.engineName, "libibr");
@@ -162,8 +162,8 @@ void Headset::makeVulkanDevice(const HeadsetOptions& options) {
                                                                                                 &physicalDevice_),
      "xrGetVulkanGraphicsDevice2KHR");
   const DeviceDescription description = Device::describe(physicalDevice_);
-  check(description.lacking.empty(), ErrorCode::unsupported, "{}, which the headset is connected to, lacks {}",
-        description.name, fmt::join(description.lacking, ", "));
+  check(description.missing.empty(), ErrorCode::unsupported, "{}, which the headset is connected to, lacks {}",
+        description.name, fmt::join(description.missing, ", "));
   queueFamily_ = description.queueFamily.value();
   const DeviceRequirements needs = Device::requirements();
   std::vector<std::string> names = needs.deviceExtensions;

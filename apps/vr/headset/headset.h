@@ -40,8 +40,8 @@ class Headset {
   std::string name() const { return name_; }  // of headset and runtime, for people
 
   // Enabled extensions.
-  bool takesDepth() const noexcept { return takesDepth_; }  // XR_KHR_composition_layer_depth
-  bool hidesArea() const noexcept { return hidesArea_; }    // XR_KHR_visibility_mask
+  bool supportsDepthLayer() const noexcept { return supportsDepthLayer_; }          // XR_KHR_composition_layer_depth
+  bool supportsVisibilityMask() const noexcept { return supportsVisibilityMask_; }  // XR_KHR_visibility_mask
 
   /// Graphics binding for a session.
   XrGraphicsBindingVulkan2KHR binding() const noexcept;
@@ -58,12 +58,12 @@ class Headset {
   void makeVulkanInstance(const HeadsetOptions& options);
   void makeVulkanDevice(const HeadsetOptions& options);
 
-  std::atomic<bool> blamed_{false};
+  std::atomic<bool> runtimeMessageReported_{false};
   Messages messages_;
   XrInstanceOwner instance_;
   XrSystemId system_ = XR_NULL_SYSTEM_ID;
   std::string name_;
-  bool takesDepth_ = false, hidesArea_ = false, hasExtensions_ = false;
+  bool supportsDepthLayer_ = false, supportsVisibilityMask_ = false, hasExtensions_ = false;
   struct DestroyInstance {
     void operator()(VkInstance instance) const noexcept { vkDestroyInstance(instance, nullptr); }
   };

@@ -83,9 +83,9 @@ XrPosef xrPoseOf(const Pose& pose) {
           {float(pose.position.x), float(pose.position.y), float(pose.position.z)}};
 }
 
-bool makesPicture(const XrFovf& fov) noexcept {
-  constexpr float kWidest = 1.569f;  // rad, 89.9°: bounds the tangents
-  const auto spans = [](float low, float high) { return low >= -kWidest && low < high && high <= kWidest; };
+bool isValidFov(const XrFovf& fov) noexcept {
+  constexpr float kMaxHalfAngle = 1.569f;  // rad, 89.9°: bounds the tangents
+  const auto spans = [](float low, float high) { return low >= -kMaxHalfAngle && low < high && high <= kMaxHalfAngle; };
   return spans(fov.angleLeft, fov.angleRight) && spans(fov.angleDown, fov.angleUp);
 }
 

@@ -66,7 +66,7 @@ Pose poseOf(const XrPosef& pose);
 XrPosef xrPoseOf(const Pose& pose);
 
 /// Returns true if intrinsicsOf accepts the field of view.
-bool makesPicture(const XrFovf& fov) noexcept;
+bool isValidFov(const XrFovf& fov) noexcept;
 /// Returns a pinhole of this size. Throws Error{invalidInput} for angles that no pinhole has.
 Intrinsics intrinsicsOf(const XrFovf& fov, int width, int height);
 

@@ -147,7 +147,7 @@ void Session::requestExit() {
   if (running_) xr(xrRequestExitSession(get()), "xrRequestExitSession");
 }
 
-XrMoment Session::beginFrame() {
+XrFrameTiming Session::beginFrame() {
   const XrFrameWaitInfo waitInfo{.type = XR_TYPE_FRAME_WAIT_INFO, .next = nullptr};
   XrFrameState state{.type = XR_TYPE_FRAME_STATE};
   xr(xrWaitFrame(get(), &waitInfo, &state), "xrWaitFrame");
@@ -173,7 +173,7 @@ EyeViews Session::locate(XrTime time) const {
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const XrView& view = views[eye];
     found.eyes[eye] = {poseOf(view.pose), view.fov};
-    found.oriented &= isFinite(found.eyes[eye].pose.rotation) && makesPicture(view.fov);
+    found.oriented &= isFinite(found.eyes[eye].pose.rotation) && isValidFov(view.fov);
     found.positioned &= found.oriented && isFinite(found.eyes[eye].pose.position);
   }
   return found;
@@ -187,10 +187,10 @@ std::optional<Pose> Session::locate(XrSpace what, XrTime time) const {
   return poseOf(location.pose);
 }
 
-void Session::endFrame(const XrMoment& moment, std::span<const XrCompositionLayerBaseHeader* const> layers) {
+void Session::endFrame(const XrFrameTiming& timing, std::span<const XrCompositionLayerBaseHeader* const> layers) {
   const XrFrameEndInfo info{.type = XR_TYPE_FRAME_END_INFO,
                             .next = nullptr,
-                            .displayTime = moment.time,
+                            .displayTime = timing.time,
                             .environmentBlendMode = blendMode_,
                             .layerCount = std::uint32_t(layers.size()),
                             .layers = layers.data()};
@@ -199,7 +199,7 @@ void Session::endFrame(const XrMoment& moment, std::span<const XrCompositionLaye
 }
 
 std::vector<glm::vec2> Session::hiddenArea(std::uint32_t eye) const {
-  if (!headset_.hidesArea()) return {};
+  if (!headset_.supportsVisibilityMask()) return {};
   const auto getMask = xrFunction<PFN_xrGetVisibilityMaskKHR>(headset_.instance(), "xrGetVisibilityMaskKHR");
   const auto ask = [&](XrVisibilityMaskKHR& mask) {
     return XR_SUCCEEDED(getMask(get(), kStereo, eye, XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask));

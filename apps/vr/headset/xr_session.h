@@ -28,7 +28,7 @@ struct SessionEvents {
 };
 
 /// Display time of a frame, and whether to draw.
-struct XrMoment {
+struct XrFrameTiming {
   XrTime time = 0;
   double periodMs = 0;  // between frames
   bool shown = false;   // false: nothing needs to be drawn
@@ -70,10 +70,10 @@ class Session {
   VkExtent2D eyeExtent() const noexcept { return eyeExtent_; }
 
   /// Waits until the runtime wants the next frame, and begins that frame.
-  XrMoment beginFrame();
+  XrFrameTiming beginFrame();
   EyeViews locate(XrTime time) const;
   std::optional<Pose> locate(XrSpace what, XrTime time) const;  // nullopt: not tracked
-  void endFrame(const XrMoment& moment, std::span<const XrCompositionLayerBaseHeader* const> layers);
+  void endFrame(const XrFrameTiming& timing, std::span<const XrCompositionLayerBaseHeader* const> layers);
 
   /// Triangles, as tangents (x right, y up), that an eye's lens never shows; empty if the runtime has no mask.
   std::vector<glm::vec2> hiddenArea(std::uint32_t eye) const;

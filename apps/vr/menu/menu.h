@@ -20,11 +20,11 @@ struct MenuModel {
     bool here = false;   // the user stands here
   };
   std::vector<std::string> scenes;
-  std::optional<std::size_t> scene;                  // the open scene
-  std::vector<Spot> spots;                           // capture sites, seen from above
-  std::optional<glm::dvec2> you;                     // the user's position on the map; clamped to its edge
-  glm::dvec2 facing{0.0};                            // the user's direction on the map, any length; (0, 0): not shown
-  double unitsPerMetre = 1, firstUnitsPerMetre = 1;  // world units; current, and when the scene was opened
+  std::optional<std::size_t> scene;                    // the open scene
+  std::vector<Spot> spots;                             // capture sites, seen from above
+  std::optional<glm::dvec2> you;                       // the user's position on the map; clamped to its edge
+  glm::dvec2 facing{0.0};                              // the user's direction on the map, any length; (0, 0): not shown
+  double unitsPerMetre = 1, initialUnitsPerMetre = 1;  // world units; current, and when the scene was opened
   bool smoothMotion = false;
   double snapDegrees = 30;          // of one turn
   std::optional<double> eyeHeight;  // m; nullopt: the headset knows the floor
@@ -35,7 +35,7 @@ struct MenuModel {
 };
 
 /// Requests of one frame; empty unless something was pressed.
-struct MenuWishes {
+struct MenuRequests {
   std::optional<std::size_t> teleport;  // index into MenuModel::spots
   std::optional<std::size_t> scene;     // index into MenuModel::scenes; not the open scene
   std::optional<double> scaleFactor;    // factor on world units per metre; finite, above 0
@@ -45,7 +45,7 @@ struct MenuWishes {
   std::optional<bool> governor;
   bool nextComposition = false;
   bool recentre = false, picture = false, close = false, exit = false;
-  bool operator==(const MenuWishes&) const = default;
+  bool operator==(const MenuRequests&) const = default;
 };
 
 /// An item that can be pointed at, in pixels. Names: "map page", "scenes page", "settings page", "picture", "recentre",
@@ -57,12 +57,12 @@ struct MenuItem {
   glm::dvec2 low{0.0}, high{0.0};
 };
 
-struct MenuSheet;
+struct MenuCanvas;
 
 class Menu {
  public:
-  /// Draws the menu over `pixels`, within an ImGui frame whose font height is kMenuLetters of pixels.y.
-  MenuWishes show(const MenuModel& model, glm::vec2 pixels);
+  /// Draws the menu over `pixels`, within an ImGui frame whose font height is kMenuFontShare of pixels.y.
+  MenuRequests show(const MenuModel& model, glm::vec2 pixels);
 
   /// Items of the last frame.
   const std::vector<MenuItem>& items() const noexcept { return items_; }
@@ -73,10 +73,10 @@ class Menu {
  private:
   enum class Page { map, scenes, settings };
 
-  void showColumn(MenuSheet& sheet, MenuWishes& wishes);
-  void showExit(MenuSheet& sheet, MenuWishes& wishes, float y);
-  void showMap(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes);
-  void showScenes(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes);
+  void showColumn(MenuCanvas& canvas, MenuRequests& requests);
+  void showExit(MenuCanvas& canvas, MenuRequests& requests, float y);
+  void showMap(MenuCanvas& canvas, const MenuModel& model, MenuRequests& requests);
+  void showScenes(MenuCanvas& canvas, const MenuModel& model, MenuRequests& requests);
 
   std::vector<MenuItem> items_;
   Page page_ = Page::map;
@@ -87,6 +87,6 @@ class Menu {
 };
 
 /// Font height as a share of the panel's height: 24 of 480 pixels.
-inline constexpr double kMenuLetters = 0.05;
+inline constexpr double kMenuFontShare = 0.05;
 
 }  // namespace ibr::app

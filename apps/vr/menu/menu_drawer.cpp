@@ -3,7 +3,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
-#include "vr/menu/menu_sheet.h"
+#include "vr/menu/menu_canvas.h"
 #include "window/raw_copy.h"
 
 namespace ibr::app {
@@ -19,7 +19,7 @@ GpuImageInfo imageInfo(VkFormat format, const MenuPanel& panel) {
 }
 
 void clear(VkCommandBuffer commands, VkImage image) {
-  const ImVec4 back = ImGui::ColorConvertU32ToFloat4(kMenuBack);
+  const ImVec4 back = ImGui::ColorConvertU32ToFloat4(kMenuBackground);
   const VkClearColorValue value{.float32 = {back.x, back.y, back.z, 1}};
   const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   vkCmdClearColorImage(commands, image, use::kTransferDestination.layout, &value, 1, &all);
@@ -40,9 +40,9 @@ MenuDrawer::~MenuDrawer() {
 
 void MenuDrawer::record(VkCommandBuffer commands, VkImage image, ImageUse before, ImageUse after) {
   const CurrentContext current(panel_.context());
-  constexpr ImageUse kRewritten{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  constexpr ImageUse kDiscardedUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   const VkExtent2D extent = drawn_.info().extent;
-  transition(commands, drawn_.get(), kRewritten, InterfaceDrawer::kBefore);
+  transition(commands, drawn_.get(), kDiscardedUse, InterfaceDrawer::kInitialUse);
   clear(commands, drawn_.get());
   drawer_->record(commands, {drawn_.view(), extent, 1});
   transition(commands, image, {VK_IMAGE_LAYOUT_UNDEFINED, before.stages, before.access}, use::kTransferDestination);

@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "vr/menu/menu_sheet.h"
+#include "vr/menu/menu_canvas.h"
 
 namespace ibr::app {
 namespace {
@@ -50,7 +50,7 @@ void drawSpots(ImDrawList& list, const Map& map, const std::vector<MenuModel::Sp
       if (spot.here != here || !finite(spot.at)) continue;
       const ImVec2 at = map.at(spot.at);
       const float radius = here ? std::max(map.dot, 6 * map.unit) : map.dot;
-      const ImU32 colour = here ? kMenuHere : kSpot;
+      const ImU32 colour = here ? kMenuCurrentSpot : kSpot;
       if (radius < 4)  // squares are faster for many spots
         list.AddRectFilled({at.x - radius, at.y - radius}, {at.x + radius, at.y + radius}, colour);
       else
@@ -58,17 +58,17 @@ void drawSpots(ImDrawList& list, const Map& map, const std::vector<MenuModel::Sp
     }
 }
 
-void drawMeant(MenuSheet& sheet, const Map& map, ImVec2 at, std::size_t number) {
-  sheet.list.AddCircleFilled(at, 15 * map.unit, kMenuText, 32);
-  sheet.list.AddCircleFilled(at, 11 * map.unit, kMenuMarked, 32);
+void drawHoveredSpot(MenuCanvas& canvas, const Map& map, ImVec2 at, std::size_t number) {
+  canvas.list.AddCircleFilled(at, 15 * map.unit, kMenuText, 32);
+  canvas.list.AddCircleFilled(at, 11 * map.unit, kMenuSelected, 32);
   const std::string words = fmt::format("{}", number);
   const float width = ImGui::CalcTextSize(words.c_str()).x + 28 * map.unit, height = 40 * map.unit;
   const float x = std::clamp(at.x - 0.5f * width, map.rect.low.x, map.rect.high.x - width);
   float y = at.y - 22 * map.unit - height;
   if (y < map.rect.low.y) y = at.y + 34 * map.unit;  // below the pointer, else the pointer hides the text
   const MenuRect box{{x, y}, {x + width, y + height}};
-  sheet.list.AddRectFilled(box.low, box.high, kMenuText, 6 * map.unit);
-  sheet.text(words, box, kMenuBack);
+  canvas.list.AddRectFilled(box.low, box.high, kMenuText, 6 * map.unit);
+  canvas.text(words, box, kMenuBackground);
 }
 
 // Drawn over the spots, to be visible among thousands of them.
@@ -76,7 +76,7 @@ void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 f
   const ImVec2 at = map.at(place);
   const double length = glm::length(facing);
   if (!std::isfinite(length) || length <= 0) {
-    list.AddCircleFilled(at, 10 * map.unit, kMenuBack, 24);
+    list.AddCircleFilled(at, 10 * map.unit, kMenuBackground, 24);
     list.AddCircleFilled(at, 7 * map.unit, kMenuText, 24);
     return;
   }
@@ -87,7 +87,7 @@ void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 f
   };
   for (const bool inner : {false, true}) {
     const float size = inner ? 17 : 25;
-    const ImU32 colour = inner ? kMenuText : kMenuBack;
+    const ImU32 colour = inner ? kMenuText : kMenuBackground;
     // Two triangles: an arrow head with a notch.
     list.AddTriangleFilled(corner(1.25f, 0, size), corner(-0.9f, 0.8f, size), corner(-0.45f, 0, size), colour);
     list.AddTriangleFilled(corner(1.25f, 0, size), corner(-0.45f, 0, size), corner(-0.9f, -0.8f, size), colour);
@@ -97,26 +97,27 @@ void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 f
 }  // namespace
 
 // Chooses the spot under the pointer at the start of the press, because the hand shakes while pressing.
-void Menu::showMap(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes) {
+void Menu::showMap(MenuCanvas& canvas, const MenuModel& model, MenuRequests& requests) {
   const float crowd = kSide / std::sqrt(float(std::max<std::size_t>(model.spots.size(), 1)));
-  const Map map{sheet.rect(784 - kSide, 16, kSide, kSide), sheet.unit,
-                sheet.unit * std::clamp(0.18f * crowd, 1.6f, 10.0f)};
-  sheet.list.AddRectFilled(map.rect.low, map.rect.high, kMenuField, 9 * sheet.unit);
-  const bool chosen = sheet.area("map", map.rect);
-  std::optional<std::size_t> meant;
-  if (ImGui::IsItemHovered()) meant = nearest(map, model.spots, ImGui::GetIO().MousePos);
-  if (ImGui::IsItemActivated()) pressedSpot_ = meant;
+  const Map map{canvas.rect(784 - kSide, 16, kSide, kSide), canvas.unit,
+                canvas.unit * std::clamp(0.18f * crowd, 1.6f, 10.0f)};
+  canvas.list.AddRectFilled(map.rect.low, map.rect.high, kMenuField, 9 * canvas.unit);
+  const bool chosen = canvas.area("map", map.rect);
+  std::optional<std::size_t> hovered;
+  if (ImGui::IsItemHovered()) hovered = nearest(map, model.spots, ImGui::GetIO().MousePos);
+  if (ImGui::IsItemActivated()) pressedSpot_ = hovered;
   if (pressedSpot_ && *pressedSpot_ >= model.spots.size()) pressedSpot_.reset();  // the scene has changed
-  if (chosen) wishes.teleport = pressedSpot_;
-  if (ImGui::IsItemActive()) meant = pressedSpot_;
+  if (chosen) requests.teleport = pressedSpot_;
+  if (ImGui::IsItemActive()) hovered = pressedSpot_;
   if (!ImGui::IsItemActive()) pressedSpot_.reset();
 
-  sheet.list.PushClipRect(map.rect.low, map.rect.high, true);
-  if (model.spots.empty()) sheet.text("No photographs", map.rect, kMenuDim);
-  drawSpots(sheet.list, map, model.spots);
-  if (model.you && finite(*model.you)) drawPerson(sheet.list, map, *model.you, model.facing);
-  if (meant && finite(model.spots[*meant].at)) drawMeant(sheet, map, map.at(model.spots[*meant].at), *meant + 1);
-  sheet.list.PopClipRect();
+  canvas.list.PushClipRect(map.rect.low, map.rect.high, true);
+  if (model.spots.empty()) canvas.text("No photographs", map.rect, kMenuDim);
+  drawSpots(canvas.list, map, model.spots);
+  if (model.you && finite(*model.you)) drawPerson(canvas.list, map, *model.you, model.facing);
+  if (hovered && finite(model.spots[*hovered].at))
+    drawHoveredSpot(canvas, map, map.at(model.spots[*hovered].at), *hovered + 1);
+  canvas.list.PopClipRect();
 }
 
 }  // namespace ibr::app

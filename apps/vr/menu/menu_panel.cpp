@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "base/check.h"
-#include "vr/menu/menu_sheet.h"
+#include "vr/menu/menu_canvas.h"
 
 namespace ibr::app {
 namespace {
@@ -42,17 +42,17 @@ void drawPointer(float unit) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.MousePos.x < 0) return;
   ImDrawList& list = *ImGui::GetForegroundDrawList();
-  list.AddCircleFilled(io.MousePos, 9 * unit, kMenuBack, 24);
-  list.AddCircleFilled(io.MousePos, 6 * unit, io.MouseDown[0] ? kMenuHere : kMenuText, 24);
+  list.AddCircleFilled(io.MousePos, 9 * unit, kMenuBackground, 24);
+  list.AddCircleFilled(io.MousePos, 6 * unit, io.MouseDown[0] ? kMenuCurrentSpot : kMenuText, 24);
 }
 
 }  // namespace
 
-CurrentContext::CurrentContext(ImGuiContext* context) : before_(ImGui::GetCurrentContext()) {
+CurrentContext::CurrentContext(ImGuiContext* context) : previous_(ImGui::GetCurrentContext()) {
   ImGui::SetCurrentContext(context);
 }
 CurrentContext::~CurrentContext() {
-  ImGui::SetCurrentContext(before_);
+  ImGui::SetCurrentContext(previous_);
 }
 
 MenuPanel::MenuPanel(int width, int height) : width_(width), height_(height) {
@@ -65,7 +65,7 @@ MenuPanel::MenuPanel(int width, int height) : width_(width), height_(height) {
   io.IniFilename = nullptr;
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // supported by InterfaceDrawer; maps have many vertices
   io.DisplaySize = {float(width), float(height)};
-  addLetters(*io.Fonts, float(std::round(kMenuLetters * height)));
+  addLetters(*io.Fonts, float(std::round(kMenuFontShare * height)));
   ImGui::GetStyle().WindowPadding = {0, 0};
   ImGui::GetStyle().WindowBorderSize = 0;
   ImGui::SetCurrentContext(before);
@@ -77,27 +77,27 @@ MenuPanel::~MenuPanel() {
 
 void MenuPanel::open() {
   menu_.reset();
-  seenFree_ = false;
+  releasedSinceOpen_ = false;
 }
 
-void MenuPanel::takePointer(const MenuPointer& pointer) {
+void MenuPanel::setPointer(const MenuPointer& pointer) {
   const bool on = onPanel(pointer);
-  seenFree_ |= !pointer.held;
+  releasedSinceOpen_ |= !pointer.held;
   ImGuiIO& io = ImGui::GetIO();
   io.MousePos = on ? ImVec2(float(pointer.at->x * width_), float(pointer.at->y * height_)) : ImVec2(-FLT_MAX, -FLT_MAX);
-  io.MouseDown[0] = pointer.held && seenFree_;
+  io.MouseDown[0] = pointer.held && releasedSinceOpen_;
 }
 
-MenuWishes MenuPanel::show(const MenuModel& model, const MenuPointer& pointer, double seconds) {
+MenuRequests MenuPanel::show(const MenuModel& model, const MenuPointer& pointer, double seconds) {
   const CurrentContext current(context_);
-  takePointer(pointer);
+  setPointer(pointer);
   // ImGui requires a positive time step; the limit keeps a pause from counting as time.
   ImGui::GetIO().DeltaTime = seconds > 1e-4 ? float(std::min(seconds, 0.1)) : 1e-4f;
   ImGui::NewFrame();
-  const MenuWishes wishes = menu_.show(model, {float(width_), float(height_)});
+  const MenuRequests requests = menu_.show(model, {float(width_), float(height_)});
   drawPointer(float(height_) / 600);
   ImGui::Render();
-  return wishes;
+  return requests;
 }
 
 }  // namespace ibr::app

@@ -21,7 +21,7 @@ struct MenuPointer {
 
 class MenuPanel {
  public:
-  /// Font height is kMenuLetters of `height`. Throws Error{invalidInput} if a side is below 64 pixels.
+  /// Font height is kMenuFontShare of `height`. Throws Error{invalidInput} if a side is below 64 pixels.
   MenuPanel(int width, int height);
   MenuPanel(const MenuPanel&) = delete;
   MenuPanel& operator=(const MenuPanel&) = delete;
@@ -32,7 +32,7 @@ class MenuPanel {
 
   /// Runs the next frame, `seconds` after the previous one. A press counts where it began on the panel. A button
   /// already held when the panel was opened must be released first.
-  MenuWishes show(const MenuModel& model, const MenuPointer& pointer, double seconds);
+  MenuRequests show(const MenuModel& model, const MenuPointer& pointer, double seconds);
 
   /// Opens the panel: resets the menu; the next frame is its first.
   void open();
@@ -42,12 +42,12 @@ class MenuPanel {
   ImGuiContext* context() const noexcept { return context_; }
 
  private:
-  void takePointer(const MenuPointer& pointer);
+  void setPointer(const MenuPointer& pointer);
 
   int width_, height_;
   ImGuiContext* context_;
   Menu menu_;
-  bool seenFree_ = false;  // the button was seen released since the panel was opened
+  bool releasedSinceOpen_ = false;  // the button was seen released since the panel was opened
 };
 
 /// Makes an ImGui context current for the lifetime of this object.
@@ -59,7 +59,7 @@ class CurrentContext {
   ~CurrentContext();
 
  private:
-  ImGuiContext* before_;
+  ImGuiContext* previous_;
 };
 
 }  // namespace ibr::app

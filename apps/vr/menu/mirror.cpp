@@ -47,17 +47,17 @@ Mirror::Mirror(const Device& device, VkFormat format, VkExtent2D most)
 // Copies bit by bit first: a blit would decode the values of an SRGB source, and the window's frame is UNORM.
 void Mirror::record(VkCommandBuffer commands, const MirrorSource& source,
                     const Swapchain::Frame& frame) const noexcept {
-  constexpr ImageUse kRewritten{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  constexpr ImageUse kDiscardedUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   const VkImageSubresourceRange layer{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, source.layer, 1};
   const VkExtent2D extent{std::min(source.rect.extent.width, values_.info().extent.width),
                           std::min(source.rect.extent.height, values_.info().extent.height)};
   transition(commands, source.image, source.use, use::kTransferSource, layer);
-  transition(commands, values_.get(), kRewritten, use::kTransferDestination);
+  transition(commands, values_.get(), kDiscardedUse, use::kTransferDestination);
   recordRawCopy(commands, {source.image, source.rect.offset, source.layer}, {values_.get()}, extent);
   transition(commands, source.image, use::kTransferSource, source.use, layer);
   transition(commands, values_.get(), use::kTransferDestination, use::kTransferSource);
 
-  transition(commands, frame.image, Swapchain::kBefore, use::kTransferDestination);
+  transition(commands, frame.image, Swapchain::kInitialUse, use::kTransferDestination);
   clear(commands, frame.image);
   transition(commands, frame.image, use::kTransferDestination, use::kTransferDestination);
   const VkRect2D shown = letterbox(extent, frame.extent);
@@ -69,7 +69,7 @@ void Mirror::record(VkCommandBuffer commands, const MirrorSource& source,
       {low, {low.x + std::int32_t(shown.extent.width), low.y + std::int32_t(shown.extent.height), 1}}};
   vkCmdBlitImage(commands, values_.get(), use::kTransferSource.layout, frame.image, use::kTransferDestination.layout, 1,
                  &region, VK_FILTER_LINEAR);
-  transition(commands, frame.image, use::kTransferDestination, Swapchain::kAfter);
+  transition(commands, frame.image, use::kTransferDestination, Swapchain::kFinalUse);
 }
 
 }  // namespace ibr::app

@@ -11,7 +11,7 @@ constexpr int kWidth = 960, kHeight = 720;         // px
 constexpr glm::dvec2 kSize{0.72, 0.54};            // m
 constexpr double kDistance = 0.85, kLower = 0.12;  // m, ahead of the head and below it
 
-constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+constexpr ImageUse kInitialUse{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void MenuLayer::recentred(const Pose& newInOld) {
   pose_ = {back * (pose_.position - newInOld.position), back * pose_.rotation};
 }
 
-MenuLayer::Meeting MenuLayer::meeting(const Pose& aim) const {
+MenuLayer::RayHit MenuLayer::rayHit(const Pose& aim) const {
   const glm::dquat back = glm::conjugate(pose_.rotation);
   const glm::dvec3 from = back * (aim.position - pose_.position), along = back * (aim.rotation * glm::dvec3(0, 0, -1));
   if (from.z <= 0 || along.z >= 0) return {};  // from behind, or pointing away
@@ -55,23 +55,23 @@ MenuLayer::Meeting MenuLayer::meeting(const Pose& aim) const {
 
 void MenuLayer::point(std::array<HandInput, 2>& hands) {
   for (const Hand hand : {kLeft, kRight}) {
-    meets_[hand] = open_ && hands[hand].active ? meeting(hands[hand].aim) : Meeting();
-    hands[hand].onPanel = meets_[hand].at.has_value();
+    rayHits_[hand] = open_ && hands[hand].active ? rayHit(hands[hand].aim) : RayHit();
+    hands[hand].onPanel = rayHits_[hand].at.has_value();
   }
 }
 
-MenuWishes MenuLayer::show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds) {
+MenuRequests MenuLayer::show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds) {
   // The pressing hand has the pointer; without a press, a hand that points at the panel while the other does not.
   for (const Hand hand : {kLeft, kRight})
     if (hands[hand].panelSelect && !hands[pointer_].panelSelect) pointer_ = hand;
   const Hand other = pointer_ == kLeft ? kRight : kLeft;
-  if (!hands[pointer_].panelSelect && !meets_[pointer_].at && meets_[other].at) pointer_ = other;
-  return panel_.show(model, {meets_[pointer_].at, hands[pointer_].panelSelect}, seconds);
+  if (!hands[pointer_].panelSelect && !rayHits_[pointer_].at && rayHits_[other].at) pointer_ = other;
+  return panel_.show(model, {rayHits_[pointer_].at, hands[pointer_].panelSelect}, seconds);
 }
 
 void MenuLayer::record(const FrameRing::Frame& frame) {
   images_.acquire(headset_);
-  drawer_->record(frame.commands, images_.image(), kBefore, use::kColourAttachment);
+  drawer_->record(frame.commands, images_.image(), kInitialUse, use::kColourAttachment);
 }
 
 void MenuLayer::release() {

@@ -31,10 +31,10 @@ class MenuLayer {
   /// Sets HandInput::onPanel for hands that point at the open panel.
   void point(std::array<HandInput, 2>& hands);
   /// Distance along the hand's ray to the panel, metres; nullopt: no hit.
-  std::optional<double> rayLength(Hand hand) const noexcept { return meets_[hand].metres; }
+  std::optional<double> rayLength(Hand hand) const noexcept { return rayHits_[hand].metres; }
 
   /// Runs one frame of the menu. Call after the walk's step, which decides whether a press belongs to the panel.
-  MenuWishes show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds);
+  MenuRequests show(const MenuModel& model, const std::array<HandOutput, 2>& hands, double seconds);
 
   /// Acquires the runtime's next image and records the panel into it. Call `release` after submitting the commands.
   /// Only while the panel is open.
@@ -44,11 +44,11 @@ class MenuLayer {
   const XrCompositionLayerBaseHeader* layer(XrSpace space) noexcept;
 
  private:
-  struct Meeting {
+  struct RayHit {
     std::optional<glm::dvec2> at;  // on the panel: x to the right, y down, 0 to 1
     std::optional<double> metres;
   };
-  Meeting meeting(const Pose& aim) const;
+  RayHit rayHit(const Pose& aim) const;
 
   Headset& headset_;
   MenuPanel panel_;
@@ -56,7 +56,7 @@ class MenuLayer {
   std::optional<MenuDrawer> drawer_;  // nullopt: there is no menu
   bool open_ = false;
   Pose pose_;  // of the panel's centre, whose front faces +z
-  std::array<Meeting, 2> meets_;
+  std::array<RayHit, 2> rayHits_;
   Hand pointer_ = kRight;  // the hand that controls the panel
   XrCompositionLayerQuad quad_{};
 };

@@ -18,7 +18,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr float kThrough = 0.3f;  // opacity of occluded shapes
+constexpr float kOccludedOpacity = 0.3f;  // opacity of occluded shapes
 
 struct Constants {
   glm::mat4 toClip;
@@ -109,7 +109,7 @@ void ShapesPass::record(VkCommandBuffer commands, std::uint32_t slot, const Came
     vkCmdDraw(commands, count, 1, first, 0);
   };
   const glm::dmat4 space = lens * toCamera(eye.pose);
-  draw(untested_, space, kThrough, 0, s.inSpace);
+  draw(untested_, space, kOccludedOpacity, 0, s.inSpace);
   draw(tested_, space, 1, 0, s.inSpace);
   draw(untested_, lens, 1, s.inSpace, s.onView);
   vkCmdEndRendering(commands);

@@ -11,15 +11,16 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kRecent = 8, kLeastRecent = 3;          // number of recent frames that decide
-constexpr int kInFlight = 3;                                  // frames begun before a step takes effect
-constexpr int kExcused = 5;                                   // and the late frame after an excuse
-constexpr double kFull = 0.85, kRoom = 0.6, kFarOver = 1.25;  // of the period: step down, step up, two steps down
+constexpr std::size_t kRecent = 8, kMinRecent = 3;  // number of recent frames that decide
+constexpr int kInFlight = 3;                        // frames begun before a step takes effect
+constexpr int kIgnoredFrames = 5;                   // and the late frame after a pause
+constexpr double kStepDownShare = 0.85, kHeadroomShare = 0.6,
+                 kDoubleStepShare = 1.25;  // of the period: step down, step up, two steps down
 constexpr double kMissedShare = 0.5;  // of the period: a missed frame that took less was not missed because of its work
-constexpr double kRoomSeconds = 1.5;  // of room before a step up, at first
-constexpr double kSoonSeconds = 10;   // a step up that is reversed within this time counts as a mistake
-constexpr int kMostTaken = 6;         // max. doublings of kRoomSeconds
-constexpr double kSmallerLoad = 0.8;  // of the cost at which a step up was reversed: below, the wait is reset
+constexpr double kHeadroomSeconds = 1.5;  // of room before a step up, at first
+constexpr double kReversalSeconds = 10;   // a step up that is reversed within this time counts as a mistake
+constexpr int kMaxDoublings = 6;          // max. doublings of kHeadroomSeconds
+constexpr double kLoadDropShare = 0.8;    // of the cost at which a step up was reversed: below, the wait is reset
 
 bool isPositive(double value) {
   return std::isfinite(value) && value > 0;
@@ -34,15 +35,15 @@ double highest(const GovernorState& state) {
 }
 
 double waitAt(const GovernorState& state, std::size_t level) {
-  return kRoomSeconds * double(1 << state.taken[level]);
+  return kHeadroomSeconds * double(1 << state.reversals[level]);
 }
 
 // Records that the step up to this level is reversed. If reversed soon, the next attempt waits twice as long.
-void noteTakenBack(GovernorState& state) {
-  int& taken = state.taken[state.level];
-  const bool soon = state.heldSeconds < kSoonSeconds * double(1 << taken);
-  taken = soon ? std::min(taken + 1, kMostTaken) : 0;
-  state.takenCostMs[state.level] = state.climbCostMs;
+void recordReversal(GovernorState& state) {
+  int& reversals = state.reversals[state.level];
+  const bool soon = state.levelSeconds < kReversalSeconds * double(1 << reversals);
+  reversals = soon ? std::min(reversals + 1, kMaxDoublings) : 0;
+  state.reversedCostMs[state.level] = state.costBeforeStepUpMs;
 }
 
 // Measurement behind a decision.
@@ -60,27 +61,27 @@ std::string line(const GovernorState& state, const Reason& why, const std::strin
 
 Decision stepTo(GovernorState& state, std::size_t level, const Reason& why) {
   Decision decision{level, line(state, why, levelChange(state.levels[state.level], state.levels[level]))};
-  state.climbed = level < state.level;
+  state.lastStepWasUp = level < state.level;
   state.level = level;
   state.recent.clear();
   state.ignored = kInFlight;
-  state.roomSeconds = state.heldSeconds = 0;
+  state.headroomSeconds = state.levelSeconds = 0;
   return decision;
 }
 
 Decision stepDown(GovernorState& state, const Reason& why, std::size_t steps) {
-  state.roomSeconds = 0;
+  state.headroomSeconds = 0;
   if (state.level + 1 == state.levels.size()) {
-    if (std::exchange(state.exhausted, true)) return {state.level, ""};
+    if (std::exchange(state.lowestLevelReported, true)) return {state.level, ""};
     return {state.level, line(state, why, "the lowest level of detail is reached")};
   }
-  if (state.climbed) noteTakenBack(state);
+  if (state.lastStepWasUp) recordReversal(state);
   return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), why);
 }
 
 Decision stepUp(GovernorState& state, double costMs) {
-  state.climbCostMs = costMs;
-  state.exhausted = false;
+  state.costBeforeStepUpMs = costMs;
+  state.lowestLevelReported = false;
   return stepTo(state, state.level - 1, {costMs, false});
 }
 
@@ -94,8 +95,8 @@ void remember(GovernorState& state, double ms) {
 GovernorState startGovernor(std::vector<RenderSettings> ladder) {
   GovernorState state;
   state.levels = std::move(ladder);
-  state.taken.assign(state.levels.size(), 0);
-  state.takenCostMs.assign(state.levels.size(), 0);
+  state.reversals.assign(state.levels.size(), 0);
+  state.reversedCostMs.assign(state.levels.size(), 0);
   return state;
 }
 
@@ -108,8 +109,8 @@ void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder) {
   state = std::move(fresh);
 }
 
-void excuse(GovernorState& state) {
-  state.ignored = std::max(state.ignored, kExcused);
+void ignoreNextFrames(GovernorState& state) {
+  state.ignored = std::max(state.ignored, kIgnoredFrames);
 }
 
 Decision govern(GovernorState& state, const FrameCost& cost) {
@@ -118,7 +119,7 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
   const double period = state.periodMs;
   const Decision same{state.level, ""};
   if (!(period > 0)) return same;
-  state.heldSeconds += period / 1000;
+  state.levelSeconds += period / 1000;
   if (state.ignored > 0) {
     --state.ignored;
     return same;
@@ -130,13 +131,15 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
   if (!known && !missed) return same;
   remember(state, missed ? std::max(known ? cost.workMs : 0, period) : cost.workMs);
   const double high = highest(state);
-  if ((missed && high > kRoom * period) || (state.recent.size() >= kLeastRecent && high > kFull * period))
-    return stepDown(state, {missed ? (known ? cost.workMs : 0) : high, missed}, high > kFarOver * period ? 2 : 1);
-  state.roomSeconds = high < kRoom * period ? state.roomSeconds + period / 1000 : 0;
+  if ((missed && high > kHeadroomShare * period) ||
+      (state.recent.size() >= kMinRecent && high > kStepDownShare * period))
+    return stepDown(state, {missed ? (known ? cost.workMs : 0) : high, missed},
+                    high > kDoubleStepShare * period ? 2 : 1);
+  state.headroomSeconds = high < kHeadroomShare * period ? state.headroomSeconds + period / 1000 : 0;
   if (state.level == 0 || state.recent.size() < kRecent) return same;
   const std::size_t above = state.level - 1;
-  if (state.taken[above] > 0 && high < kSmallerLoad * state.takenCostMs[above]) state.taken[above] = 0;
-  return state.roomSeconds >= waitAt(state, above) ? stepUp(state, high) : same;
+  if (state.reversals[above] > 0 && high < kLoadDropShare * state.reversedCostMs[above]) state.reversals[above] = 0;
+  return state.headroomSeconds >= waitAt(state, above) ? stepUp(state, high) : same;
 }
 
 }  // namespace ibr::app

@@ -23,7 +23,7 @@ namespace ibr::app {
 /// - resolution 0.5;
 /// - colour mapping off: last, because it changes how everything looks.
 /// Levels that would change nothing are left out: `cells` and `photographs` are the scene's numbers of them.
-std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells = kMaxCellCount,
+std::vector<RenderSettings> ladder(const RenderSettings& requested, std::size_t cells = kMaxCellCount,
                                    std::size_t photographs = kMaxGatherCandidates);
 
 /// Describes the difference between two levels, for people: "photographs 12 → 8".
@@ -38,17 +38,17 @@ struct FrameCost {
 struct GovernorState {
   std::vector<RenderSettings> levels;  // as returned by ladder()
   std::size_t level = 0;               // index into levels
-  std::uint64_t frame = 0;             // number of frames governed so far
+  std::uint64_t frame = 0;             // number of frames measured so far
   double periodMs = 0;                 // last known; 0: none
   std::vector<double> recent;          // ms of the last frames at this level, oldest first
   int ignored = 0;                     // frames to ignore, because they began before the last step
-  double roomSeconds = 0;              // time with headroom so far
-  double heldSeconds = 0;              // time at this level
-  bool climbed = false;                // the last step was up
-  double climbCostMs = 0;              // cost before that step
-  std::vector<int> taken;              // by level: consecutive steps up to it that were reversed soon
-  std::vector<double> takenCostMs;     // by level: cost of the next cheaper level when that happened
-  bool exhausted = false;              // too slow at the cheapest level, and reported
+  double headroomSeconds = 0;          // time with headroom so far
+  double levelSeconds = 0;             // time at this level
+  bool lastStepWasUp = false;          // the last step was up
+  double costBeforeStepUpMs = 0;       // cost before that step
+  std::vector<int> reversals;          // by level: consecutive steps up to it that were reversed soon
+  std::vector<double> reversedCostMs;  // by level: cost of the next cheaper level when that happened
+  bool lowestLevelReported = false;    // too slow at the cheapest level, and reported
 };
 
 /// `ladder`: at least one level.
@@ -60,7 +60,7 @@ void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder);
 
 /// Ignores the next frames: they are slow for reasons other than drawing (a file was written, pipelines were built, the
 /// headset was off).
-void excuse(GovernorState& state);
+void ignoreNextFrames(GovernorState& state);
 
 struct Decision {
   std::size_t level = 0;  // level of the next frame, index into GovernorState::levels

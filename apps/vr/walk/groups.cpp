@@ -11,10 +11,10 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kShare = 0.05;       // of the median distance between sites: closer points share a site
-constexpr double kGap = 100;          // ratio of successive edge lengths that separates the two kinds …
-constexpr std::size_t kLeastFar = 4;  // … if at least this many edges are longer
-constexpr double kRounding = 1e4;     // ratio that always separates: the shorter edges are rounding errors
+constexpr double kShare = 0.05;           // of the median distance between sites: closer points share a site
+constexpr double kGap = 100;              // ratio of successive edge lengths that separates the two kinds …
+constexpr std::size_t kMinLongEdges = 4;  // … if at least this many edges are longer
+constexpr double kRounding = 1e4;         // ratio that always separates: the shorter edges are rounding errors
 
 struct Edge {
   double length = std::numeric_limits<double>::infinity();
@@ -45,11 +45,11 @@ std::vector<Edge> shortestTree(const std::vector<glm::dvec3>& points) {
 }
 
 // Returns the greatest distance of neighbouring points within one site.
-double samePlace(const std::vector<Edge>& edges) {
+double samePositionTolerance(const std::vector<Edge>& edges) {
   std::size_t within = 0;  // edges
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const double ratio = edges[i].length / edges[i - 1].length;  // infinite after equal points
-    if (ratio >= kRounding || (ratio >= kGap && edges.size() - i >= kLeastFar)) within = i;
+    if (ratio >= kRounding || (ratio >= kGap && edges.size() - i >= kMinLongEdges)) within = i;
   }
   if (within == edges.size()) return 0;
   const double middle = edges[within + (edges.size() - within) / 2].length;
@@ -66,7 +66,7 @@ std::uint32_t rootOf(std::vector<std::uint32_t>& parents, std::uint32_t i) {
 
 std::vector<std::vector<std::uint32_t>> groupsOf(const std::vector<glm::dvec3>& points) {
   const std::vector<Edge> edges = shortestTree(points);
-  const double same = samePlace(edges);
+  const double same = samePositionTolerance(edges);
   std::vector<std::uint32_t> parents(points.size());
   std::iota(parents.begin(), parents.end(), 0u);
   for (const Edge& edge : edges)

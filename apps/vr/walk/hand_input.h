@@ -7,18 +7,18 @@
 namespace ibr::app {
 
 /// Input of a step without values that are not finite.
-struct GivenInput {
+struct SanitisedInput {
   double seconds = 0;  // 0 to 0.1
   std::optional<Pose> head;
   std::array<HandInput, 2> hands;  // inactive hands hold nothing
 };
-GivenInput given(const WalkInput& input);
+SanitisedInput sanitised(const WalkInput& input);
 
 /// Normalises the rotation; nullopt if the pose is not finite.
-std::optional<Pose> soundPose(const Pose& pose);
+std::optional<Pose> normalisedIfFinite(const Pose& pose);
 
 /// Updates a hand's selection. Returns the spot that was pointed at when select was released, if that counts.
-std::optional<std::size_t> selected(WalkState::HandState& memory, const HandInput& hand, bool headThere);
+std::optional<std::size_t> selected(WalkState::HandState& memory, const HandInput& hand, bool headTracked);
 
 /// True in the frame in which the menu button goes down.
 bool menuPressed(WalkState::HandState& memory, const HandInput& hand);

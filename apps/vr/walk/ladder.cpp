@@ -11,7 +11,7 @@ namespace ibr::app {
 namespace {
 
 constexpr std::array<std::uint32_t, 6> kCounts{32, 16, 12, 8, 6, 4};
-constexpr std::uint32_t kFewest = 2;
+constexpr std::uint32_t kMinCount = 2;
 constexpr double kCoarseVote = 0.25;  // of the image's sides: hardly visible (libibr/docs/tradeoff.md)
 
 void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) {
@@ -28,27 +28,27 @@ RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t c
 
 }  // namespace
 
-std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t photographs) {
-  const bool ofCells = asked.composition == Composition::cells;
-  std::vector<RenderSettings> levels{asked};
+std::vector<RenderSettings> ladder(const RenderSettings& requested, std::size_t cells, std::size_t photographs) {
+  const bool ofCells = requested.composition == Composition::cells;
+  std::vector<RenderSettings> levels{requested};
   const auto scaledBy = [&](double share) {
     RenderSettings level = levels.back();
-    level.renderScale = share * asked.renderScale;
+    level.renderScale = share * requested.renderScale;
     addLevel(levels, level);
   };
-  if (!ofCells && asked.voteScale > kCoarseVote) {
-    RenderSettings coarse = asked;
+  if (!ofCells && requested.voteScale > kCoarseVote) {
+    RenderSettings coarse = requested;
     coarse.voteScale = kCoarseVote;
     addLevel(levels, coarse);
   }
   for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, photographs));
   scaledBy(0.85);
   scaledBy(0.7);
-  const bool gathered = asked.composition == Composition::gathered;
+  const bool gathered = requested.composition == Composition::gathered;
   RenderSettings dithered = levels.back();
   if (!gathered) dithered.blend = BlendMode::dither;
   addLevel(levels, dithered);
-  addLevel(levels, fewer(levels.back(), kFewest, cells, photographs));
+  addLevel(levels, fewer(levels.back(), kMinCount, cells, photographs));
   scaledBy(0.5);
   RenderSettings unmapped = levels.back();
   if (!gathered) unmapped.colourMapping = ColourMapping::off;
@@ -67,8 +67,9 @@ std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
       fmt::format("{:.3g}", to.voteScale));
   add(from.renderScale != to.renderScale, "resolution", fmt::format("{:.3g}", from.renderScale),
       fmt::format("{:.3g}", to.renderScale));
-  add(from.blend != to.blend, "blending", wordOf(from.blend), wordOf(to.blend));
-  add(from.colourMapping != to.colourMapping, "colour mapping", wordOf(from.colourMapping), wordOf(to.colourMapping));
+  add(from.blend != to.blend, "blending", optionValue(from.blend), optionValue(to.blend));
+  add(from.colourMapping != to.colourMapping, "colour mapping", optionValue(from.colourMapping),
+      optionValue(to.colourMapping));
   return text;
 }
 

@@ -15,12 +15,12 @@ using Select = WalkState::HandState::Select;
 
 constexpr double kDeadZone = 0.15;         // of the stick's range
 constexpr double kVignetteSeconds = 0.12;  // time constant: reaches 63 % of the target
-constexpr double kLeastVignette = 1e-3;
+constexpr double kMinVignette = 1e-3;
 constexpr double kScaleRange = 1e3;
 constexpr double kNearMetres = 0.3;  // m, minimum distance from the hand of things to point at
 
 // Direction and speed of the left stick in tracking space, of length up to 1.
-glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
+glm::dvec3 stickMotion(const SanitisedInput& input, const Pose& head) {
   const glm::dvec2 stick = input.hands[kLeft].stick;
   // A single tracked hand uses x to turn.
   const double x = input.hands[kRight].active ? stick.x : 0, length = std::hypot(x, stick.y);
@@ -31,7 +31,7 @@ glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
 }
 
 // Moves the tracking. Returns the share of the full speed that was moved at.
-double move(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input) {
+double move(WalkState& state, const WalkScene& place, const WalkSettings& settings, const SanitisedInput& input) {
   const glm::dvec3 motion = stickMotion(input, *input.head);
   if (motion == glm::dvec3(0) || !(input.seconds > 0)) return glm::length(motion);
   const glm::dvec3 eyes = inWorld(state.tracking, input.head->position);
@@ -39,7 +39,7 @@ double move(WalkState& state, const WalkPlace& place, const WalkSettings& settin
   const glm::dvec3 step =
       tracking.rotation * (motion * (settings.metresPerSecond * input.seconds * tracking.unitsPerMetre));
   const glm::dvec3 from = eyes - glm::dot(eyes, place.up) * place.up, to = from + step;
-  const glm::dvec3 gone = keptWithin(place.level, from, to) - from;
+  const glm::dvec3 gone = clampedToBounds(place.level, from, to) - from;
   state.tracking.origin += gone;
   return std::min(1.0, glm::length(gone) / glm::length(step)) * glm::length(motion);
 }
@@ -52,29 +52,29 @@ bool turnBy(WalkState& state, const Pose& head, double radians) {
 
 void followVignette(WalkState& state, double wanted, double seconds) {
   state.vignette = wanted + (state.vignette - wanted) * std::exp(-seconds / kVignetteSeconds);
-  if (wanted == 0 && state.vignette < kLeastVignette) state.vignette = 0;
+  if (wanted == 0 && state.vignette < kMinVignette) state.vignette = 0;
 }
 
 void rescale(WalkState& state, const WalkSettings& settings, const Pose& head, double factor) {
   if (factor == 1 || !std::isfinite(factor) || !(factor > 0)) return;
-  const double scale = std::clamp(state.tracking.unitsPerMetre * factor, state.firstUnitsPerMetre / kScaleRange,
-                                  state.firstUnitsPerMetre * kScaleRange);
+  const double scale = std::clamp(state.tracking.unitsPerMetre * factor, state.initialUnitsPerMetre / kScaleRange,
+                                  state.initialUnitsPerMetre * kScaleRange);
   state.tracking = scaled(state.tracking, head, settings.photographHeightMetres, scale);
 }
 
-void goTo(WalkState& state, const WalkPlace& place, std::size_t spot) {
+void teleportTo(WalkState& state, const WalkScene& place, std::size_t spot) {
   if (spot >= place.spots.size()) return;
   state.wanted = spot;
 }
 
 // Puts the head at the wanted spot. Only while the view is black.
-void jump(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const Pose& head,
+void jump(WalkState& state, const WalkScene& place, const WalkSettings& settings, const Pose& head,
           WalkOutput& output) {
   if (!state.wanted) return;
   const std::size_t spot = *std::exchange(state.wanted, std::nullopt);
   if (spot >= place.spots.size()) return;
   const Spot& to = place.spots[spot];
-  const auto facing = std::exchange(state.facesSpot, false) ? std::optional(to.facing) : std::nullopt;
+  const auto facing = std::exchange(state.faceSpotOnJump, false) ? std::optional(to.facing) : std::nullopt;
   state.tracking = standAt(state.tracking, head, to, settings.photographHeightMetres, facing);
   output.jumped = true;
   output.arrived = spot;
@@ -90,18 +90,19 @@ void fade(WalkState& state, bool black, double seconds) {
 }
 
 // Handles presses and releases of both hands.
-void listen(WalkState& state, const WalkPlace& place, const GivenInput& input, WalkOutput& output) {
+void listen(WalkState& state, const WalkScene& place, const SanitisedInput& input, WalkOutput& output) {
   for (std::size_t i = 0; i < 2; ++i) {
     if (menuPressed(state.hands[i], input.hands[i])) output.menuToggled = !output.menuToggled;
-    if (const auto spot = selected(state.hands[i], input.hands[i], input.head.has_value())) goTo(state, place, *spot);
+    if (const auto spot = selected(state.hands[i], input.hands[i], input.head.has_value()))
+      teleportTo(state, place, *spot);
   }
 }
 
 // Finds the spots that aiming hands point at, for this frame's image and for a release in the next frame.
-void point(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input,
+void point(WalkState& state, const WalkScene& place, const WalkSettings& settings, const SanitisedInput& input,
            WalkOutput& output) {
   PointingSettings pointing;
-  pointing.leastDistance = kNearMetres * state.tracking.unitsPerMetre;
+  pointing.minDistance = kNearMetres * state.tracking.unitsPerMetre;
   const double height = settings.photographHeightMetres * state.tracking.unitsPerMetre;
   for (std::size_t i = 0; i < 2; ++i) {
     WalkState::HandState& memory = state.hands[i];
@@ -126,15 +127,15 @@ void realign(WalkState& state, const Pose& head) {
 
 }  // namespace
 
-WalkPlace walkPlace(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds) {
-  for (glm::dvec3& place : bounds.places) place -= glm::dot(place, up) * up;
+WalkScene makeWalkScene(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds) {
+  for (glm::dvec3& place : bounds.positions) place -= glm::dot(place, up) * up;
   return {std::move(spots), up, std::move(bounds), unitsPerMetre};
 }
 
-WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::optional<std::size_t> spot) {
+WalkState startWalk(const WalkScene& place, const WalkSettings& settings, std::optional<std::size_t> spot) {
   WalkState state;
   state.tracking = levelTracking(place.up, place.unitsPerMetre);
-  state.firstUnitsPerMetre = place.unitsPerMetre;
+  state.initialUnitsPerMetre = place.unitsPerMetre;
   if (!spot || *spot >= place.spots.size()) return state;
   state.wanted = spot;
   state.tracking =
@@ -142,12 +143,12 @@ WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::o
   return state;
 }
 
-WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const WalkInput& input) {
-  const GivenInput now = given(input);
+WalkOutput step(WalkState& state, const WalkScene& place, const WalkSettings& settings, const WalkInput& input) {
+  const SanitisedInput now = sanitised(input);
   WalkOutput output;
   if (now.head) realign(state, *now.head);
   listen(state, place, now, output);
-  if (input.goTo) goTo(state, place, *input.goTo);
+  if (input.teleportTo) teleportTo(state, place, *input.teleportTo);
   const int turn = stickTurn(state, now.hands);
   double speed = 0;
   if (now.head) {
@@ -167,7 +168,7 @@ WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& se
 }
 
 void recentred(WalkState& state, const std::optional<Pose>& newInOld) {
-  const auto sound = newInOld ? soundPose(*newInOld) : std::nullopt;
+  const auto sound = newInOld ? normalisedIfFinite(*newInOld) : std::nullopt;
   if (!sound) {
     state.realign = true;
     return;

@@ -17,16 +17,16 @@
 
 namespace ibr::app {
 
-/// A scene to walk through; created by walkPlace.
-struct WalkPlace {
+/// A scene to walk through; created by makeWalkScene.
+struct WalkScene {
   std::vector<Spot> spots;
   glm::dvec3 up{0, 1, 0};    // unit, world
-  RoamingBounds level;       // limits of the eyes, projected along `up` through the world's origin; no places: none
+  RoamingBounds level;       // limits of the eyes, projected along `up` through the world's origin; no positions: none
   double unitsPerMetre = 1;  // initial, > 0
 };
 
 /// `bounds`: as for any camera (roaming.h). Smooth motion is level, so only the horizontal part counts.
-WalkPlace walkPlace(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds);
+WalkScene makeWalkScene(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds);
 
 /// All values must be finite.
 struct WalkSettings {
@@ -54,9 +54,9 @@ struct WalkInput {
   double seconds = 0;        // since the last step; limited to 0.1
   std::optional<Pose> head;  // tracking space, between the eyes; nullopt: not tracked
   std::array<HandInput, 2> hands;
-  std::optional<std::size_t> goTo;  // spot chosen otherwise (on the map), as if pointed at
-  double scale = 1;                 // factor on world units per metre; > 0
-  bool black = false;               // fades out and stays black while true, for a change of the scene
+  std::optional<std::size_t> teleportTo;  // spot chosen otherwise (on the map), as if pointed at
+  double scale = 1;                       // factor on world units per metre; > 0
+  bool black = false;                     // fades out and stays black while true, for a change of the scene
 };
 
 enum class FadePhase : std::uint8_t { clear, out, in };
@@ -67,11 +67,11 @@ struct WalkState {
   struct HandState {
     enum class Select : std::uint8_t { unknown, free, aiming, panel };
     Select select = Select::unknown;  // unknown: already held when first seen
-    bool menuFree = false;            // has been seen released
+    bool menuReleased = false;        // has been seen released
     std::optional<std::size_t> pointed;
   };
   Tracking tracking;
-  double firstUnitsPerMetre = 1;
+  double initialUnitsPerMetre = 1;
   std::array<HandState, 2> hands;
   std::size_t turningHand = kRight;
   int turnedTo = kUnseen;  // side that the stick has turned to; 0: seen in the middle
@@ -79,7 +79,7 @@ struct WalkState {
   double fade = 1;                    // 0 to 1
   double vignette = 0;                // 0 to 1
   std::optional<std::size_t> wanted;  // spot to jump to when the view is black
-  bool facesSpot = true;              // until the first jump, which faces as the spot's photographs do
+  bool faceSpotOnJump = true;         // until the first jump, which faces as the spot's photographs do
   std::optional<Pose> lastHead;       // tracking space
   bool realign = false;               // the tracking space has moved by an unknown amount
 };
@@ -106,7 +106,7 @@ inline constexpr double kFadeOutSeconds = 0.12, kFadeInSeconds = 0.2;
 
 /// Starts black, about to jump to `spot` (nullopt or out of range: the world's origin), and fades in once a head is
 /// tracked. The first jump faces as the spot's photographs do, later ones keep the facing.
-WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::optional<std::size_t> spot);
+WalkState startWalk(const WalkScene& place, const WalkSettings& settings, std::optional<std::size_t> spot);
 
 /// Advances by one frame.
 ///
@@ -116,9 +116,9 @@ WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::o
 /// stick: x of the right hand, or of a single tracked hand, turns once when beyond 0.7; it must return to within 0.35
 ///   before the next turn, and before the first. With smoothMotion the left stick moves the user level, relative to
 ///   the facing of the head, within the scene's bounds.
-/// goTo, or another teleport, during a fade: the last request wins; the view stays black until the jump.
+/// teleportTo, or another teleport, during a fade: the last request wins; the view stays black until the jump.
 /// scale: at once; keeps the photographs' height above the real floor (tracking.h); within 1e-3 to 1e3 of the first.
-WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const WalkInput& input);
+WalkOutput step(WalkState& state, const WalkScene& place, const WalkSettings& settings, const WalkInput& input);
 
 /// The tracking space's origin has moved (OpenXR: the reference space changed), for example at the user's request.
 /// The user keeps position and facing in the world; the room around the user moves. Call before the first step whose

@@ -13,12 +13,12 @@ namespace {
 using Vertices = std::vector<ShapeVertex>;
 
 constexpr double kTau = 2 * glm::pi<double>();
-constexpr double kFurthestMark = 60, kFadesFrom = 0.6;           // m; fading begins at this share of it
-constexpr double kNearestMark = 0.5, kClearAt = 1.5;             // m from the eye
+constexpr double kMaxMarkDistance = 60, kFadesFrom = 0.6;        // m; fading begins at this share of it
+constexpr double kMinMarkDistance = 0.5, kClearAt = 1.5;         // m from the eye
 constexpr double kRing = 0.2, kRingWidth = 0.03, kPost = 0.006;  // m
-constexpr double kLeastAngle = 0.012;                            // radians, min. apparent radius of a ring
+constexpr double kMinRingAngle = 0.012;                          // radians, min. apparent radius of a ring
 constexpr double kEdge = 1000;                                   // a tangent beyond any field of view
-constexpr double kWidest = 1.7, kNarrowest = 0.364;              // tangents of the vignette's opening, strength 0 and 1
+constexpr double kMaxOpening = 1.7, kMinOpening = 0.364;         // tangents of the vignette's opening, strength 0 and 1
 constexpr double kRim = 1.5;                                     // of the opening: from there on, all is black
 constexpr double kGridRadius = 6, kGridStep = 0.5;               // m
 
@@ -79,25 +79,26 @@ std::vector<Mark> marksNear(const std::vector<Spot>& spots, const Tracking& trac
   std::vector<Mark> marks;
   for (std::size_t i = 0; i < spots.size(); ++i) {
     const glm::dvec3 photograph = inTracking(tracking, spots[i].position);
-    if (const double distance = glm::distance(photograph, eye); distance < kFurthestMark)
+    if (const double distance = glm::distance(photograph, eye); distance < kMaxMarkDistance)
       marks.push_back({distance, i, photograph});
   }
   std::ranges::stable_sort(marks, {}, &Mark::distance);
-  if (marks.size() > kMostMarks) marks.resize(kMostMarks);
+  if (marks.size() > kMaxMarks) marks.resize(kMaxMarks);
   std::ranges::reverse(marks);
   return marks;
 }
 
 void addMark(Vertices& vertices, const Mark& mark, glm::dvec3 eye, double height, bool pointed) {
   const glm::dvec3 ground = mark.photograph - glm::dvec3(0, height, 0);
-  const double opacity = pointed ? 1 : 1 - smooth(kFadesFrom * kFurthestMark, kFurthestMark, mark.distance);
+  const double opacity = pointed ? 1 : 1 - smooth(kFadesFrom * kMaxMarkDistance, kMaxMarkDistance, mark.distance);
   const Colour& colour = pointed ? kPointed : kMark;
-  const double radius = std::max(kRing, kLeastAngle * mark.distance), width = radius * kRingWidth / kRing;
-  const std::uint32_t ring = packed(colour, opacity * smooth(kNearestMark, kClearAt, glm::distance(ground, eye)));
-  const std::uint32_t top = packed(colour, opacity * smooth(kNearestMark, kClearAt, mark.distance));
+  const double radius = std::max(kRing, kMinRingAngle * mark.distance), width = radius * kRingWidth / kRing;
+  const std::uint32_t ring = packed(colour, opacity * smooth(kMinMarkDistance, kClearAt, glm::distance(ground, eye)));
+  const std::uint32_t top = packed(colour, opacity * smooth(kMinMarkDistance, kClearAt, mark.distance));
   addAnnulus(vertices, {ground, {1, 0, 0}, {0, 0, 1}, radius - width, radius}, 0, kTau, mark.distance < 10 ? 24 : 12,
              ring, ring);
-  const glm::dvec3 side = across({0, 1, 0}, eye - mark.photograph) * std::max(kPost, 0.1 * kLeastAngle * mark.distance);
+  const glm::dvec3 side =
+      across({0, 1, 0}, eye - mark.photograph) * std::max(kPost, 0.1 * kMinRingAngle * mark.distance);
   addBand(vertices, {ground - side, ground + side}, {mark.photograph - side, mark.photograph + side}, ring, top);
 }
 
@@ -126,7 +127,7 @@ void addHand(Shapes& shapes, const Pose& aim) {
 }
 
 void addRay(Shapes& shapes, const Pose& head, const Pose& aim, double metres, bool hasTarget) {
-  const double length = std::clamp(std::isfinite(metres) ? metres : 0, 0.0, kFurthestMark);
+  const double length = std::clamp(std::isfinite(metres) ? metres : 0, 0.0, kMaxMarkDistance);
   if (length == 0) return;
   const glm::dvec3 along = viewAxis(aim), end = aim.position + length * along;
   const glm::dvec3 side = across(along, head.position - aim.position);
@@ -152,7 +153,7 @@ void addFade(Shapes& shapes, double strength) {
 
 void addVignette(Shapes& shapes, double strength) {
   if (!(strength > 0)) return;
-  const double s = std::min(strength, 1.0), opening = std::lerp(kWidest, kNarrowest, s);
+  const double s = std::min(strength, 1.0), opening = std::lerp(kMaxOpening, kMinOpening, s);
   const std::uint32_t black = packed({0, 0, 0, 1}, std::min(1.0, 4 * s)), clear = packed({0, 0, 0, 0});
   const Annulus rim{{0, 0, -1}, {1, 0, 0}, {0, 1, 0}, opening, kRim * opening};
   Annulus around = rim;

@@ -23,10 +23,10 @@ struct Shapes {
   std::vector<ShapeVertex> onView;   // each eye's axes at z = −1: x and y are tangents; drawn over everything
 };
 
-inline constexpr std::size_t kMostMarks = 500;
+inline constexpr std::size_t kMaxMarks = 500;
 
 /// Adds a ring on the ground below each spot and a thin post up to its cameras; the spot pointed at is bright. Draws
-/// the nearest kMostMarks within 60 m, farthest first; marks fade out towards that distance and near the eye. `head`:
+/// the nearest kMaxMarks within 60 m, farthest first; marks fade out towards that distance and near the eye. `head`:
 /// in tracking space.
 void addMarks(Shapes& shapes, const std::vector<Spot>& spots, const Tracking& tracking, const Pose& head,
               double photographHeightMetres, std::optional<std::size_t> pointed);

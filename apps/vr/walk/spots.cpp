@@ -29,11 +29,11 @@ Spot spotOf(const std::vector<Pose>& cameras, std::vector<std::uint32_t> nodes, 
           std::move(nodes)};
 }
 
-// Returns π for points that are not finite or not farther than leastDistance.
-double angleTo(const Ray& ray, glm::dvec3 direction, glm::dvec3 point, double leastDistance) {
+// Returns π for points that are not finite or not farther than minDistance.
+double angleTo(const Ray& ray, glm::dvec3 direction, glm::dvec3 point, double minDistance) {
   const glm::dvec3 to = point - ray.origin;
   const double distance = glm::length(to);
-  if (!(distance > leastDistance)) return glm::pi<double>();
+  if (!(distance > minDistance)) return glm::pi<double>();
   return std::atan2(glm::length(glm::cross(direction, to)), glm::dot(direction, to));
 }
 
@@ -76,8 +76,8 @@ std::optional<std::size_t> pointedSpot(const std::vector<Spot>& spots, const Ray
   if (!isFinite(ray.origin) || !std::isfinite(length) || !(length > 0)) return std::nullopt;
   const glm::dvec3 direction = ray.direction / length;
   const auto angle = [&](const Spot& spot) {
-    return std::min(angleTo(ray, direction, spot.position, settings.leastDistance),
-                    angleTo(ray, direction, groundOf(spot, up, photographHeight), settings.leastDistance));
+    return std::min(angleTo(ray, direction, spot.position, settings.minDistance),
+                    angleTo(ray, direction, groundOf(spot, up, photographHeight), settings.minDistance));
   };
   std::vector<double> angles(spots.size());
   std::ranges::transform(spots, angles.begin(), angle);

@@ -39,10 +39,10 @@ struct Ray {
 Ray rayOf(const Pose& aim);
 
 struct PointingSettings {
-  double cone = 0.105;       // radians around the ray, 6°
-  double tie = 0.0087;       // radians: among spots this close to the best angle, the nearest spot wins
-  double hold = 0.0175;      // radians: another spot must be closer to the ray by this to replace the current one
-  double leastDistance = 0;  // world units: nearer marks and cameras are ignored
+  double cone = 0.105;     // radians around the ray, 6°
+  double tie = 0.0087;     // radians: among spots this close to the best angle, the nearest spot wins
+  double hold = 0.0175;    // radians: another spot must be closer to the ray by this to replace the current one
+  double minDistance = 0;  // world units: nearer marks and cameras are ignored
 };
 
 /// Returns the spot that a ray points at: by its mark on the ground or its cameras, whichever is closer to the ray in

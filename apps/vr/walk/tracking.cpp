@@ -90,10 +90,10 @@ Tracking turnedTo(const Tracking& tracking, const Pose& head, glm::dvec3 directi
   return turned(tracking, head, std::atan2(-wanted.x, -wanted.z) - headingOf(head.rotation));
 }
 
-Tracking scaled(const Tracking& tracking, const Pose& head, double keptMetres, double unitsPerMetre) {
+Tracking scaled(const Tracking& tracking, const Pose& head, double fixedHeightMetres, double unitsPerMetre) {
   Tracking scaled = tracking;
   scaled.unitsPerMetre = unitsPerMetre;
-  return pinned(scaled, tracking, below(head.position, keptMetres));
+  return pinned(scaled, tracking, below(head.position, fixedHeightMetres));
 }
 
 Tracking recentred(const Tracking& tracking, const Pose& newInOld) {

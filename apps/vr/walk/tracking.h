@@ -44,12 +44,12 @@ Tracking turned(const Tracking& tracking, const Pose& head, double radians);
 /// Turns likewise until the head faces the horizontal part of `direction` (world).
 Tracking turnedTo(const Tracking& tracking, const Pose& head, glm::dvec3 direction);
 
-/// Changes the scale. The fixed point lies `keptMetres` above the real floor on the vertical through the head; eyes and
-/// floor keep their horizontal positions. Poses of photographs have no metric scale, so the user may adjust it. With
-/// the photographs' height above ground as `keptMetres`, that height stays and the eyes of a standing user hardly move.
-/// The eye distance and the length of steps change. standAt at the new scale gives the same. 0: the ground stays; the
-/// user becomes larger or smaller.
-Tracking scaled(const Tracking& tracking, const Pose& head, double keptMetres, double unitsPerMetre);
+/// Changes the scale. The fixed point lies `fixedHeightMetres` above the real floor on the vertical through the head;
+/// eyes and floor keep their horizontal positions. Poses of photographs have no metric scale, so the user may adjust
+/// it. With the photographs' height above ground as `fixedHeightMetres`, that height stays and the eyes of a standing
+/// user hardly move. The eye distance and the length of steps change. standAt at the new scale gives the same. 0: the
+/// ground stays; the user becomes larger or smaller.
+Tracking scaled(const Tracking& tracking, const Pose& head, double fixedHeightMetres, double unitsPerMetre);
 
 /// Adapts to a moved tracking space; `newInOld`: pose of its new origin in the previous axes. The head keeps its place
 /// and facing in the world; the floor stays level and at its height.

@@ -22,7 +22,7 @@ enum class AdviceKind : std::uint8_t {
   blurred,    // a photograph is much less sharp than its neighbours
   unmatched,  // a photograph agrees with others on little of its area
   pose,       // inaccurate pose of a photograph, or of all
-  unused,     // a photograph that no cell shows (Scene::unused)
+  unused,     // a photograph that no cell shows (Scene::unusedPhotographs)
   twice,      // a photograph with the capture site and viewing direction of another
   row,        // all capture sites lie in one row
 };
@@ -39,10 +39,10 @@ const char* severityName(Severity severity) noexcept;  // "hint", "warning", "se
 struct Advice {
   AdviceKind kind;
   Severity severity;
-  std::string sentence;              // the problem
+  std::string problem;               // the problem
   std::string remedy;                // the action to take; may be empty with AdviceKind::unused
   std::vector<std::uint32_t> nodes;  // photographs concerned, indices into Scene::nodes, ascending by name
-  double figure;                     // by kind: number of photographs (tooFew, apart), share shown (hole, wide,
+  double value;                      // by kind: number of photographs (tooFew, apart), share shown (hole, wide,
                                      // direction), stops (exposure), ratio of sharpness (blurred), share that agrees
                                      // (unmatched), residual over the longest side (pose); NaN: none
 };
@@ -50,21 +50,21 @@ struct Advice {
 /// A photograph to take.
 struct NextView {
   Camera camera;
-  std::vector<std::uint32_t> beside;  // nodes that `where` refers to
+  std::vector<std::uint32_t> referenceNodes;  // nodes that `where` refers to
   double gain;        // weighted sum, over viewpoints of a walk, of what the view adds to the share shown; > 0
   std::string where;  // "halfway between A and B, looking as they do"
 };
 
 struct CaptureAdvice {
-  std::vector<Advice> advice;   // most severe first
-  std::vector<NextView> views;  // best first, given the views before
-  double shown = 1;             // 0 to 1: mean share of an image that photographs show well, estimated over a walk
-  double shownThen = 1;         // the same, once `views` are photographed
+  std::vector<Advice> advice;    // most severe first
+  std::vector<NextView> views;   // best first, given the views before
+  double coverage = 1;           // 0 to 1: mean share of an image that photographs show well, estimated over a walk
+  double coverageWithViews = 1;  // the same, once `views` are photographed
 };
 
 struct AdviceOptions {
-  std::size_t views = 10;  // maximum number of CaptureAdvice::views
-  bool pictures = true;    // read the textures in the scene's folder, for AdviceKind::blurred
+  std::size_t views = 10;    // maximum number of CaptureAdvice::views
+  bool readTextures = true;  // read the textures in the scene's folder, for AdviceKind::blurred
 };
 
 /// Returns advice on a scene. Apart from indices, the result does not depend on the order of nodes and cells, nor on

@@ -9,7 +9,7 @@
 namespace ibr {
 
 /// 0 or empty: not recorded. Other numbers are finite and positive. Texts from EXIF are printable ASCII.
-struct CaptureFacts {
+struct CaptureMetadata {
   double exposureTime = 0;   // s
   double fNumber = 0;        // N, focal length over aperture
   double iso = 0;            // sensitivity, linear
@@ -18,13 +18,13 @@ struct CaptureFacts {
   std::string maker, model;  // of the camera
   std::string lens;
 
-  bool operator==(const CaptureFacts&) const = default;
+  bool operator==(const CaptureMetadata&) const = default;
 };
 
 /// Returns a photograph's exposure relative to other photographs of the same camera: exposure time × ISO / N². nullopt
 /// where a factor is unknown.
-inline std::optional<double> relativeExposure(const CaptureFacts& facts) {
-  const double exposure = facts.exposureTime * facts.iso / (facts.fNumber * facts.fNumber);
+inline std::optional<double> relativeExposure(const CaptureMetadata& metadata) {
+  const double exposure = metadata.exposureTime * metadata.iso / (metadata.fNumber * metadata.fNumber);
   if (!(exposure > 0) || !std::isfinite(exposure)) return std::nullopt;
   return exposure;
 }

@@ -74,7 +74,7 @@ struct DeviceHandles {
   const std::atomic<std::uint64_t>* validationMessages = nullptr;  // optional; counted by the caller's messenger
 };
 
-constexpr DeviceKind kindOf(VkPhysicalDeviceType type) noexcept {
+constexpr DeviceKind deviceKindOf(VkPhysicalDeviceType type) noexcept {
   return type == VK_PHYSICAL_DEVICE_TYPE_CPU ? DeviceKind::software : DeviceKind::hardware;
 }
 
@@ -85,7 +85,7 @@ struct DeviceDescription {
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
   std::uint64_t memoryBytes = 0;             // device-local
   std::vector<std::string> features;         // its optional features (Device::optionalFeatureNames()), disabled or not
-  std::vector<std::string> lacking;          // missing requirements; empty: libibr can use the device
+  std::vector<std::string> missing;          // missing requirements; empty: libibr can use the device
   std::optional<std::uint32_t> queueFamily;  // first one that meets the requirements
 };
 
@@ -105,8 +105,8 @@ class Device {
   /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
   /// IBR_DISABLE_FEATURES does not name.
   static DeviceFeatures featuresFor(VkPhysicalDevice device);
-  /// The device of list() that create() takes if DeviceOptions::device is `wish`; none where create() would throw.
-  static std::optional<DeviceDescription> preferred(const std::string& wish = {});
+  /// The device of list() that create() takes if DeviceOptions::device is `selector`; none where create() would throw.
+  static std::optional<DeviceDescription> preferred(const std::string& selector = {});
 
   /// Names of the optional features. disabledFeatures() splits a list as DeviceOptions::disabledFeatures has it, and
   /// throws Error{invalidInput} for an unknown name.

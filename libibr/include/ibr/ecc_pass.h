@@ -4,7 +4,7 @@
 //
 //   EccPass pass(device, alignment, options);
 //   for each cycle, picture, class:  pass.recordMove(commands, {picture, k, radiusPx, seed});
-//   pass.recordJudge(commands);
+//   pass.recordEvaluation(commands);
 //   pass.recordReadback(commands);   … the caller submits and waits …
 //   pass.positions(), pass.stars()
 #pragma once
@@ -52,10 +52,10 @@ class EccPass {
   void recordMove(VkCommandBuffer commands, const EccMove& move) const noexcept;
 
   /// Evaluates all points at their current positions, in all pictures. Records one dispatch per picture and a barrier.
-  void recordJudge(VkCommandBuffer commands) const noexcept;
+  void recordEvaluation(VkCommandBuffer commands) const noexcept;
 
   /// Copies positions and evaluations to host memory, which positions() and stars() read once the submission has
-  /// finished. Without a recordJudge before it, stars() returns the results of an earlier one or undefined values.
+  /// finished. Without a recordEvaluation before it, stars() returns the results of an earlier one or undefined values.
   void recordReadback(VkCommandBuffer commands) const noexcept;
 
   std::vector<std::vector<glm::ivec2>> positions() const;  // picture × point, 1/128 px

@@ -55,15 +55,15 @@ struct CellBounds {
   double size = 0;                  // longest edge of the simplex, world units
 };
 /// Statistics of a scene's photographs, for the gather.
-struct GatherBounds {
+struct GatherStatistics {
   double spacing = 1;             // b: median distance between neighbouring capture sites, world units
   double medianInverseDepth = 0;  // of confirmed depth, 1 / world unit
   double residualPx = 0;          // median reprojection residual of the cells, px of the photographs
-  bool operator==(const GatherBounds&) const = default;
+  bool operator==(const GatherStatistics&) const = default;
 };
 struct SceneBounds {
   std::vector<CellBounds> cells;  // in the order of Scene::cells
-  GatherBounds gather;
+  GatherStatistics gather;
   struct Anchors;                    // for RenderSettings::alignCells; computed by the first frame that needs them
   std::shared_ptr<Anchors> anchors;  // thread-safe
 };
@@ -101,8 +101,8 @@ struct PlannedCell {
   std::array<View, 2> view;          // by view
   Correction correction;             // aligns the cell with its neighbours (RenderSettings::alignCells)
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
-  bool colourFresh = true;                      // the slot has no table of a previous frame
-  bool colourNeeded = true;                     // a visible pixel may use the colour table
+  bool colourTableIsNew = true;                 // the slot has no table of a previous frame
+  bool colourTableNeeded = true;                // a visible pixel may use the colour table
   bool hidden = false;                          // better cells certainly cover the cell
 };
 
@@ -117,40 +117,41 @@ struct PlannedPhotograph {
 };
 
 /// A cell of a draw order.
-struct ShownCell {
+struct DrawOrderEntry {
   std::uint32_t cell = 0;  // index into Scene::cells
   double opacity = 1;      // of a fade after the order changed
   bool fadingOut = false;  // the cell has another rank now, or none
-  bool operator==(const ShownCell&) const = default;
+  bool operator==(const DrawOrderEntry&) const = default;
 };
 
 /// State from frame to frame. The first frame starts from {}.
 struct PlanState {
   std::int64_t mainCell = -1;              // index of the last main cell, −1: none
-  std::vector<ShownCell> cells;            // of the last frame, best first
+  std::vector<DrawOrderEntry> cells;       // of the last frame, best first
   std::vector<std::uint32_t> hiddenCells;  // in view and not chosen, ascending
-  std::vector<ShownCell> previous;         // before the last switch of the main cell, best first
+  std::vector<DrawOrderEntry> previous;    // before the last switch of the main cell, best first
   double secondsSinceSwitch = 0;
   std::vector<std::int64_t> colourSlots;  // cell of each slot, −1: none
   std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
-  double colourFade = 0;                  // seconds until the main cell's table is the identity
-  int colourAge = 0;                      // frames since colours were counted
+  double colourFadeSecondsLeft = 0;       // seconds until the main cell's table is the identity
+  int framesSinceColourCount = 0;         // frames since colours were counted
   bool operator==(const PlanState&) const = default;
 };
 
 /// A cell that is drawn at the rank that it had before the draw order changed.
 struct FadingOutCell {
   PlannedCell planned;
-  std::uint32_t before = 0;  // index in FramePlan::cells of the cell that it is drawn before; their number: drawn last
+  std::uint32_t drawnBefore =
+      0;  // index in FramePlan::cells of the cell that it is drawn before; their number: drawn last
 };
 
 /// How colour tables move in a frame.
 struct ColourPlan {
-  bool counted = true;      // histograms are counted; else tables move on towards the last target
-  bool mainMapped = false;  // the main cell's table is not the identity yet
-  double mainShare = 1;     // share of its way to the identity that the main cell's table moves
-  double share = 1;         // share of their way that the other tables move
-  double maxStep = 255;     // of the other tables, 8-bit levels
+  bool countHistograms = true;   // histograms are counted; else tables move on towards the last target
+  bool mainTableFading = false;  // the main cell's table is not the identity yet
+  double mainShare = 1;          // share of its way to the identity that the main cell's table moves
+  double share = 1;              // share of their way that the other tables move
+  double maxStep = 255;          // of the other tables, 8-bit levels
 };
 
 /// One frame, decided. Plain data: a plan may be stored, compared, sent elsewhere.
@@ -160,7 +161,7 @@ struct FramePlan {
   std::vector<PlannedCell> cells;              // best first; the first is the main cell
   std::vector<FadingOutCell> fadingOut;        // by rank
   std::vector<PlannedPhotograph> photographs;  // for the gather, best first; empty with Composition::cells
-  GatherBounds gather;                         // of the scene
+  GatherStatistics gather;                     // of the scene
   std::vector<PlannedCell> previous;           // cells of the previous draw order while two orders are cross-faded
   double previousWeight = 0;                   // of the previous order's image in the cross-fade, 0 … 1
   glm::dvec3 exposure{1.0};                    // R, G, B factors of linear light, beside each photograph's gain
@@ -169,7 +170,7 @@ struct FramePlan {
   std::uint32_t culledByFrustum = 0;  // number of cells not drawn, by reason
   std::uint32_t culledByDistance = 0;
   std::uint32_t culledByCount = 0;   // more than RenderSettings::maxCells, or without a gain in coverage
-  std::uint32_t culledByChoice = 0;  // RenderSettings::mutedCells, soloCells
+  std::uint32_t culledByMuting = 0;  // RenderSettings::mutedCells, soloCells
   PlanState next;                    // argument of the next call
 };
 
@@ -187,7 +188,7 @@ FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameIn
 /// Distances in pixels of a view between common anchors of the plan's cells. One value for each
 /// pair of cells and each common anchor that both show inside the image. `corrected`: with the plan's corrections,
 /// otherwise without. Points that other cells hide count too.
-std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
-                                  std::size_t view, bool corrected);
+std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
+                                    std::size_t view, bool corrected);
 
 }  // namespace ibr

@@ -11,7 +11,7 @@
 // level instead of two.
 //
 // Without a budget, or if all photographs fit into it, all photographs are resident from the start. Otherwise they are
-// streamed. Where streams() is true, call stream() for each frame before it is recorded:
+// streamed. Where needsStreaming() is true, call stream() for each frame before it is recorded:
 //
 //   FramePlan plan = planFrame(…);
 //   gpuScene.stream(commandBuffer, plan, frame, completedFrame);
@@ -42,7 +42,7 @@ struct FramePlan;
 using TextureSource = std::function<Texture(const Scene& scene, std::size_t node, int firstLevel)>;
 
 /// Treatment of block-compressed textures (BC1, BC7).
-enum class BlockTextures : std::uint8_t {
+enum class BlockTextureMode : std::uint8_t {
   automatic,  // kept; decoded on software devices where that is faster
   keep,       // kept where the device can sample them
   decode,     // decoded to RGBA8
@@ -66,7 +66,7 @@ struct GpuSceneOptions {
   /// Loads depth textures (Node::depthFile), called with firstLevel 0; empty: reads the nodes' depthFile.
   TextureSource depthSource;
   bool depth = true;  // loads depth textures, for Composition::gathered and hybrid; they are never streamed
-  BlockTextures blocks = BlockTextures::automatic;
+  BlockTextureMode blocks = BlockTextureMode::automatic;
   TextureFilter filter = TextureFilter::automatic;
   LogCallback log;  // every reduction of quality, with its reason
 };
@@ -81,11 +81,11 @@ class GpuScene {
   GpuScene& operator=(GpuScene&&) noexcept;
   ~GpuScene();
 
-  struct Streamed {
-    std::uint32_t needed = 0;       // photographs that the plan shows
-    std::uint32_t waiting = 0;      // of these: not loaded yet
-    std::uint32_t withoutRoom = 0;  // of these: the budget has no room beside more important photographs
-    std::uint32_t failed = 0;       // of these: cannot be read
+  struct StreamStatus {
+    std::uint32_t needed = 0;      // photographs that the plan shows
+    std::uint32_t waiting = 0;     // of these: not loaded yet
+    std::uint32_t overBudget = 0;  // of these: the budget has no room beside more important photographs
+    std::uint32_t failed = 0;      // of these: cannot be read
     std::uint64_t uploadedBytes = 0;
   };
   /// Loads the photographs that the plan needs, most important first, then those around the main cell by their distance
@@ -97,11 +97,11 @@ class GpuScene {
   ///
   /// Does not throw Error. A photograph that cannot be read keeps its stand-in. If the device has less memory than the
   /// budget, the budget is lowered. Both are logged.
-  Streamed stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
-                  std::uint64_t completedFrame);
+  StreamStatus stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
+                      std::uint64_t completedFrame);
 
   /// True if frames need stream(): photographs are streamed, or the gather binds textures frame by frame.
-  bool streams() const noexcept;
+  bool needsStreaming() const noexcept;
 
   struct Memory {
     std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;  // bytes allocated on the device

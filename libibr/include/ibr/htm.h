@@ -47,7 +47,7 @@ struct HtmSettings {
                                   // their weights sum to at most this share; 0 <= cut < 1
   double depthTolerance = 0.005;  // of the mesh's radius, > 0; a pixel's width is added. A point at most so far behind
                                   // the surface that a camera sees counts in full; at twice that it is hidden
-  double smoothSeconds = 0;       // time constant with which log weights follow the view; 0: at once, infinity: never
+  double smoothingSeconds = 0;    // time constant with which log weights follow the view; 0: at once, infinity: never
   CameraSet exclude = 0;          // cameras that are not used
   glm::vec3 background{0.0f};     // display-encoded, finite, where nothing is drawn
 };
@@ -59,26 +59,26 @@ struct HtmBounds {
 };
 HtmBounds htmBounds(const HtmModel& model);
 
-struct HtmInput {
+struct HtmPlanInput {
   Camera view;  // a pinhole
   HtmSettings settings;
-  double dtSeconds = 0;  // since the previous frame, for smoothSeconds; finite; negative counts as 0
+  double dtSeconds = 0;  // since the previous frame, for smoothingSeconds; finite; negative counts as 0
 };
 
 /// State from frame to frame. The first frame starts from {}.
-struct HtmState {
+struct HtmPlanState {
   std::vector<double> logWeights;  // by camera, at most 0; the largest is 0
 };
 
 /// Carries a state from one model to the next: the last frame showed `before`, the next one shows `model`, as in 3D
 /// video. Cameras correspond by name; a new camera starts from the smallest weight. Returns {} if no name occurs in
 /// both, or if `state` has another number of cameras than `before`. Pure.
-HtmState htmStateFor(const HtmModel& model, const HtmModel& before, const HtmState& state);
+HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state);
 
 struct PlannedHtmCamera {
-  std::uint32_t camera = 0;  // index into HtmModel::cameras
-  double logWeight = 0;      // natural logarithm of w relative to the best camera's: <= 0, finite
-  double logRest = 0;        // likewise, of the sum of all later cameras' weights; −infinity for the last
+  std::uint32_t camera = 0;       // index into HtmModel::cameras
+  double logWeight = 0;           // natural logarithm of w relative to the best camera's: <= 0, finite
+  double logRemainingWeight = 0;  // likewise, of the sum of all later cameras' weights; −infinity for the last
 };
 
 /// Plan of one frame. Plain data.
@@ -88,18 +88,18 @@ struct HtmFramePlan {
   HtmBounds bounds;
   std::vector<PlannedHtmCamera> cameras;  // best first, ties by index; all that are not excluded, so that a pixel that
                                           // no near camera sees may use a far one
-  HtmState next;                          // argument of the next call
+  HtmPlanState next;                      // argument of the next call
 };
 
 /// Plans a frame by eq. 5. Pure. Precondition: validate(model) is empty. Throws Error{invalidInput} that names the
 /// field: the view is no valid pinhole, a setting is out of range, or time, bounds or weights of the state are not
 /// finite. `next` is always finite. A state of another number of cameras counts as {}.
-HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
-                          const HtmState& state = {});
+HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
+                          const HtmPlanState& state = {});
 
 /// Prepares a camera's picture for upload to GpuHtmModel: builds its mip levels, which take a third more memory. Pure,
 /// so another thread can do it ahead of time. Throws Error{invalidInput} for a picture that does not fit its camera.
-HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture);
+HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture);
 
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // interpolates between mip levels; default: on GPUs, not on software devices
@@ -112,7 +112,7 @@ struct GpuHtmModelOptions {
 /// the device's maxStorageBufferRange; Error{outOfMemory}.
 class GpuHtmModel {
  public:
-  GpuHtmModel(Device& device, const HtmModel& model, const HtmPictureSource& source,
+  GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
               const GpuHtmModelOptions& options = {});
   GpuHtmModel(GpuHtmModel&&) noexcept;
   GpuHtmModel& operator=(GpuHtmModel&&) noexcept;
@@ -120,9 +120,9 @@ class GpuHtmModel {
 
   /// Replaces the model by another one, as for the next frame of 3D video. Keeps pipelines, and images and buffers that
   /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that read the
-  /// previous model must have finished. Each renderer of it needs HtmRenderer::show before it records again. Throws
+  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again. Throws
   /// what the constructor throws; afterwards only replace() and destruction are allowed.
-  void replace(const HtmModel& model, const HtmPictureSource& source);
+  void replace(const HtmModel& model, const HtmImageSource& source);
 
   struct Memory {
     std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
@@ -155,9 +155,9 @@ class HtmRenderer {
   ~HtmRenderer();
 
   /// Selects the model of later frames: another one, or the same after GpuHtmModel::replace. Keeps pipelines. Commands
-  /// recorded before must have finished. Throws what the constructor throws; afterwards only show() and destruction are
-  /// allowed.
-  void show(const GpuHtmModel& model);
+  /// recorded before must have finished. Throws what the constructor throws; afterwards only setModel() and destruction
+  /// are allowed.
+  void setModel(const GpuHtmModel& model);
 
   /// Records one frame outside a render pass. Preconditions: the plan is of the same model; plan.view has the target's
   /// extent, at most `maxExtent`; the target has no depth. Writes the whole target: alpha is 1 where the mesh is drawn
@@ -175,6 +175,6 @@ class HtmRenderer {
 
 /// The model before optimisation, for [H]'s comparison: `source` as its surface, the cameras as given, no complements.
 /// A model without a source keeps its surface. Pure.
-HtmModel baselineModel(const HtmModel& model);
+HtmModel unoptimisedModel(const HtmModel& model);
 
 }  // namespace ibr

@@ -67,13 +67,13 @@ struct HtmModel {
 };
 
 /// A camera's photograph and its visibility.
-struct HtmPicture {
+struct HtmImage {
   Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
   Image8 visibility;  // 1 channel, same size, as HtmCamera::visibilityFile; empty: 255 everywhere
-  // Mip levels by preparedHtmPicture (ibr/htm.h), shared by copies; with them the other fields are empty.
+  // Mip levels by prepareHtmImage (ibr/htm.h), shared by copies; with them the other fields are empty.
   std::shared_ptr<const std::vector<Image8>> levels = {};
 };
-using HtmPictureSource = std::function<HtmPicture(const HtmModel& model, std::size_t camera)>;
+using HtmImageSource = std::function<HtmImage(const HtmModel& model, std::size_t camera)>;
 
 /// Faults of a model's data, in order, at most `limit`. Empty if all preconditions of HtmRenderer hold: numbers of
 /// cameras, vertices and complements match, indices are in range, cameras are pinholes with different names, values are

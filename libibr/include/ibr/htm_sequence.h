@@ -34,17 +34,17 @@ std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, s
 
 struct HtmFrame {
   HtmModel model;
-  std::vector<HtmPicture> pictures;  // by camera
-  double loadMilliseconds = 0;       // time that loading took
-  std::uint64_t bytes() const;       // of host memory, approximately
+  std::vector<HtmImage> pictures;  // by camera
+  double loadMilliseconds = 0;     // time that loading took
+  std::uint64_t bytes() const;     // of host memory, approximately
 };
 
 /// Loads the model of a folder, and its pictures by calling `pictures`; without `pictures` they are left empty. Throws
 /// what loadHtmModel and `pictures` throw.
-HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmPictureSource& pictures);
+HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmImageSource& pictures);
 
 struct HtmSequenceOptions {
-  std::size_t ahead = 8;  // frames after the current one that are loaded in the background
+  std::size_t framesAhead = 8;  // frames after the current one that are loaded in the background
   /// Limit for the cached frames, the current one and those ahead. Fewer frames ahead are cached where they do not fit;
   /// the current one always is. A frame that is being loaded counts with the size of the largest frame so far. Frames
   /// that only the caller holds are not counted.
@@ -57,7 +57,7 @@ struct HtmSequenceOptions {
 class HtmSequence {
  public:
   /// Reads the index. Throws what loadHtmSequence throws.
-  HtmSequence(const std::filesystem::path& path, HtmPictureSource pictures, const HtmSequenceOptions& options = {});
+  HtmSequence(const std::filesystem::path& path, HtmImageSource pictures, const HtmSequenceOptions& options = {});
   HtmSequence(const HtmSequence&) = delete;
   HtmSequence& operator=(const HtmSequence&) = delete;
   ~HtmSequence();
@@ -77,9 +77,9 @@ class HtmSequence {
   std::shared_ptr<const HtmFrame> tryFrame(std::size_t index);
 
   struct Counts {
-    std::size_t kept = 0;     // cached frames
-    std::uint64_t bytes = 0;  // of the cached frames
-    std::size_t loads = 0;    // attempts to load a frame since construction
+    std::size_t cachedFrames = 0;  // cached frames
+    std::uint64_t bytes = 0;       // of the cached frames
+    std::size_t loads = 0;         // attempts to load a frame since construction
   };
   Counts counts() const;
 

@@ -63,7 +63,7 @@ double sharpness(const Image8& picture, const Image8& eighth);
 /// Share of torn tiles among the image's 32 × 32 px tiles (smaller at the right and lower edge). A tile is torn if its
 /// mean gradient energy exceeds three times the truth's by more than 4 (8-bit levels)². Gradient energy: squared luma
 /// differences to the right and lower neighbours. NaN for empty images.
-inline constexpr int kTileSide = 32;  // px
+inline constexpr int kTileSidePx = 32;  // px
 double tornTiles(const Image8& picture, const Image8& truth);
 
 /// The tile with the largest mean squared error over R, G, B.

@@ -39,7 +39,7 @@ struct Alignment {
   std::vector<const Image8*> pictures;            // d, 2 to 4; RGB, at most 16384 px a side; must outlive the run
   std::vector<std::vector<glm::ivec2>> position;  // d × n, 1/128 px from the picture's top-left corner, inside it
   std::vector<glm::uvec3> triangles;              // evaluated; their signed area is positive in all pictures
-  std::vector<glm::uvec3> kept;                   // not evaluated; kept from folding over where they are not folded
+  std::vector<glm::uvec3> unevaluated;            // not evaluated; kept from folding over where they are not folded
   std::vector<std::uint8_t> fixed;                // n, or empty; nonzero: the point must not move
   /// gradient: d × n, or empty: unit direction of the epipolar line, along which a match may slide; (0, 0) = any.
   std::vector<std::vector<glm::vec2>> epipolar;
@@ -97,7 +97,7 @@ struct AlignmentOptions {
 };
 
 /// The first value out of range, for people; empty if there is none.
-std::string optionsFault(const AlignmentOptions& options);
+std::string firstInvalidOption(const AlignmentOptions& options);
 
 struct AlignmentCycle {
   double radiusPx = 0;          // R
@@ -118,7 +118,7 @@ struct AlignmentSummary {
   double initialEccPaper = 0, finalEccPaper = 0;  // [T] eqs 1–3
   /// By point of the resulting alignment: ECC per channel and target, mean over the pictures. NaN: no star; before:
   /// also inserted points.
-  std::vector<float> starEccBefore, starEccAfter;
+  std::vector<float> initialStarEcc, finalStarEcc;
   std::vector<AlignmentCycle> cycles;
   std::size_t bestCycle = 0;   // cycle whose mesh is returned; 0 = the initial mesh
   std::size_t flips = 0;       // of edges, up to bestCycle
@@ -131,7 +131,7 @@ struct AlignmentSummary {
 ///
 /// flipEdges changes `triangles` in place: same number, same points, same area; the two new triangles of a flip have
 /// the indices of the two old ones. insertPoints appends points (Alignment::inserted). Of each split triangle, one part
-/// keeps the index; other parts are appended. Border edges and edges of a kept triangle are not split.
+/// keeps the index; other parts are appended. Border edges and edges of an unevaluated triangle are not split.
 ///
 /// raster and compute need `device`, submit to its queue and wait. They need Device::supportsInt64, raster also
 /// Device::supportsInt64Atomics. Throws Error (invalidInput, unsupported, deviceLost, outOfMemory, cancelled by

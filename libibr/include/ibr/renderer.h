@@ -40,11 +40,11 @@ enum class ColourSupport : std::uint8_t {
 /// Everything that later plans and targets may use. Each item costs pipelines or memory. Renderer::supports tells
 /// whether a plan keeps to it.
 struct RendererOptions {
-  VkExtent2D maxExtent{0, 0};  // of an image
-  std::uint32_t maxViews = 1;  // of a plan, 1 or 2
-  bool switchMixing = true;    // a second canvas for FramePlan::previous; without it the draw order changes as a cut
-  bool fill = true;            // tier 3; without it holes show the background
-  bool depth = false;          // targets with a DepthTarget
+  VkExtent2D maxExtent{0, 0};   // of an image
+  std::uint32_t maxViews = 1;   // of a plan, 1 or 2
+  bool crossFadeOrders = true;  // a second canvas for FramePlan::previous; without it the draw order changes as a cut
+  bool fill = true;             // tier 3; without it holes show the background
+  bool depth = false;           // targets with a DepthTarget
   ColourSupport colour = ColourSupport::ours;
   bool multiview = true;  // both views of a plan in one render pass, where they have one size and a probe shows that
                           // the device does it right; the pixels are the same

@@ -25,7 +25,7 @@ struct Node {
   Camera camera;                      // intrinsics of the undistorted photograph at its stored size
   std::filesystem::path imageFile;    // JPEG or PNG, relative to the scene's folder
   std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
-  CaptureFacts capture = {};          // as recorded by the camera
+  CaptureMetadata capture = {};       // as recorded by the camera
   /// Red, green, blue: factors of the photograph's linear light that match its exposure and white balance to those of
   /// the other photographs. 1 where unknown; 1 / kMaxGain to kMaxGain.
   glm::dvec3 gain{1.0};
@@ -42,10 +42,10 @@ inline constexpr double kMaxGain = 4096;
 
 /// Evidence for a triangle or a pixel.
 enum Tier : std::uint8_t {
-  kTierAgrees = 0,     // triangle in which all members agree, blended as in [T]; gathered pixel of confirmed depth
-  kTierRejected = 1,   // triangle that a filter rejected: kept in the mesh, not drawn
-  kTierCompleted = 2,  // gathered pixel of completed depth, which no second photograph confirms
-  kTierFilled = 3,     // pixel on which nothing was drawn, filled from the pixels around it
+  kTierConsistent = 0,  // triangle in which all members agree, blended as in [T]; gathered pixel of confirmed depth
+  kTierRejected = 1,    // triangle that a filter rejected: kept in the mesh, not drawn
+  kTierCompleted = 2,   // gathered pixel of completed depth, which no second photograph confirms
+  kTierFilled = 3,      // pixel on which nothing was drawn, filled from the pixels around it
 };
 
 /// A morphing mesh with d members, n vertices and m triangles.
@@ -65,15 +65,15 @@ struct MorphMesh {
   std::vector<float> consensus;               // n, or empty, as confirmations: a = (c + .25) / (c + v + .5), v counts
                                               // photographs that see past the vertex; .1 where depth was completed
   std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
-  std::vector<std::uint8_t> tier;             // m, kTierAgrees or kTierRejected
+  std::vector<std::uint8_t> tier;             // m, kTierConsistent or kTierRejected
   std::vector<float> ecc;  // m, lowest enhanced correlation coefficient of two members, -1 to 1; label only
   /// n, or empty: numbers of the scene planes that a vertex lies on, from 1, ascending, filled up with 0. Label only: a
   /// triangle whose vertices share a plane is mapped between any two members by one homography.
   std::vector<glm::u16vec4> planes;
 
-  std::size_t memberCount() const { return match.size(); }           // d
-  std::size_t pointCount() const { return inverseDistance.size(); }  // n
-  std::size_t tier0Count() const;                                    // number of triangles of tier 0
+  std::size_t memberCount() const { return match.size(); }            // d
+  std::size_t vertexCount() const { return inverseDistance.size(); }  // n
+  std::size_t tier0Count() const;                                     // number of triangles of tier 0
 };
 
 /// Quality of a cell, measured when the cell was built. NaN: not measured. A backdrop's coverage is the share of its
@@ -113,7 +113,7 @@ struct Scene {
   std::vector<Cell> cells;
   std::vector<Cell> backdrops;  // depth meshes of single photographs, which vote (Composition::gathered, hybrid): at
                                 // most one a node
-  std::vector<UnusedPhotograph> unused;
+  std::vector<UnusedPhotograph> unusedPhotographs;
   std::string acquisition;  // "ordered", "unordered", "synthetic", "panoramic" or ""
   std::string settings;     // effective settings of the build, as JSON text; "" if none
   std::optional<GeographicOrigin> origin;
@@ -152,6 +152,6 @@ void saveScene(const Scene& scene, const std::filesystem::path& folder);
 
 /// Writes a scene to another folder than its own. Photographs, masks and textures become hard links, or copies if the
 /// file system has no links. Throws Error, as saveScene and Error{io} that names the file.
-void shareScene(const Scene& scene, const std::filesystem::path& folder);
+void saveSceneWithLinks(const Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace ibr

@@ -3,11 +3,11 @@
 //
 //   ShaderReloader reloader(device, {.folder = "…/shaders"});
 //   every frame:
-//     const ShaderReloader::Result result = reloader.poll();     // show reloader.failing()
+//     const ShaderReloader::Result result = reloader.poll();     // show reloader.failures()
 //     if (!result.replaced.empty()) try {
 //       renderer = Renderer(device, gpuScene, options);          // once the device has finished with the old one
 //     } catch (const Error& error) {
-//       reloader.takeBack();                                     // keep the old one; show error
+//       reloader.revert();                                     // keep the old one; show error
 //     }
 //
 // Deviation: [T]'s watchdog flags a program and the main thread compiles it. Here background threads compile, too, with
@@ -67,12 +67,12 @@ class ShaderReloader {
   Result poll();
 
   /// Shaders whose current files cannot be used: failures that poll() reported and that have not been fixed since.
-  std::vector<Failure> failing() const;
+  std::vector<Failure> failures() const;
 
   /// Undoes the last poll() that replaced shaders, for when pipelines cannot be made from them. Increments
   /// Device::shaderGeneration() and returns the restored files; returns none if there is nothing to undo. The restored
   /// files are compiled again once they change again.
-  std::vector<std::string> takeBack();
+  std::vector<std::string> revert();
 
  private:
   struct State;

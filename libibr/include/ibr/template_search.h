@@ -22,7 +22,7 @@ enum class TemplateMeasure : std::uint8_t {
 /// A pixel of a template: its column and row in the picture at displacement 0, and its colour.
 struct TemplateSample {
   std::int16_t x = 0, y = 0;
-  std::uint8_t red = 0, green = 0, blue = 0, unused = 0;
+  std::uint8_t red = 0, green = 0, blue = 0, padding = 0;
 };
 
 /// Searches a picture for samples [first, first + count), at displacements start + (−radius … radius)².
@@ -43,13 +43,13 @@ using TemplateSearch = std::function<std::vector<TemplateMatch>(
     std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius, TemplateMeasure measure)>;
 
 /// Makes a search over RGB pictures, which must outlive the search.
-using MakeTemplateSearch = std::function<TemplateSearch(std::span<const Image8* const> pictures)>;
+using TemplateSearchFactory = std::function<TemplateSearch(std::span<const Image8* const> pictures)>;
 
 /// Search on the CPU. A search runs on the calling thread; several threads may call it at once. Throws
 /// Error{invalidInput} for pictures without 3 channels. Calls of the search throw it for indices of pictures or samples
 /// out of range, and for a radius outside 0 … kMaxTemplateRadius. They also throw it for more than
 /// kMaxTemplateSampleCount samples in a task and for starts beyond kMaxTemplateStartPx.
-TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures);
+TemplateSearch cpuTemplateSearch(std::span<const Image8* const> pictures);
 
 inline constexpr int kMaxTemplateRadius = 32;
 inline constexpr std::uint32_t kMaxTemplateSampleCount = 4096;

@@ -25,7 +25,7 @@ struct TemplateCapacity {
   std::size_t tasks = 1, samples = 1;
 };
 
-/// With absolute differences, matches are bit-identical to those of processorTemplateSearch. Correlations differ by
+/// With absolute differences, matches are bit-identical to those of cpuTemplateSearch. Correlations differ by
 /// rounding, about 10⁻⁶; where costs are that close, another match may win.
 ///
 /// Records searches. Move-only; the device must outlive it. One thread at a time uses it, with at most one submission
@@ -33,7 +33,7 @@ struct TemplateCapacity {
 class TemplateSearchPass {
  public:
   /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits. Throws Error:
-  /// invalidInput as processorTemplateSearch, and for a capacity of 0; unsupported where the pictures (4 bytes a pixel)
+  /// invalidInput as cpuTemplateSearch, and for a capacity of 0; unsupported where the pictures (4 bytes a pixel)
   /// or the capacity exceed the device's largest storage buffer or dispatch; outOfMemory, deviceLost.
   TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity);
   TemplateSearchPass(TemplateSearchPass&&) noexcept;
@@ -41,7 +41,7 @@ class TemplateSearchPass {
   ~TemplateSearchPass();
 
   /// Sets the tasks of the next submission of record(). Copies them to memory that the recorded commands read, so none
-  /// of these may be in flight. Throws Error{invalidInput} as calls of processorTemplateSearch, and beyond the
+  /// of these may be in flight. Throws Error{invalidInput} as calls of cpuTemplateSearch, and beyond the
   /// capacity; then the previous tasks stay set.
   void set(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
            TemplateMeasure measure);
@@ -62,6 +62,6 @@ class TemplateSearchPass {
 /// Several threads may call the searches made by one returned function; they take turns. Nothing else may use the
 /// device meanwhile. One thread must make and destroy the searches. They throw what TemplateSearchPass throws. The
 /// device must outlive them.
-MakeTemplateSearch deviceTemplateSearch(const Device& device);
+TemplateSearchFactory deviceTemplateSearch(const Device& device);
 
 }  // namespace ibr

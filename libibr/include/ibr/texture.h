@@ -43,7 +43,7 @@ struct Texture {
 };
 
 /// Returns the texture without its first `firstLevel` levels. Precondition: 0 <= firstLevel < the number of levels.
-Texture smallerLevels(const Texture& texture, int firstLevel);
+Texture withoutLargestLevels(const Texture& texture, int firstLevel);
 
 /// Encodes RGBA levels, largest first. Deterministic. Throws Error{invalidInput} for rg16f, and as Texture(rgba).
 Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format);

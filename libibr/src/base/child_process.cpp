@@ -25,8 +25,8 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostTurns = 32;                   // reads of 4096 bytes, twice a pipe's capacity, between goesOn calls
-constexpr std::size_t kLongestLine = 64 * 1024;  // bytes
+constexpr int kMaxReads = 32;  // reads of 4096 bytes, twice a pipe's capacity, between shouldContinue calls
+constexpr std::size_t kMaxLineBytes = 64 * 1024;  // bytes
 
 class Descriptor {
  public:
@@ -120,7 +120,7 @@ class Child {
 
 ChildResult runChild(const std::vector<std::string>& arguments,
                      const std::vector<std::pair<std::string, std::string>>& environment,
-                     const std::function<void(std::string_view)>& line, const std::function<bool()>& goesOn) {
+                     const std::function<void(std::string_view)>& line, const std::function<bool()>& shouldContinue) {
   int ends[2];
   check(::pipe2(ends, O_CLOEXEC) == 0, ErrorCode::io, "{}: cannot be run: {}", arguments[0], std::strerror(errno));
   Descriptor in(ends[0]), out(ends[1]);
@@ -131,19 +131,19 @@ ChildResult runChild(const std::vector<std::string>& arguments,
   bool open = true;
   const auto read = [&] {
     char buffer[4096];
-    for (int turn = 0; turn < kMostTurns; ++turn) {
+    for (int turn = 0; turn < kMaxReads; ++turn) {
       const ssize_t got = ::read(in.get(), buffer, sizeof(buffer));
       if (got == 0) open = false;
       if (got <= 0) return;  // no more output at present
       rest.append(buffer, std::size_t(got));
       for (std::size_t end; (end = rest.find_first_of("\r\n")) != rest.npos; rest.erase(0, end + 1))
         if (end > 0) line(std::string_view(rest).substr(0, end));
-      if (rest.size() >= kLongestLine) line(std::exchange(rest, {}));
+      if (rest.size() >= kMaxLineBytes) line(std::exchange(rest, {}));
     }
   };
   // A grandchild may hold the pipe open for longer: the program's own end counts.
   for (bool ended = false; !ended;) {
-    if (!goesOn()) {
+    if (!shouldContinue()) {
       child.end();
       return {child.status(), true};
     }

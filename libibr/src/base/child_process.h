@@ -12,16 +12,16 @@ namespace ibr {
 
 struct ChildResult {
   int status = 0;        // exit status, or 128 plus the signal that ended the program
-  bool stopped = false;  // ended because goesOn returned false
+  bool stopped = false;  // ended because shouldContinue returned false
 };
 
 /// Runs `arguments[0]`, searched along PATH unless the name has a folder. The environment is ours, overridden by
 /// `environment` (names and values); stdin is empty. `line` receives the lines of stdout and stderr without line ends;
-/// lines over 64 KiB arrive in pieces. `goesOn` is called at least ten times a second. When goesOn returns false, the
-/// program and its children are ended (SIGTERM, after three seconds SIGKILL) and waited for. Throws Error{io} if the
-/// program cannot be started.
+/// lines over 64 KiB arrive in pieces. `shouldContinue` is called at least ten times a second. When shouldContinue
+/// returns false, the program and its children are ended (SIGTERM, after three seconds SIGKILL) and waited for. Throws
+/// Error{io} if the program cannot be started.
 ChildResult runChild(const std::vector<std::string>& arguments,
                      const std::vector<std::pair<std::string, std::string>>& environment,
-                     const std::function<void(std::string_view)>& line, const std::function<bool()>& goesOn);
+                     const std::function<void(std::string_view)>& line, const std::function<bool()>& shouldContinue);
 
 }  // namespace ibr

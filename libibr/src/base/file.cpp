@@ -129,7 +129,7 @@ void checkFolderWritable(const fs::path& folder) {
         std::strerror(errno));
 }
 
-double bytesBelow(const fs::path& folder) {
+double folderBytes(const fs::path& folder) {
   std::error_code error;
   double bytes = 0;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {

@@ -32,7 +32,7 @@ void makeFolders(const std::filesystem::path& folder);
 void checkFolderWritable(const std::filesystem::path& folder);
 
 /// Sum of the sizes of all regular files below a folder, links excluded; 0 if the folder cannot be read.
-double bytesBelow(const std::filesystem::path& folder);
+double folderBytes(const std::filesystem::path& folder);
 
 /// Returns `relative` below `folder`, both canonical. Throws Error{invalidInput} if the path leads outside (absolute,
 /// "..", links). The file need not exist.

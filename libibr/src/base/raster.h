@@ -13,7 +13,7 @@ namespace ibr {
 /// are the barycentric coordinates of the pixel's centre. A degenerate triangle has no pixels; the orientation does not
 /// matter.
 template <class Visit>
-void forPixelsIn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int width, int height, Visit&& visit) {
+void forTrianglePixels(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int width, int height, Visit&& visit) {
   const glm::dvec2 ab = b - a, ac = c - a;
   const double area = ab.x * ac.y - ab.y * ac.x;
   if (!(std::abs(area) > 1e-12)) return;
@@ -27,8 +27,9 @@ void forPixelsIn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int width, int height
     for (int x = left; x <= right; ++x) {
       const glm::dvec2 p = glm::dvec2(x + 0.5, y + 0.5) - a;
       const double atB = (p.x * ac.y - p.y * ac.x) / area, atC = (ab.x * p.y - ab.y * p.x) / area;
-      constexpr double kRim = -1e-9;
-      if (atB >= kRim && atC >= kRim && 1 - atB - atC >= kRim) visit(x, y, glm::dvec3(1 - atB - atC, atB, atC));
+      constexpr double kEdgeTolerance = -1e-9;
+      if (atB >= kEdgeTolerance && atC >= kEdgeTolerance && 1 - atB - atC >= kEdgeTolerance)
+        visit(x, y, glm::dvec3(1 - atB - atC, atB, atC));
     }
 }
 

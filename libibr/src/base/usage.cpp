@@ -30,7 +30,7 @@ std::optional<double> firstNumber(std::string_view text) {
 
 }  // namespace
 
-std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view membership) {
+std::optional<double> cgroupMemoryLimit(const fs::path& root, std::string_view membership) {
   std::optional<double> least;
   while (!membership.empty()) {
     const std::string_view line = membership.substr(0, membership.find('\n'));
@@ -55,7 +55,7 @@ std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view me
 
 double memoryLimit() {
   double limit = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-  if (const auto group = groupMemoryLimit("/sys/fs/cgroup", textOf("/proc/self/cgroup")))
+  if (const auto group = cgroupMemoryLimit("/sys/fs/cgroup", textOf("/proc/self/cgroup")))
     limit = std::min(limit, *group);
   rlimit space{};
   if (::getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
@@ -76,7 +76,7 @@ double peakMemory() {
   return 1024.0 * double(usage.ru_maxrss);
 }
 
-double processorSeconds() {
+double cpuSeconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };

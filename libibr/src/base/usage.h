@@ -17,13 +17,13 @@ double residentMemory();
 double peakMemory();
 
 /// Processor time of all threads of this process so far, s.
-double processorSeconds();
+double cpuSeconds();
 
 /// Processor time of the calling thread, s.
 double threadSeconds();
 
 /// Lowest limit of the control groups that a process is in; nullopt if none is set. `membership`: contents of
 /// /proc/self/cgroup. `root`: mount point of the control groups (/sys/fs/cgroup), version 2 or 1.
-std::optional<double> groupMemoryLimit(const std::filesystem::path& root, std::string_view membership);
+std::optional<double> cgroupMemoryLimit(const std::filesystem::path& root, std::string_view membership);
 
 }  // namespace ibr

@@ -3,42 +3,42 @@
 // the compiler neither contracts nor reorders operations.
 //
 //   [[gnu::always_inline]] inline void sums(const float* a, float* out, int n) { … }
-//   runWide<sums>(a, out, n);
+//   runVectorised<sums>(a, out, n);
 #pragma once
 
 namespace ibr {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-inline bool processorHasAvx2() {
+inline bool cpuHasAvx2() {
   return __builtin_cpu_supports("avx2") != 0;
 }
 #define IBR_AVX2 __attribute__((target("avx2")))
 
 #else
 
-inline bool processorHasAvx2() {
+inline bool cpuHasAvx2() {
   return false;
 }
 #define IBR_AVX2
 
 #endif
 
-/// True if runWide uses the AVX2 version. Only tests set the value, on one thread.
+/// True if runVectorised uses the AVX2 version. Only tests set the value, on one thread.
 inline bool& usesAvx2() {
-  static bool uses = processorHasAvx2();
+  static bool uses = cpuHasAvx2();
   return uses;
 }
 
 template <auto kLoop, class... Arguments>
-IBR_AVX2 auto runForAvx2(Arguments... arguments) {
+IBR_AVX2 auto runWithAvx2(Arguments... arguments) {
   return kLoop(arguments...);
 }
 
 /// Runs kLoop(arguments…), `arguments` by value. kLoop and the functions that kLoop calls are always inlined.
 template <auto kLoop, class... Arguments>
-auto runWide(Arguments... arguments) {
-  return usesAvx2() ? runForAvx2<kLoop>(arguments...) : kLoop(arguments...);
+auto runVectorised(Arguments... arguments) {
+  return usesAvx2() ? runWithAvx2<kLoop>(arguments...) : kLoop(arguments...);
 }
 
 }  // namespace ibr

@@ -11,20 +11,20 @@
 
 namespace ibr {
 
-HtmCoordinatesPass::HtmCoordinatesPass(const Device& device, const HtmFrameSet& set, std::uint32_t mostGroups)
+HtmCoordinatesPass::HtmCoordinatesPass(const Device& device, const HtmFrameSet& set, std::uint32_t maxGroups)
     : rank_(makeComputePipeline(device,
                                 {.name = "rank members", .shader = shaders::htm_rank_comp, .layout = set.layout()})),
       harmonise_(makeComputePipeline(
           device, {.name = "harmonise", .shader = shaders::htm_harmonise_comp, .layout = set.layout()})),
       colours_(makeComputePipeline(
           device, {.name = "vertex colours", .shader = shaders::htm_colours_comp, .layout = set.layout()})),
-      mostGroups_(std::min(mostGroups, device.properties().limits.maxComputeWorkGroupCount[0])) {}
+      maxGroups_(std::min(maxGroups, device.properties().limits.maxComputeWorkGroupCount[0])) {}
 
 void HtmCoordinatesPass::record(VkCommandBuffer commands, const HtmFrameSet& set,
                                 const HtmFramePlan& plan) const noexcept {
   if (set.model().vertexCount == 0) return;
   const bool colours = plan.settings.method == HtmMethod::vertexColours;
-  const glm::uvec2 groups = htmFolded((set.model().vertexCount - 1) / shader::kHtmGroupSize + 1, mostGroups_);
+  const glm::uvec2 groups = htmDispatchGroups((set.model().vertexCount - 1) / shader::kHtmGroupSize + 1, maxGroups_);
   bufferBarrier(commands, use::kShaderRead, use::kComputeReadWrite);
   set.bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, set.frame(plan));
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, rank_.get());

@@ -14,16 +14,16 @@ namespace ibr {
 
 /// Splits `groups` workgroups into rows of at most `most`: returns groups per row and rows. The last row may have some
 /// unneeded groups, fewer than the number of rows.
-inline glm::uvec2 htmFolded(std::uint32_t groups, std::uint32_t most) {
+inline glm::uvec2 htmDispatchGroups(std::uint32_t groups, std::uint32_t most) {
   const std::uint32_t rows = groups / most + (groups % most != 0);
   return {rows == 0 ? 0 : groups / rows + (groups % rows != 0), rows};
 }
 
 class HtmCoordinatesPass {
  public:
-  /// `mostGroups` per row, at least 1, for tests; limited by the device's maxComputeWorkGroupCount.
+  /// `maxGroups` per row, at least 1, for tests; limited by the device's maxComputeWorkGroupCount.
   HtmCoordinatesPass(const Device& device, const HtmFrameSet& set,
-                     std::uint32_t mostGroups = std::numeric_limits<std::uint32_t>::max());
+                     std::uint32_t maxGroups = std::numeric_limits<std::uint32_t>::max());
 
   /// Call outside a render pass, after HtmFrameSet::update. Waits for earlier frames' reads of the pass's outputs, and
   /// makes the outputs visible to fragment shaders.
@@ -31,7 +31,7 @@ class HtmCoordinatesPass {
 
  private:
   PipelineHandle rank_, harmonise_, colours_;
-  std::uint32_t mostGroups_;
+  std::uint32_t maxGroups_;
 };
 
 /// True if photographs are sampled at an offset from the projection of the vertices.

@@ -59,7 +59,7 @@ class DeviceSearch {
 
 }  // namespace
 
-MakeTemplateSearch deviceTemplateSearch(const Device& device) {
+TemplateSearchFactory deviceTemplateSearch(const Device& device) {
   return [&device, turn = std::make_shared<std::mutex>()](std::span<const Image8* const> pictures) -> TemplateSearch {
     const auto search = std::make_shared<DeviceSearch>(device, pictures, turn);
     return [search](std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,

@@ -23,7 +23,7 @@ namespace {
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 // Frames share the image: a frame waits for the depth tests of the previous one and discards the contents.
-constexpr ImageUse kDepthBefore{VK_IMAGE_LAYOUT_UNDEFINED, use::kDepthAttachment.stages, use::kDepthAttachment.access};
+constexpr ImageUse kDepthInitial{VK_IMAGE_LAYOUT_UNDEFINED, use::kDepthAttachment.stages, use::kDepthAttachment.access};
 
 PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkFormat format, bool displaced,
                            bool colours) {
@@ -58,7 +58,7 @@ HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const Htm
                                                    .depthFormat = kDepthFormat,
                                                    .depthTest = true})) {
   for (const VkFormat format : options.formats) {
-    check(isPictureFormat(format), ErrorCode::unsupported, "harmonised renderer: VkFormat {} is not 8-bit RGBA or BGRA",
+    check(isRgba8Format(format), ErrorCode::unsupported, "harmonised renderer: VkFormat {} is not 8-bit RGBA or BGRA",
           int(format));
     Format& made = formats_.emplace_back();
     made.format = format;
@@ -72,7 +72,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
                          const Target& target) const noexcept {
   const auto found = std::ranges::find(formats_, target.format, &Format::format);
   assert(found != formats_.end() && !target.depth);
-  transition(commands, depth_.get(), kDepthBefore, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  transition(commands, depth_.get(), kDepthInitial, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   transitionTarget(commands, target, target.initialUse, use::kColourAttachment);
 
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();

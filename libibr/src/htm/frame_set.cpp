@@ -82,7 +82,7 @@ void HtmFrameSet::update(VkCommandBuffer commands, const HtmFramePlan& plan) con
                      .depthOf = glm::vec4(projection.depthOf),
                      .size = {float(intrinsics.width), float(intrinsics.height)},
                      .log2Weight = float(planned.logWeight / std::numbers::ln2),
-                     .log2Rest = float(std::max(planned.logRest / std::numbers::ln2, -1e30)),
+                     .log2Rest = float(std::max(planned.logRemainingWeight / std::numbers::ln2, -1e30)),
                      .detail = float(focalLength(intrinsics) / focalLength(plan.view.intrinsics)),
                      .texelWidth = float(1 / focalLength(intrinsics)),
                      .nearDistance = float(model_->nearDistance[planned.camera]),

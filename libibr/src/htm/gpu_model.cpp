@@ -23,7 +23,7 @@ void upload(const Device& device, Buffer& buffer, std::span<const std::byte> byt
 }
 
 // Makes a texture array; reuses an image of the same size and number of layers.
-void makePages(const Device& device, GpuImage& image, const GpuImageInfo& info, const char* name) {
+void makeTextureArrays(const Device& device, GpuImage& image, const GpuImageInfo& info, const char* name) {
   const GpuImageInfo& now = image.info();
   if (image.get() && now.extent.width == info.extent.width && now.extent.height == info.extent.height &&
       now.layers == info.layers)
@@ -33,19 +33,19 @@ void makePages(const Device& device, GpuImage& image, const GpuImageInfo& info, 
 }
 
 // Smallest layer size that holds every camera's photograph.
-VkExtent2D pageOf(const HtmModel& model) {
-  VkExtent2D page{1, 1};
+VkExtent2D arrayExtentOf(const HtmModel& model) {
+  VkExtent2D extent{1, 1};
   for (const HtmCamera& camera : model.cameras) {
-    page.width = std::max(page.width, std::uint32_t(camera.camera.intrinsics.width));
-    page.height = std::max(page.height, std::uint32_t(camera.camera.intrinsics.height));
+    extent.width = std::max(extent.width, std::uint32_t(camera.camera.intrinsics.width));
+    extent.height = std::max(extent.height, std::uint32_t(camera.camera.intrinsics.height));
   }
-  return page;
+  return extent;
 }
 
 // Expands a photograph to RGBA of the layer's size: the border pixels repeat beyond the photograph.
-Image8 padded(const HtmPicture& picture, VkExtent2D page) {
+Image8 padded(const HtmImage& picture, VkExtent2D extent) {
   const Image8& photograph = picture.photograph;
-  Image8 out(int(page.width), int(page.height), 4);
+  Image8 out(int(extent.width), int(extent.height), 4);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       const int fromX = std::min(x, photograph.width - 1), fromY = std::min(y, photograph.height - 1);
@@ -56,7 +56,7 @@ Image8 padded(const HtmPicture& picture, VkExtent2D page) {
   return out;
 }
 
-void checkPicture(const HtmPicture& picture, const HtmCamera& camera) {
+void checkImages(const HtmImage& picture, const HtmCamera& camera) {
   const int width = camera.camera.intrinsics.width, height = camera.camera.intrinsics.height;
   const auto fits = [&](const char* what, const Image8& image, bool channels) {
     check(image.width == width && image.height == height && channels, ErrorCode::invalidInput,
@@ -117,12 +117,12 @@ void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, co
              MemoryKind::device, name);
 }
 
-HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture) {
-  checkPicture(picture, model.cameras[camera]);
-  return {{}, {}, std::make_shared<const std::vector<Image8>>(buildMips(padded(picture, pageOf(model))))};
+HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture) {
+  checkImages(picture, model.cameras[camera]);
+  return {{}, {}, std::make_shared<const std::vector<Image8>>(buildMips(padded(picture, arrayExtentOf(model))))};
 }
 
-GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictureSource& source,
+GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmImageSource& source,
                           const GpuHtmModelOptions& options)
     : device_(&device), depthMaps_(device) {
   const bool software = device.kind() == DeviceKind::software;
@@ -133,7 +133,7 @@ GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictur
   replace(model, source);
 }
 
-void GpuHtmModel::State::replace(const HtmModel& model, const HtmPictureSource& source) {
+void GpuHtmModel::State::replace(const HtmModel& model, const HtmImageSource& source) {
   bounds = htmBounds(checked(model));
   vertexCount = std::uint32_t(model.vertexCount());
   triangleCount = std::uint32_t(model.surface.mesh.triangles.size());
@@ -161,31 +161,31 @@ void GpuHtmModel::State::uploadMesh(const HtmModel& model) {
   uploader.flush();
 }
 
-void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmPictureSource& source) {
-  const VkExtent2D page = pageOf(model);
+void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmImageSource& source) {
+  const VkExtent2D extent = arrayExtentOf(model);
   const auto layers = std::uint32_t(cameras.size());
-  makePages(*device_, photographs,
-            {.format = VK_FORMAT_R8G8B8A8_UNORM,
-             .extent = page,
-             .layers = layers,
-             .mipLevels = std::uint32_t(std::bit_width(std::max(page.width, page.height))),
-             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-             .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-            "photographs of a harmonised model");
-  makePages(*device_, depths,
-            {.format = kHtmDepthMapFormat,
-             .extent = page,
-             .layers = layers,
-             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-             .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-            "depths of a harmonised model");
+  makeTextureArrays(*device_, photographs,
+                    {.format = VK_FORMAT_R8G8B8A8_UNORM,
+                     .extent = extent,
+                     .layers = layers,
+                     .mipLevels = std::uint32_t(std::bit_width(std::max(extent.width, extent.height))),
+                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                     .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+                    "photographs of a harmonised model");
+  makeTextureArrays(*device_, depths,
+                    {.format = kHtmDepthMapFormat,
+                     .extent = extent,
+                     .layers = layers,
+                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                     .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+                    "depths of a harmonised model");
   Uploader uploader(*device_);
   for (std::uint32_t i = 0; i < layers; ++i) {
-    HtmPicture picture = source(model, i);
-    if (!picture.levels) picture = preparedHtmPicture(model, i, std::move(picture));
+    HtmImage picture = source(model, i);
+    if (!picture.levels) picture = prepareHtmImage(model, i, std::move(picture));
     const std::vector<Image8>& mips = *picture.levels;
-    check(mips.size() == photographs.info().mipLevels && mips[0].width == int(page.width) &&
-              mips[0].height == int(page.height),
+    check(mips.size() == photographs.info().mipLevels && mips[0].width == int(extent.width) &&
+              mips[0].height == int(extent.height),
           ErrorCode::invalidInput, "camera '{}': prepared mip levels belong to another model", model.cameras[i].name);
     for (std::uint32_t level = 0; level < mips.size(); ++level)
       uploader.image(photographs, i, level, {std::uint32_t(mips[level].width), std::uint32_t(mips[level].height)},
@@ -194,14 +194,14 @@ void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmPictu
   uploader.flush();
 }
 
-GpuHtmModel::GpuHtmModel(Device& device, const HtmModel& model, const HtmPictureSource& source,
+GpuHtmModel::GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
                          const GpuHtmModelOptions& options)
     : state_(std::make_unique<State>(device, model, source, options)) {}
 GpuHtmModel::GpuHtmModel(GpuHtmModel&&) noexcept = default;
 GpuHtmModel& GpuHtmModel::operator=(GpuHtmModel&&) noexcept = default;
 GpuHtmModel::~GpuHtmModel() = default;
 
-void GpuHtmModel::replace(const HtmModel& model, const HtmPictureSource& source) {
+void GpuHtmModel::replace(const HtmModel& model, const HtmImageSource& source) {
   state_->replace(model, source);
 }
 

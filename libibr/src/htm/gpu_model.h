@@ -13,8 +13,8 @@
 namespace ibr {
 
 struct GpuHtmModel::State {
-  State(Device& device, const HtmModel& model, const HtmPictureSource& source, const GpuHtmModelOptions& options);
-  void replace(const HtmModel& model, const HtmPictureSource& source);
+  State(Device& device, const HtmModel& model, const HtmImageSource& source, const GpuHtmModelOptions& options);
+  void replace(const HtmModel& model, const HtmImageSource& source);
 
   HtmBounds bounds;
   std::vector<Camera> cameras;
@@ -27,7 +27,7 @@ struct GpuHtmModel::State {
 
  private:
   void uploadMesh(const HtmModel& model);
-  void uploadPhotographs(const HtmModel& model, const HtmPictureSource& source);
+  void uploadPhotographs(const HtmModel& model, const HtmImageSource& source);
 
   const Device* device_;
   HtmDepthMaps depthMaps_;

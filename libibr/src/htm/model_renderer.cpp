@@ -30,7 +30,7 @@ HtmRenderer::HtmRenderer(HtmRenderer&&) noexcept = default;
 HtmRenderer& HtmRenderer::operator=(HtmRenderer&&) noexcept = default;
 HtmRenderer::~HtmRenderer() = default;
 
-void HtmRenderer::show(const GpuHtmModel& model) {
+void HtmRenderer::setModel(const GpuHtmModel& model) {
   state_->set.show(*state_->device, stateOf(model));
 }
 

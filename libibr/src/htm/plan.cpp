@@ -17,7 +17,7 @@
 namespace ibr {
 namespace {
 
-void checkInput(const HtmBounds& bounds, const HtmInput& input) {
+void checkInput(const HtmBounds& bounds, const HtmPlanInput& input) {
   Faults faults(1);
   checkCamera(input.view, "view", faults);
   const std::vector<Fault> found = faults.take();
@@ -31,7 +31,7 @@ void checkInput(const HtmBounds& bounds, const HtmInput& input) {
   inRange("gamma (1 to 1000)", s.gamma >= 1 && s.gamma <= 1000, s.gamma);
   inRange("weightCut (0 to below 1)", s.weightCut >= 0 && s.weightCut < 1, s.weightCut);
   inRange("depthTolerance (above 0)", s.depthTolerance > 0 && std::isfinite(s.depthTolerance), s.depthTolerance);
-  inRange("smoothSeconds (0 or more)", s.smoothSeconds >= 0, s.smoothSeconds);
+  inRange("smoothingSeconds (0 or more)", s.smoothingSeconds >= 0, s.smoothingSeconds);
   for (int c = 0; c < 3; ++c) inRange("background (finite)", std::isfinite(s.background[c]), s.background[c]);
   check(std::isfinite(input.dtSeconds), ErrorCode::invalidInput, "dtSeconds {} must be finite", input.dtSeconds);
   check(finite(bounds.middle), ErrorCode::invalidInput, "bounds.middle is not finite");
@@ -53,9 +53,9 @@ glm::dvec3 directionOf(const Pose& pose, const HtmBounds& bounds, HtmDirection d
 }
 
 // Share of the way to its target that a weight moves in this frame.
-double shareOfWay(const HtmInput& input) {
-  if (input.settings.smoothSeconds == 0) return 1;
-  return 1 - std::exp(-std::max(input.dtSeconds, 0.0) / input.settings.smoothSeconds);
+double smoothingShare(const HtmPlanInput& input) {
+  if (input.settings.smoothingSeconds == 0) return 1;
+  return 1 - std::exp(-std::max(input.dtSeconds, 0.0) / input.settings.smoothingSeconds);
 }
 
 }  // namespace
@@ -78,8 +78,8 @@ HtmBounds htmBounds(const HtmModel& model) {
   return bounds;
 }
 
-HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
-                          const HtmState& state) {
+HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
+                          const HtmPlanState& state) {
   checkInput(bounds, input);
   HtmFramePlan plan{.view = input.view, .settings = input.settings, .bounds = bounds, .cameras = {}, .next = {}};
   std::vector<glm::dvec3> directions;
@@ -89,7 +89,7 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
       htmLogWeights(directions, directionOf(input.view.pose, bounds, input.settings.direction), input.settings.gamma);
   if (state.logWeights.size() == logs.size()) {
     checkState(state.logWeights);
-    const double share = shareOfWay(input);
+    const double share = smoothingShare(input);
     for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::lerp(state.logWeights[i], logs[i], share);
     const double largest = *std::ranges::max_element(logs);
     for (double& log : logs) log -= largest;
@@ -103,20 +103,20 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
   for (std::size_t k = plan.cameras.size(); k-- > 0;) {
     double& log = plan.cameras[k].logWeight;
     log -= best;
-    plan.cameras[k].logRest = rest;
+    plan.cameras[k].logRemainingWeight = rest;
     rest = log + std::log1p(std::exp(rest - log));
   }
   plan.next.logWeights = std::move(logs);
   return plan;
 }
 
-HtmState htmStateFor(const HtmModel& model, const HtmModel& before, const HtmState& state) {
+HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state) {
   if (state.logWeights.size() != before.cameras.size() || state.logWeights.empty()) return {};
   std::map<std::string_view, double> known;
   for (std::size_t i = 0; i < before.cameras.size(); ++i) known.emplace(before.cameras[i].name, state.logWeights[i]);
   const double least = *std::ranges::min_element(state.logWeights);
   double largest = -std::numeric_limits<double>::infinity();
-  HtmState next;
+  HtmPlanState next;
   for (const HtmCamera& camera : model.cameras) {
     const auto found = known.find(camera.name);
     next.logWeights.push_back(found != known.end() ? found->second : least);
@@ -127,7 +127,7 @@ HtmState htmStateFor(const HtmModel& model, const HtmModel& before, const HtmSta
   return next;
 }
 
-HtmModel baselineModel(const HtmModel& model) {
+HtmModel unoptimisedModel(const HtmModel& model) {
   HtmModel baseline = model;
   if (model.source) baseline.surface = *model.source;
   for (HtmCamera& camera : baseline.cameras)

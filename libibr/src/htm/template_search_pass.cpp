@@ -95,7 +95,7 @@ struct TemplateSearchPass::State {
 
 TemplateSearchPass::State::State(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity most)
     : pictureCount(pictures.size()), capacity(most) {
-  checkTemplatePictures(pictures);
+  checkTemplateImages(pictures);
   checkLimits(device, pictures, capacity);
   const auto make = [&](int binding, std::size_t bytes, const char* name) {
     buffers[std::size_t(binding)] =

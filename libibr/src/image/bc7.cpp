@@ -111,23 +111,23 @@ struct FlatTable {
   struct Pair {
     int first = 0, second = 0, error = 0;
   };
-  struct Way {
+  struct PBitCase {
     int firstBit, secondBit, index;
     std::array<Pair, 256> pairs;
   };
-  std::array<Way, 4> ways{{{0, 0, 0, {}}, {1, 1, 0, {}}, {0, 1, 7, {}}, {1, 0, 7, {}}}};
+  std::array<PBitCase, 4> cases{{{0, 0, 0, {}}, {1, 1, 0, {}}, {0, 1, 7, {}}, {1, 0, 7, {}}}};
 
   FlatTable() {
-    for (Way& way : ways)
+    for (PBitCase& pCase : cases)
       for (int value = 0; value < 256; ++value) {
         int best = std::numeric_limits<int>::max();
         for (int first = std::max(0, value - 4); first <= std::min(255, value + 4); ++first)
           for (int second = std::max(0, value - 4); second <= std::min(255, value + 4); ++second) {
-            if ((first & 1) != way.firstBit || (second & 1) != way.secondBit) continue;
-            const int d = between(first, second, kWeights[std::size_t(way.index)]) - value;
+            if ((first & 1) != pCase.firstBit || (second & 1) != pCase.secondBit) continue;
+            const int d = between(first, second, kWeights[std::size_t(pCase.index)]) - value;
             if (d * d >= best) continue;
             best = d * d;
-            way.pairs[std::size_t(value)] = {first, second, best};
+            pCase.pairs[std::size_t(value)] = {first, second, best};
           }
       }
   }
@@ -136,12 +136,12 @@ struct FlatTable {
 Trial flat(const std::array<std::uint8_t, 4>& colour) noexcept {
   static const FlatTable kTable;
   Trial best;
-  for (const FlatTable::Way& way : kTable.ways) {
+  for (const FlatTable::PBitCase& pCase : kTable.cases) {
     Trial trial;
     trial.error = 0;
-    trial.indices.fill(way.index);
+    trial.indices.fill(pCase.index);
     for (std::size_t c = 0; c < 4; ++c) {
-      const FlatTable::Pair& pair = way.pairs[colour[c]];
+      const FlatTable::Pair& pair = pCase.pairs[colour[c]];
       trial.first[c] = pair.first;
       trial.second[c] = pair.second;
       trial.error += 16 * pair.error;

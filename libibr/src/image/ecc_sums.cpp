@@ -18,7 +18,7 @@ struct Moments {
   Int128 covariance, varianceX, varianceY;
 };
 
-Moments momentsOf(const PreEcc& s, std::int64_t floor) {
+Moments momentsOf(const EccMoments& s, std::int64_t floor) {
   const Int128 n = s.n, added = floor * n * n;
   return {n * s.xy - Int128(s.x) * s.y + added, n * s.xx - Int128(s.x) * s.x + added,
           n * s.yy - Int128(s.y) * s.y + added};
@@ -26,14 +26,14 @@ Moments momentsOf(const PreEcc& s, std::int64_t floor) {
 
 // Tuples whose moments are summed: the given ones, or their merged tuple.
 struct Parts {
-  PreEcc merged;
-  std::span<const PreEcc> list;
+  EccMoments merged;
+  std::span<const EccMoments> list;
   std::int64_t floor = 0;
   bool enough = false;  // at least one tuple has two samples
 
-  Parts(std::span<const PreEcc> sums, EccDefinition definition, std::int64_t varianceFloor)
+  Parts(std::span<const EccMoments> sums, EccDefinition definition, std::int64_t varianceFloor)
       : list(sums), floor(varianceFloor) {
-    for (const PreEcc& s : sums) {
+    for (const EccMoments& s : sums) {
       enough = enough || s.n > 1;
       merged.merge(s);
     }
@@ -57,9 +57,9 @@ Ecc fromMeans(double covariance, double varianceA, double varianceB, double cons
 // --- Integers of 640 bits in two's complement. A moment has at most 133 bits; comparisons
 // multiply four of them. ---
 
-class Wide {
+class BigInt {
  public:
-  Wide(Int128 value = 0) {
+  BigInt(Int128 value = 0) {
     limb_.fill(value < 0 ? ~std::uint64_t(0) : 0);
     limb_[0] = std::uint64_t(value);
     limb_[1] = std::uint64_t(value >> 64);
@@ -68,8 +68,8 @@ class Wide {
     if (limb_.back() >> 63) return -1;
     return std::any_of(limb_.begin(), limb_.end(), [](std::uint64_t l) { return l != 0; }) ? 1 : 0;
   }
-  friend Wide operator+(const Wide& a, const Wide& b) {
-    Wide sum;
+  friend BigInt operator+(const BigInt& a, const BigInt& b) {
+    BigInt sum;
     Unsigned128 carry = 0;
     for (std::size_t i = 0; i < kLimbs; ++i) {
       carry += Unsigned128(a.limb_[i]) + b.limb_[i];
@@ -78,8 +78,8 @@ class Wide {
     }
     return sum;
   }
-  friend Wide operator*(const Wide& a, const Wide& b) {
-    Wide product;
+  friend BigInt operator*(const BigInt& a, const BigInt& b) {
+    BigInt product;
     for (std::size_t i = 0; i < kLimbs; ++i) {
       Unsigned128 carry = 0;
       for (std::size_t j = 0; i + j < kLimbs; ++j) {
@@ -98,39 +98,39 @@ class Wide {
 };
 
 // Moments of all parts, times one common positive factor.
-struct WideMoments {
-  Wide covariance, varianceX, varianceY;
+struct BigMoments {
+  BigInt covariance, varianceX, varianceY;
 };
 
-WideMoments wideMoments(const Parts& parts) {
+BigMoments bigMoments(const Parts& parts) {
   std::array<std::int64_t, 3> counts{};
   std::size_t different = 0;
-  for (const PreEcc& s : parts.list) {
+  for (const EccMoments& s : parts.list) {
     if (s.n == 0 || std::find(counts.begin(), counts.begin() + different, s.n) != counts.begin() + different) continue;
     check(different < counts.size(), ErrorCode::invalidInput, "ECC: more than {} different sample counts",
           counts.size());
     counts[different++] = s.n;
   }
-  WideMoments sum;
-  for (const PreEcc& s : parts.list) {
-    Wide scale(1);  // from M/n to the common denominator, the product of the counts
+  BigMoments sum;
+  for (const EccMoments& s : parts.list) {
+    BigInt scale(1);  // from M/n to the common denominator, the product of the counts
     for (std::size_t i = 0; i < different; ++i)
-      if (counts[i] != s.n) scale = scale * Wide(counts[i]);
+      if (counts[i] != s.n) scale = scale * BigInt(counts[i]);
     const Moments m = momentsOf(s, parts.floor);
-    sum.covariance = sum.covariance + Wide(m.covariance) * scale;
-    sum.varianceX = sum.varianceX + Wide(m.varianceX) * scale;
-    sum.varianceY = sum.varianceY + Wide(m.varianceY) * scale;
+    sum.covariance = sum.covariance + BigInt(m.covariance) * scale;
+    sum.varianceX = sum.varianceX + BigInt(m.varianceX) * scale;
+    sum.varianceY = sum.varianceY + BigInt(m.varianceY) * scale;
   }
   return sum;
 }
 
 }  // namespace
 
-Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition, std::int64_t varianceFloor) {
+Ecc ecc(std::span<const EccMoments> sums, EccDefinition definition, std::int64_t varianceFloor) {
   const Parts parts(sums, definition, varianceFloor);
   if (!parts.enough) return {};
   double covariance = 0, varianceX = 0, varianceY = 0;
-  for (const PreEcc& s : parts.list) {
+  for (const EccMoments& s : parts.list) {
     if (s.n == 0) continue;
     const Moments m = momentsOf(s, parts.floor);
     const double scale = 1.0 / double(s.n);
@@ -141,20 +141,20 @@ Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition, std::int64_t var
   return fromMeans(covariance, varianceX, varianceY, 0.0);
 }
 
-bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b, EccDefinition definition,
+bool eccGreater(std::span<const EccMoments> a, std::span<const EccMoments> b, EccDefinition definition,
                 std::int64_t varianceFloor) {
   const Parts partsA(a, definition, varianceFloor), partsB(b, definition, varianceFloor);
-  const WideMoments p = wideMoments(partsA), q = wideMoments(partsB);
-  const auto defined = [](const Parts& parts, const WideMoments& m) {
+  const BigMoments p = bigMoments(partsA), q = bigMoments(partsB);
+  const auto defined = [](const Parts& parts, const BigMoments& m) {
     return parts.enough && m.varianceX.sign() > 0 && m.varianceY.sign() > 0;
   };
   if (!defined(partsA, p)) return false;
   const int sign = p.covariance.sign();
   if (!defined(partsB, q)) return true;
   if (sign != q.covariance.sign()) return sign > q.covariance.sign();
-  const Wide left = p.covariance * p.covariance * q.varianceX * q.varianceY;
-  const Wide right = q.covariance * q.covariance * p.varianceX * p.varianceY;
-  return (left + Wide(-1) * right).sign() * sign > 0;
+  const BigInt left = p.covariance * p.covariance * q.varianceX * q.varianceY;
+  const BigInt right = q.covariance * q.covariance * p.varianceX * p.varianceY;
+  return (left + BigInt(-1) * right).sign() * sign > 0;
 }
 
 void EccSums::add(glm::dvec3 a, glm::dvec3 b) {

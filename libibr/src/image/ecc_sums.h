@@ -25,17 +25,17 @@ struct Ecc {
 
 /// Six accumulators of [T] for one channel of one target. Values are integers of any unit, at most 2¹⁶ in magnitude
 /// (8-bit levels; 2⁻⁸ of them, also about mid-grey). Exact for 2²⁴ samples per tuple and twelve merged tuples.
-struct PreEcc {
+struct EccMoments {
   std::int64_t n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
 
   void add(std::int64_t a, std::int64_t b) {
     ++n;
     x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
   }
-  void merge(const PreEcc& other) {
+  void merge(const EccMoments& other) {
     n += other.n, x += other.x, y += other.y, xx += other.xx, yy += other.yy, xy += other.xy;
   }
-  bool operator==(const PreEcc&) const = default;
+  bool operator==(const EccMoments&) const = default;
 };
 
 /// ECC of a source (x) and its targets (y), one tuple per channel and target, to a few units in the last place.
@@ -43,13 +43,13 @@ struct PreEcc {
 /// added to the covariance and both variances of each sample. With a floor, similar flat patches score high instead of
 /// being undefined, and their noise weighs little (the filters use 25 grey²). Tuples without samples are ignored; if no
 /// tuple has two samples, the ECC is undefined.
-Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition = EccDefinition::channels,
+Ecc ecc(std::span<const EccMoments> sums, EccDefinition definition = EccDefinition::channels,
         std::int64_t varianceFloor = 0);
 
 /// Compares the ECC of a and b exactly, in integers: true if a's is greater; undefined is less than any defined value.
 /// A scan in order thus finds the first of the best candidates. Throws Error{invalidInput} if the tuples of a or b have
 /// more than three different sample counts (a target has one).
-bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b,
+bool eccGreater(std::span<const EccMoments> a, std::span<const EccMoments> b,
                 EccDefinition definition = EccDefinition::channels, std::int64_t varianceFloor = 0);
 
 /// ECC of RGB samples that are not integers (interpolated, 0 to 255), as `channels`. Sums are relative to the first

@@ -60,10 +60,10 @@ double hyab(const glm::dvec3& a, const glm::dvec3& b) {
 
 // Maps a HyAB distance to 0 … 1; green and blue have the largest distance.
 double spread(double distance) {
-  static const double kLargest = std::pow(hyab(huntLabOf({0, 1, 0}), huntLabOf({0, 0, 1})), kColourPower);  // c_max
-  const double c = std::pow(distance, kColourPower), knee = kKnee * kLargest;
+  static const double kMaxDistance = std::pow(hyab(huntLabOf({0, 1, 0}), huntLabOf({0, 0, 1})), kColourPower);  // c_max
+  const double c = std::pow(distance, kColourPower), knee = kKnee * kMaxDistance;
   if (c < knee) return kAtKnee / knee * c;
-  return std::min(1.0, kAtKnee + (c - knee) / (kLargest - knee) * (1 - kAtKnee));
+  return std::min(1.0, kAtKnee + (c - knee) / (kMaxDistance - knee) * (1 - kAtKnee));
 }
 
 template <class F>

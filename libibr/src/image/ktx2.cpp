@@ -27,8 +27,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "fields are copied without byte swapping");
 
 constexpr std::array<std::uint8_t, 12> kIdentifier{0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'};
-constexpr std::uint32_t kLargestSide = 1 << 16;  // texels; limit of validate() for photographs
-constexpr std::uint32_t kMostLevels = 17;
+constexpr std::uint32_t kMaxSide = 1 << 16;  // texels; limit of validate() for photographs
+constexpr std::uint32_t kMaxLevels = 17;
 
 // Values of a format in the file: Vulkan's enumerators, and those of the Khronos Data Format Specification 1.3.
 struct FileFormat {
@@ -157,8 +157,8 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
   result.format = format->format;
   demand(h.typeSize == format->typeSize, "typeSize", h.typeSize,
          format->typeSize == 1 ? "is not 1" : "is not 2, the size of a half float");
-  demand(h.width >= 1 && h.width <= kLargestSide, "pixelWidth", h.width, "is not within 1 to 65536");
-  demand(h.height >= 1 && h.height <= kLargestSide, "pixelHeight", h.height, "is not within 1 to 65536");
+  demand(h.width >= 1 && h.width <= kMaxSide, "pixelWidth", h.width, "is not within 1 to 65536");
+  demand(h.height >= 1 && h.height <= kMaxSide, "pixelHeight", h.height, "is not within 1 to 65536");
   supported(h.depth == 0, "pixelDepth", h.depth, "only 2D textures are supported");
   supported(h.layers == 0, "layerCount", h.layers, "texture arrays are not supported");
   supported(h.faces == 1, "faceCount", h.faces, "cube maps are not supported");
@@ -191,7 +191,7 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
 }
 
 Checked probe(const fs::path& path) {
-  const std::vector<std::byte> start = readFileStart(path, sizeof(Header) + kMostLevels * sizeof(Level));
+  const std::vector<std::byte> start = readFileStart(path, sizeof(Header) + kMaxLevels * sizeof(Level));
   std::error_code error;
   const std::uintmax_t fileBytes = fs::file_size(path, error);
   check(!error, ErrorCode::io, "{}: {}", path.string(), error.message());
@@ -202,7 +202,7 @@ Checked probe(const fs::path& path) {
 
 void writeKtx2(const fs::path& path, const Texture& texture) {
   const std::vector<std::vector<std::byte>>& levels = texture.levels;
-  check(!levels.empty() && levels.size() <= kMostLevels, ErrorCode::invalidInput, "{}: {} levels cannot be written",
+  check(!levels.empty() && levels.size() <= kMaxLevels, ErrorCode::invalidInput, "{}: {} levels cannot be written",
         path.string(), levels.size());
   check(texture.width > 0 && texture.height > 0 &&
             levels.size() <= std::size_t(std::bit_width(unsigned(std::max(texture.width, texture.height)))),

@@ -48,9 +48,9 @@ Lab labOf(std::span<const std::uint8_t> pixel) {
 
 template <class Visit>
 void forTiles(const Image8& picture, const Visit& visit) {
-  for (int y = 0; y < picture.height; y += kTileSide)
-    for (int x = 0; x < picture.width; x += kTileSide)
-      visit(x, y, std::min(x + kTileSide, picture.width), std::min(y + kTileSide, picture.height));
+  for (int y = 0; y < picture.height; y += kTileSidePx)
+    for (int x = 0; x < picture.width; x += kTileSidePx)
+      visit(x, y, std::min(x + kTileSidePx, picture.width), std::min(y + kTileSidePx, picture.height));
 }
 
 }  // namespace

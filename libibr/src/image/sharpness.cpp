@@ -19,8 +19,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kLeastSide = 8;
-constexpr double kFlat = 1e-3;  // grey levels²; an image below shows nothing
+constexpr int kMinSide = 8;
+constexpr double kMinVariation = 1e-3;  // grey levels²; an image below shows nothing
 
 using Directions = std::array<double, 4>;
 
@@ -43,10 +43,10 @@ Directions meanSquaredSecondDifferences(const Image8& picture) {
 }  // namespace
 
 double sharpness(const Image8& picture, const Image8& eighth) {
-  if (std::min(eighth.width, eighth.height) < kLeastSide) return std::numeric_limits<double>::quiet_NaN();
+  if (std::min(eighth.width, eighth.height) < kMinSide) return std::numeric_limits<double>::quiet_NaN();
   const Directions fine = meanSquaredSecondDifferences(picture), coarse = meanSquaredSecondDifferences(eighth);
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t d = 0; d < 4; ++d) least = std::min(least, fine[d] / std::max(kFlat, coarse[d]));
+  for (std::size_t d = 0; d < 4; ++d) least = std::min(least, fine[d] / std::max(kMinVariation, coarse[d]));
   return least;
 }
 

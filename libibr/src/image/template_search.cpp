@@ -189,8 +189,8 @@ TemplateMatch best(Template& wanted, glm::ivec2 start, int radius) {
 
 }  // namespace
 
-TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures) {
-  checkTemplatePictures(pictures);
+TemplateSearch cpuTemplateSearch(std::span<const Image8* const> pictures) {
+  checkTemplateImages(pictures);
   auto copies = std::make_shared<std::vector<Picture>>();
   for (const Image8* picture : pictures) copies->emplace_back(*picture);
   return [copies](std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,

@@ -5,7 +5,7 @@
 
 namespace ibr {
 
-void checkTemplatePictures(std::span<const Image8* const> pictures) {
+void checkTemplateImages(std::span<const Image8* const> pictures) {
   for (const Image8* picture : pictures)
     check(picture->channels == 3 && !picture->empty(), ErrorCode::invalidInput,
           "template search: an image has {} channels and {} × {} px, not 3 channels and a size", picture->channels,

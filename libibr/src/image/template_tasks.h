@@ -9,9 +9,9 @@
 namespace ibr {
 
 /// Throws Error{invalidInput} for images without pixels or without exactly 3 channels.
-void checkTemplatePictures(std::span<const Image8* const> pictures);
+void checkTemplateImages(std::span<const Image8* const> pictures);
 
-/// Throws the same Error{invalidInput} as the calls of processorTemplateSearch.
+/// Throws the same Error{invalidInput} as the calls of cpuTemplateSearch.
 void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
                         std::size_t pictures);
 

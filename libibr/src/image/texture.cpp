@@ -102,7 +102,7 @@ std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept
 
 Texture::Texture(const std::vector<Image8>& rgba) : Texture(encodeTexture(rgba, TextureFormat::rgba8)) {}
 
-Texture smallerLevels(const Texture& texture, int firstLevel) {
+Texture withoutLargestLevels(const Texture& texture, int firstLevel) {
   const auto first = std::size_t(firstLevel);
   assert(firstLevel >= 0 && first < texture.levels.size());
   Texture result;

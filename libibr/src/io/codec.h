@@ -18,7 +18,7 @@ using Bytes = std::span<const std::byte>;
 void checkSize(const ImageFileInfo& info, const ReadLimits& limits, const std::string& name);
 
 /// Appended to messages that refuse CMYK: the conversion to RGB depends on the printer.
-inline constexpr const char* kCmykAdvice = ": CMYK is not supported; save the image as RGB in an image editor";
+inline constexpr const char* kCmykHint = ": CMYK is not supported; save the image as RGB in an image editor";
 
 ImageFileInfo probeJpeg(Bytes file, const std::string& name);
 ImageFileInfo probePng(Bytes file, const std::string& name);

@@ -15,7 +15,7 @@
 namespace ibr::io {
 namespace {
 
-constexpr int kSame = 2;  // 8-bit levels; profiles called sRGB differ as much among each other
+constexpr int kMaxProfileDifference = 2;  // 8-bit levels; profiles called sRGB differ as much among each other
 
 struct Close {
   void operator()(void* profile) const { cmsCloseProfile(profile); }
@@ -67,7 +67,7 @@ int difference(const Transform& transform) {
 void convert(Image8& picture, const Context& context, const Profile& from) {
   assert(picture.channels == 3);
   const Transform transform = transformFrom(context, from, TYPE_RGB_8);
-  if (!transform || difference(transform) <= kSame) return;
+  if (!transform || difference(transform) <= kMaxProfileDifference) return;
   const std::size_t row = std::size_t(picture.width) * 3;
   for (int y = 0; y < picture.height; ++y) {
     std::uint8_t* const at = picture.values.data() + std::size_t(y) * row;
@@ -84,7 +84,7 @@ void convertGrey(Image8& picture, const Context& context, const Profile& from) {
   cmsDoTransform(transform.get(), grey.data(), table.data(), 256);
   int most = 0;
   for (std::size_t v = 0; v < 256; ++v) most = std::max(most, std::abs(int(table[3 * v]) - int(v)));
-  if (most <= kSame) return;
+  if (most <= kMaxProfileDifference) return;
   for (std::uint8_t& value : picture.values) value = table[3 * std::size_t(value)];
 }
 

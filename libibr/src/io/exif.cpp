@@ -35,7 +35,7 @@ class Directory {
       : fields_(fields), at_(at), entries_(fields.read(at, 2).value_or(0)) {}
 
   // First value of an integer entry; nullopt for other types.
-  std::optional<std::uint32_t> whole(std::uint32_t tag) const {
+  std::optional<std::uint32_t> integer(std::uint32_t tag) const {
     const auto entry = find(tag);
     const auto type = entry ? fields_.read(*entry + 2, 2) : std::nullopt;
     if (type == kShort) return fields_.read(*entry + 8, 2);
@@ -51,12 +51,12 @@ class Directory {
     return below > 0 ? above / below : 0;
   }
 
-  // Offset and size, in bytes, of the value that whole() reads.
+  // Offset and size, in bytes, of the value that integer() reads.
   struct ValueLocation {
     std::size_t at, bytes;
   };
-  std::optional<ValueLocation> placeOfWhole(std::uint32_t tag) const {
-    if (!whole(tag)) return std::nullopt;
+  std::optional<ValueLocation> integerLocation(std::uint32_t tag) const {
+    if (!integer(tag)) return std::nullopt;
     const std::size_t entry = *find(tag);
     return ValueLocation{entry + 8, fields_.read(entry + 2, 2) == kShort ? std::size_t(2) : std::size_t(4)};
   }
@@ -97,10 +97,10 @@ class Directory {
 double sensitivity(const Directory& exif) {
   constexpr std::uint32_t kPhotographic = 0x8827, kSeeThere = 65535;
   constexpr std::uint32_t kWide[] = {0x8832, 0x8833, 0x8831};  // recommended exposure index, ISO speed, standard output
-  const std::uint32_t stated = exif.whole(kPhotographic).value_or(0);
+  const std::uint32_t stated = exif.integer(kPhotographic).value_or(0);
   if (stated != kSeeThere) return stated;
   for (const std::uint32_t tag : kWide)
-    if (const auto value = exif.whole(tag); value.value_or(0) > 0) return *value;
+    if (const auto value = exif.integer(tag); value.value_or(0) > 0) return *value;
   return 0;
 }
 
@@ -116,10 +116,10 @@ std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
 
 }  // namespace
 
-void setUpright(std::span<std::byte> tiff) {
+void resetOrientation(std::span<std::byte> tiff) {
   const auto fields = fieldsOf(tiff);
   if (!fields) return;
-  const auto place = Directory(*fields, *fields->read(4, 4)).placeOfWhole(kOrientation);
+  const auto place = Directory(*fields, *fields->read(4, 4)).integerLocation(kOrientation);
   if (!place) return;
   const std::span<std::byte> value = tiff.subspan(place->at, place->bytes);
   std::ranges::fill(value, std::byte(0));
@@ -132,21 +132,21 @@ Exif readExif(std::span<const std::byte> tiff) {
   if (!header) return result;
   const Fields& fields = *header;
   const Directory first(fields, *fields.read(4, 4));
-  if (const std::uint32_t value = first.whole(kOrientation).value_or(1); value >= 1 && value <= 8)
+  if (const std::uint32_t value = first.integer(kOrientation).value_or(1); value >= 1 && value <= 8)
     result.orientation = int(value);
-  CaptureFacts& capture = result.capture;
+  CaptureMetadata& capture = result.capture;
   capture.maker = first.text(0x010f);
   capture.model = first.text(0x0110);
-  const auto at = first.whole(0x8769);
+  const auto at = first.integer(0x8769);
   if (!at) return result;
   const Directory exif(fields, *at);
   capture.exposureTime = exif.ratio(0x829a);
   capture.fNumber = exif.ratio(0x829d);
   capture.iso = sensitivity(exif);
   capture.focalLength = exif.ratio(0x920a);
-  capture.focalLength35 = exif.whole(0xa405).value_or(0);
+  capture.focalLength35 = exif.integer(0xa405).value_or(0);
   capture.lens = exif.text(0xa434);
-  if (const auto interoperability = exif.whole(0xa005))
+  if (const auto interoperability = exif.integer(0xa005))
     result.adobeRgb = Directory(fields, *interoperability).text(1) == "R03";
   return result;
 }

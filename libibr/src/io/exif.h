@@ -12,7 +12,7 @@ namespace ibr::io {
 struct Exif {
   int orientation = 1;    // 1 to 8; 1, "as stored", if absent
   bool adobeRgb = false;  // the colour space is Adobe RGB (1998): interoperability "R03"
-  CaptureFacts capture;
+  CaptureMetadata capture;
 };
 
 /// Reads an EXIF block that starts with its TIFF header ("II*" or "MM*"), or a TIFF file. Missing or damaged entries
@@ -20,6 +20,6 @@ struct Exif {
 Exif readExif(std::span<const std::byte> tiff);
 
 /// Sets the orientation to 1, if there is one.
-void setUpright(std::span<std::byte> tiff);
+void resetOrientation(std::span<std::byte> tiff);
 
 }  // namespace ibr::io

@@ -81,7 +81,7 @@ void writeExr(const std::filesystem::path& path, std::span<const ExrChannel> cha
 }
 
 std::vector<ExrChannel> readExr(const std::filesystem::path& path) {
-  constexpr std::int64_t kLargestSide = 1 << 16, kLargestCount = std::int64_t(1) << 28;
+  constexpr std::int64_t kMaxSide = 1 << 16, kMaxPixels = std::int64_t(1) << 28;
   const std::vector<std::byte> bytes = readFile(path);
   return guarded(path, ErrorCode::invalidInput, [&] {
     MemoryStream stream(bytes, path.string());
@@ -89,9 +89,9 @@ std::vector<ExrChannel> readExr(const std::filesystem::path& path) {
     const auto box = file.header().dataWindow();
     const std::int64_t width = std::int64_t(box.max.x) - box.min.x + 1,
                        height = std::int64_t(box.max.y) - box.min.y + 1;
-    check(width > 0 && height > 0 && width <= kLargestSide && height <= kLargestSide && width * height <= kLargestCount,
+    check(width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels,
           ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} per side and {} in total", path.string(), width,
-          height, kLargestSide, kLargestCount);
+          height, kMaxSide, kMaxPixels);
     std::vector<ExrChannel> channels;
     for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
       channels.push_back({channel.name(), ImageF(int(width), int(height), 1)});

@@ -49,7 +49,7 @@ std::optional<Format> formatThatBegins(Bytes file) {
 }
 
 // Detects other formats by their first bytes: returns the format's name, or "".
-const char* foreignFormat(Bytes file) {
+const char* unsupportedFormat(Bytes file) {
   const std::string_view begin(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 16));
   const auto at = [&](std::size_t offset, std::string_view magic) {
     return begin.size() >= offset + magic.size() && begin.substr(offset, magic.size()) == magic;
@@ -74,7 +74,7 @@ const char* foreignFormat(Bytes file) {
 Format formatOf(Bytes file, const std::string& name) {
   const auto format = formatThatBegins(file);
   check(!file.empty(), ErrorCode::invalidInput, "{}: is empty", name);
-  const char* const foreign = foreignFormat(file);
+  const char* const foreign = unsupportedFormat(file);
   check(format.has_value() || !*foreign, ErrorCode::unsupported,
         "{}: {} files are not supported; convert the file to JPEG", name, foreign);
   check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
@@ -183,8 +183,8 @@ std::vector<ImageText> readImageTexts(const fs::path& path) {
   return io::formatOf(file, name).read == io::readPng ? io::pngTexts(file, name) : std::vector<ImageText>();
 }
 
-std::string foreignImageFormat(const fs::path& path) {
-  return io::foreignFormat(readFileStart(path, io::kMagicBytes));
+std::string unsupportedImageFormat(const fs::path& path) {
+  return io::unsupportedFormat(readFileStart(path, io::kMagicBytes));
 }
 
 bool isImageFile(const fs::path& path) noexcept {

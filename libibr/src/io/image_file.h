@@ -21,7 +21,7 @@ struct ImageFileInfo {
   int channels = 0;
   int bitsPerChannel = 0;
   int orientation = 1;                     // EXIF, 1 to 8
-  CaptureFacts capture;                    // EXIF
+  CaptureMetadata capture;                 // EXIF
   ImageFormat format = ImageFormat::jpeg;  // by content; file names can be wrong
 };
 
@@ -69,7 +69,7 @@ std::vector<ImageText> readImageTexts(const std::filesystem::path& path);
 
 /// Name of an image format that is recognised but not supported, for messages: "HEIC"; "" for all other files. Throws
 /// Error{io}.
-std::string foreignImageFormat(const std::filesystem::path& path);
+std::string unsupportedImageFormat(const std::filesystem::path& path);
 
 /// True if a file starts as JPEG, PNG or TIFF do; false if it cannot be read. Never throws.
 bool isImageFile(const std::filesystem::path& path) noexcept;

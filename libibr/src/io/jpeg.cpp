@@ -21,7 +21,7 @@
 namespace ibr::io {
 namespace {
 
-constexpr int kMostScans = 100;  // a progressive file has about ten; each costs a pass over the whole image
+constexpr int kMaxScans = 100;  // a progressive file has about ten; each costs a pass over the whole image
 
 struct Errors : jpeg_error_mgr {
   std::jmp_buf jump;
@@ -51,7 +51,7 @@ struct Errors : jpeg_error_mgr {
 
 // A warning means that libjpeg continues with a guess. A guess about pixels is an error here; other warnings (stray
 // bytes between segments, odd Adobe markers) come from working cameras.
-void weigh(j_common_ptr state, int level) {
+void onMessage(j_common_ptr state, int level) {
   if (level >= 0) return;
   switch (state->err->msg_code) {
     case JWRN_JPEG_EOF:
@@ -67,7 +67,7 @@ void weigh(j_common_ptr state, int level) {
 }
 
 void countScans(j_common_ptr state) {
-  if (reinterpret_cast<j_decompress_ptr>(state)->input_scan_number <= kMostScans) return;
+  if (reinterpret_cast<j_decompress_ptr>(state)->input_scan_number <= kMaxScans) return;
   auto& errors = static_cast<Errors&>(*state->err);
   constexpr char kText[] = "has too many progressive scans";
   std::memcpy(errors.text, kText, sizeof kText);
@@ -80,7 +80,7 @@ class Codec {
   explicit Codec(const std::string& name) : name_(name) {
     state.err = jpeg_std_error(&errors_);
     errors_.error_exit = leave;
-    errors_.emit_message = weigh;
+    errors_.emit_message = onMessage;
   }
   Codec(const Codec&) = delete;
   Codec& operator=(const Codec&) = delete;
@@ -152,7 +152,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
     const auto space = state.jpeg_color_space;
     check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
           "{}: {} colour components that are neither grey nor RGB{}", name, state.num_components,
-          space == JCS_CMYK || space == JCS_YCCK ? kCmykAdvice : "");
+          space == JCS_CMYK || space == JCS_YCCK ? kCmykHint : "");
   }
 
  private:
@@ -238,7 +238,7 @@ std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, c
   const std::size_t length = segment.size() + 2;  // includes its own two bytes
   const std::byte head[] = {std::byte(0xff), std::byte(0xe1), std::byte(length >> 8), std::byte(length & 0xff)};
   const auto at = jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
-  setUpright(std::span(at, segment.size()).subspan(sizeof kExif));
+  resetOrientation(std::span(at, segment.size()).subspan(sizeof kExif));
   jpeg.insert(jpeg.begin() + 2, std::begin(head), std::end(head));
   return jpeg;
 }

@@ -33,10 +33,10 @@ void ignore(png_structp, png_const_charp) {}
 
 class Codec {
  public:
-  enum class Way { read, write };
+  enum class Mode { read, write };
 
-  Codec(Way way, const std::string& name) : way_(way), name_(name) {
-    const auto create = way == Way::read ? png_create_read_struct : png_create_write_struct;
+  Codec(Mode mode, const std::string& name) : mode_(mode), name_(name) {
+    const auto create = mode == Mode::read ? png_create_read_struct : png_create_write_struct;
     png = create(PNG_LIBPNG_VER_STRING, &errors_, leave, ignore);
     if (png) info = png_create_info_struct(png);
     if (info) return;
@@ -58,18 +58,18 @@ class Codec {
 
  private:
   void destroy() {
-    if (way_ == Way::read) png_destroy_read_struct(&png, &info, nullptr);
-    if (way_ == Way::write) png_destroy_write_struct(&png, &info);
+    if (mode_ == Mode::read) png_destroy_read_struct(&png, &info, nullptr);
+    if (mode_ == Mode::write) png_destroy_write_struct(&png, &info);
   }
 
-  Way way_;
+  Mode mode_;
   const std::string& name_;
   Errors errors_;
 };
 
 class Decoder : public Codec {
  public:
-  Decoder(Bytes file, const std::string& name) : Codec(Way::read, name), rest_(file) {
+  Decoder(Bytes file, const std::string& name) : Codec(Mode::read, name), rest_(file) {
     guarded([&] {
       png_set_read_fn(png, &rest_, take);
       png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // checkSize enforces the actual limits
@@ -222,7 +222,7 @@ std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageTex
     chunk.text = const_cast<char*>(text.c_str());
     (ascii ? chunk.text_length : chunk.itxt_length) = text.size();
   }
-  Codec encoder(Codec::Way::write, name);
+  Codec encoder(Codec::Mode::write, name);
   std::vector<std::byte> file;
   encoder.guarded([&] {
     png_structp png = encoder.png;

@@ -73,13 +73,13 @@ class Decoder {
     TIFFOpenOptionsSetWarningHandlerExtR(options, ignore, nullptr);
     tiff = TIFFClientOpenExt(name.c_str(), "r", &stream_, take, refuse, seek, close, size, map, unmap, options);
     TIFFOpenOptionsFree(options);
-    if (!tiff) give(ErrorCode::invalidInput);
+    if (!tiff) throwError(ErrorCode::invalidInput);
   }
   Decoder(const Decoder&) = delete;
   Decoder& operator=(const Decoder&) = delete;
   ~Decoder() { TIFFClose(tiff); }
 
-  [[noreturn]] void give(ErrorCode code) const {
+  [[noreturn]] void throwError(ErrorCode code) const {
     fail(code, "{}: {}", name_, *stream_.text ? stream_.text : "the file is damaged");
   }
 
@@ -119,7 +119,7 @@ class Decoder {
 };
 
 // True for 16-bit grey, of which libtiff's interface keeps the upper 8 bits without rounding; colours are rounded.
-bool roundsItself(const Decoder& decoder, const ImageFileInfo& info) {
+bool isGrey16(const Decoder& decoder, const ImageFileInfo& info) {
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
   return info.channels == 1 && info.bitsPerChannel == 16 && !TIFFIsTiled(decoder.tiff) &&
          (photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE);
@@ -130,7 +130,8 @@ Image8 readGrey16(const Decoder& decoder, const ImageFileInfo& info) {
   Image8 image(info.width, info.height, 3);
   std::vector<std::uint16_t> row(std::size_t(TIFFScanlineSize(decoder.tiff)) / 2);
   for (int y = 0; y < info.height; ++y) {
-    if (TIFFReadScanline(decoder.tiff, row.data(), std::uint32_t(y), 0) != 1) decoder.give(ErrorCode::invalidInput);
+    if (TIFFReadScanline(decoder.tiff, row.data(), std::uint32_t(y), 0) != 1)
+      decoder.throwError(ErrorCode::invalidInput);
     for (int x = 0; x < info.width; ++x) {
       const unsigned rounded = (row[std::size_t(x)] * 255u + 32767u) / 65535u;
       std::ranges::fill(image.pixel(x, y), std::uint8_t(inverted ? 255u - rounded : rounded));
@@ -151,7 +152,7 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   const auto raster = std::make_unique_for_overwrite<std::uint32_t[]>(pixels);
   const int done = TIFFRGBAImageGet(&reader, raster.get(), std::uint32_t(info.width), std::uint32_t(info.height));
   TIFFRGBAImageEnd(&reader);
-  if (!done) decoder.give(ErrorCode::invalidInput);
+  if (!done) decoder.throwError(ErrorCode::invalidInput);
 
   Image8 image(info.width, info.height, 3);
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -168,8 +169,7 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
 // Throws Error{unsupported} for CMYK and for raw files.
 void checkKind(const Decoder& decoder, const ImageFileInfo& info, const std::string& name) {
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
-  check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels,
-        kCmykAdvice);
+  check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels, kCmykHint);
   // Raw files of cameras start with a preview image.
   std::uint32_t subfile = 0;
   TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);
@@ -191,7 +191,7 @@ Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, I
   info = decoder.info();
   checkSize(info, limits, name);
   checkKind(decoder, info, name);
-  Image8 image = roundsItself(decoder, info) ? readGrey16(decoder, info) : readColours(decoder, info, name);
+  Image8 image = isGrey16(decoder, info) ? readGrey16(decoder, info) : readColours(decoder, info, name);
   if (const auto profile = decoder.colourProfile(); !profile.empty())
     toSrgb(image, profile);
   else if (readExif(file).adobeRgb)

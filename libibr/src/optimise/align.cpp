@@ -17,14 +17,14 @@
 
 #include "base/check.h"
 #include "optimise/insertion.h"
-#include "optimise/mover.h"
+#include "optimise/alignment_backend.h"
 #include "optimise/topology.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kInserting = 0x1b5e;  // derives the insertion's seed from the cycle's
-constexpr double kLeastScale = 0.01;          // of E in the stop criterion, so that an E near 0 or below ends, too
+constexpr std::uint32_t kInsertionSeed = 0x1b5e;  // derives the insertion's seed from the cycle's
+constexpr double kMinScale = 0.01;                // of E in the stop criterion, so that an E near 0 or below ends, too
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -38,7 +38,7 @@ struct MeanEcc {
 
 // Mean ECC over the stars of the first `points` points.
 MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double varianceFloor, std::size_t points) {
-  const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
+  const std::size_t n = mesh.vertexCount(), d = mesh.memberCount();
   MeanEcc mean{0, 0, std::vector<float>(n, std::numeric_limits<float>::quiet_NaN())};
   std::size_t stars = 0;
   for (std::size_t p = 0; p < n; ++p) {
@@ -59,18 +59,18 @@ MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double v
   return mean;
 }
 
-std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
+std::unique_ptr<AlignmentBackend> makeBackend(const BackendInput& input, const Device* device) {
   switch (input.options.method) {
     case AlignmentMethod::cpu:
-      return cpuMover(input);
+      return makeCpuBackend(input);
     case AlignmentMethod::gradient:
-      return gradientMover(input);
+      return makeGradientBackend(input);
     case AlignmentMethod::compute:
       check(device != nullptr, ErrorCode::invalidInput, "alignment: method compute requires a device");
-      return computeMover(input, *device);
+      return makeComputeBackend(input, *device);
     case AlignmentMethod::raster:
       check(device != nullptr, ErrorCode::invalidInput, "alignment: method raster requires a device");
-      return rasterMover(input, *device);
+      return makeRasterBackend(input, *device);
   }
   fail(ErrorCode::invalidInput, "alignment: unknown method {}", int(input.options.method));
 }
@@ -82,24 +82,24 @@ class MovingMesh {
       : options_(options), device_(device), start_(start), now_(start) {
     mesh_ = starMeshOf(start);
     for (const Image8* picture : start.pictures) pictures_.push_back(texelsOf(*picture));
-    mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
-    coarse_ = mover_->coarseCycles();
-    points_ = mesh_.pointCount();
+    backend_ = makeBackend({mesh_, pictures_, options_, start_}, device_);
+    coarse_ = backend_->coarseCycles();
+    points_ = mesh_.vertexCount();
   }
   MovingMesh(const MovingMesh&) = delete;
 
   const Alignment& now() const { return now_; }
   int coarseCycles() const { return coarse_; }
-  MeanEcc mean() { return meanOf(mover_->judgeAll(now_.position), mesh_, options_.varianceFloor, points_); }
+  MeanEcc mean() { return meanOf(backend_->judgeAll(now_.position), mesh_, options_.varianceFloor, points_); }
   CycleCounts cycle(const CycleRequest& request, const KeepGoing& keepGoing) {
-    return mover_->cycle(request, now_.position, keepGoing);
+    return backend_->cycle(request, now_.position, keepGoing);
   }
 
   struct Changed {
     std::size_t flipped = 0, inserted = 0;
   };
   /// Flips edges and inserts points as the options request. Only after the coarse cycles: the new mover has none.
-  Changed joinAnew(std::uint32_t seed, const KeepGoing& keepGoing) {
+  Changed flipAndInsert(std::uint32_t seed, const KeepGoing& keepGoing) {
     Changed changed;
     if (options_.flipEdges)
       changed.flipped =
@@ -114,10 +114,10 @@ class MovingMesh {
     if (changed.inserted > 0) start_ = now_;
     start_.position = std::move(began);
     if (changed.flipped + changed.inserted == 0) return changed;
-    mover_.reset();
+    backend_.reset();
     options_.levels = 1;
     mesh_ = starMeshOf(now_);
-    mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
+    backend_ = makeBackend({mesh_, pictures_, options_, start_}, device_);
     return changed;
   }
 
@@ -130,14 +130,14 @@ class MovingMesh {
   Alignment now_;
   StarMesh mesh_;
   std::vector<Texels> pictures_;
-  std::unique_ptr<Mover> mover_;  // for mesh_
+  std::unique_ptr<AlignmentBackend> backend_;  // for mesh_
   int coarse_ = 0;
   std::size_t points_ = 0;  // number before any insertion
 };
 
 }  // namespace
 
-std::string optionsFault(const AlignmentOptions& o) {
+std::string firstInvalidOption(const AlignmentOptions& o) {
   const auto within = [](double value, double least, double most) { return value >= least && value <= most; };
   if (!within(o.instances, 2, 256)) return fmt::format("instances {}: must be 2 to 256", o.instances);
   if (!(o.radiusPx > 0 && o.radiusPx <= 64))
@@ -162,7 +162,7 @@ std::string optionsFault(const AlignmentOptions& o) {
 AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, const Device* device,
                        const ProgressCallback& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const std::string fault = optionsFault(options);
+  const std::string fault = firstInvalidOption(options);
   check(fault.empty(), ErrorCode::invalidInput, "alignment: {}", fault);
   MovingMesh mesh(alignment, options, device);
 
@@ -176,7 +176,7 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
   std::size_t flips = 0, insertions = 0;
   summary.initialEcc = last.channels;
   summary.initialEccPaper = last.concatenated;
-  summary.starEccBefore = last.star;
+  summary.initialStarEcc = last.star;
 
   const std::uint32_t seed = shader::eccHash(std::uint32_t(options.seed), std::uint32_t(options.seed >> 32));
   double radius = options.radiusPx * kAlignmentUnitsPerPixel;
@@ -185,8 +185,8 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
     const CycleRequest request{std::max(int(radius), 1), shader::eccHash(seed, std::uint32_t(c))};
     const CycleCounts counts = mesh.cycle(request, keepGoing);
     const int finer = c - mesh.coarseCycles();
-    const auto changed =
-        finer >= 0 ? mesh.joinAnew(shader::eccHash(request.seed, kInserting), keepGoing) : MovingMesh::Changed{};
+    const auto changed = finer >= 0 ? mesh.flipAndInsert(shader::eccHash(request.seed, kInsertionSeed), keepGoing)
+                                    : MovingMesh::Changed{};
     flips += changed.flipped;
     insertions += changed.inserted;
     const MeanEcc mean = mesh.mean();
@@ -202,14 +202,14 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
       summary.flips = flips;
       summary.insertions = insertions;
     }
-    const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kLeastScale);
+    const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kMinScale);
     if (finer >= 0 && (counts.moved + changed.flipped + changed.inserted == 0 || (finer > 0 && stalled))) break;
   }
   alignment = std::move(best);
-  summary.starEccBefore.resize(bestMean.star.size(), std::numeric_limits<float>::quiet_NaN());
+  summary.initialStarEcc.resize(bestMean.star.size(), std::numeric_limits<float>::quiet_NaN());
   summary.finalEcc = bestMean.channels;
   summary.finalEccPaper = bestMean.concatenated;
-  summary.starEccAfter = bestMean.star;
+  summary.finalStarEcc = bestMean.star;
   summary.seconds = secondsSince(start);
   return summary;
 }

@@ -17,7 +17,7 @@ using namespace shader;
 AlignmentMesh describe(const StarMesh& mesh, std::span<const Texels> pictures) {
   AlignmentMesh described{};
   described.members = std::uint32_t(mesh.memberCount());
-  described.points = std::uint32_t(mesh.pointCount());
+  described.points = std::uint32_t(mesh.vertexCount());
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     described.pictures[i] = {mesh.size[i], first, std::uint32_t(pictures[i].stride)};
@@ -37,7 +37,8 @@ std::vector<glm::uvec3> bordersOf(const StarMesh& mesh) {
   static_assert(kBorderInterior == std::uint32_t(Border::interior) && kBorderSlides == std::uint32_t(Border::slides) &&
                 kBorderFixed == std::uint32_t(Border::fixed));
   std::vector<glm::uvec3> borders;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) borders.push_back({mesh.chord[p], std::uint32_t(mesh.border[p])});
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
+    borders.push_back({mesh.chord[p], std::uint32_t(mesh.border[p])});
   return borders;
 }
 
@@ -61,7 +62,7 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
                                    const Positions& starts) {
   check(device.supportsInt64(), ErrorCode::unsupported, "{}: shaderInt64 is not supported; align with method cpu",
         device.name());
-  const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
+  const std::size_t n = mesh.vertexCount(), d = mesh.memberCount();
   std::size_t texels = 0;
   for (const Texels& picture : pictures) texels += picture.words.size();
   check(texels * sizeof(std::uint32_t) <= device.properties().limits.maxStorageBufferRange, ErrorCode::unsupported,

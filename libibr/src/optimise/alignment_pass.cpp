@@ -12,7 +12,7 @@ AlignmentPass::AlignmentPass(const Device& device, const StarMesh& mesh, std::sp
                              const Positions& starts, const AlignmentOptions& options)
     : buffers_(device, mesh, pictures, starts),
       members_(std::uint32_t(mesh.memberCount())),
-      points_(std::uint32_t(mesh.pointCount())),
+      points_(std::uint32_t(mesh.vertexCount())),
       firstOfClass_(mesh.colours.first),
       options_{
           .instances = std::uint32_t(options.instances),
@@ -53,7 +53,7 @@ void AlignmentPass::recordMove(VkCommandBuffer commands, const ClassMove& move) 
   bufferBarrier(commands, use::kComputeReadWrite, use::kComputeReadWrite);
 }
 
-void AlignmentPass::recordJudge(VkCommandBuffer commands) const noexcept {
+void AlignmentPass::recordEvaluation(VkCommandBuffer commands) const noexcept {
   bind(commands, judge_.get());
   for (std::uint32_t member = 0; member < members_; ++member) {
     shader::AlignmentStep step = options_;

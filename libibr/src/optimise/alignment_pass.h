@@ -23,13 +23,13 @@ class AlignmentPass {
 
   /// Each ends with a barrier. Outcomes of a image's points are contiguous, in the order of the classes.
   void recordMove(VkCommandBuffer commands, const ClassMove& move) const noexcept;
-  void recordJudge(VkCommandBuffer commands) const noexcept;
+  void recordEvaluation(VkCommandBuffer commands) const noexcept;
   const AlignmentBuffers& buffers() const noexcept { return buffers_; }
 
   std::uint32_t classCount() const noexcept { return std::uint32_t(firstOfClass_.size()) - 1; }
   std::uint32_t firstOutcome(std::uint32_t member) const noexcept { return member * firstOfClass_.back(); }
 
-  /// Results of recordJudge after the readback, image by image.
+  /// Results of recordEvaluation after the readback, image by image.
   std::vector<Judgement> judgements() const;
 
  private:

@@ -17,7 +17,7 @@ std::vector<Texels> texelsOf(const Alignment& alignment) {
 }
 
 const AlignmentOptions& checked(const AlignmentOptions& options) {
-  const std::string fault = optionsFault(options);
+  const std::string fault = firstInvalidOption(options);
   check(fault.empty(), ErrorCode::invalidInput, "alignment: {}", fault);
   return options;
 }
@@ -51,8 +51,8 @@ void EccPass::recordMove(VkCommandBuffer commands, const EccMove& move) const no
   state_->pass.recordMove(commands, {move.picture, move.pointClass, radius, move.seed});
 }
 
-void EccPass::recordJudge(VkCommandBuffer commands) const noexcept {
-  state_->pass.recordJudge(commands);
+void EccPass::recordEvaluation(VkCommandBuffer commands) const noexcept {
+  state_->pass.recordEvaluation(commands);
 }
 
 void EccPass::recordReadback(VkCommandBuffer commands) const noexcept {
@@ -61,7 +61,7 @@ void EccPass::recordReadback(VkCommandBuffer commands) const noexcept {
 }
 
 Positions EccPass::positions() const {
-  const std::size_t n = state_->mesh.pointCount();
+  const std::size_t n = state_->mesh.vertexCount();
   Positions at;
   for (std::size_t i = 0; i < state_->mesh.memberCount(); ++i) {
     const auto member = state_->pass.buffers().positions().subspan(i * n, n);
@@ -71,7 +71,7 @@ Positions EccPass::positions() const {
 }
 
 std::vector<std::vector<EccStar>> EccPass::stars() const {
-  const std::size_t n = state_->mesh.pointCount();
+  const std::size_t n = state_->mesh.vertexCount();
   const std::vector<Judgement> judgements = state_->pass.judgements();
   std::vector<std::vector<EccStar>> stars(state_->mesh.memberCount());
   for (std::size_t i = 0; i < judgements.size(); ++i)

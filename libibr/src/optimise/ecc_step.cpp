@@ -9,8 +9,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastCurvature = 1e-3;  // grey²/px² per sample and channel; less is rounding noise
-constexpr double kDamping = 1e-3;         // of the curvature; avoids a division by 0 along an edge
+constexpr double kMinCurvature = 1e-3;  // grey²/px² per sample and channel; less is rounding noise
+constexpr double kDamping = 1e-3;       // of the curvature; avoids a division by 0 along an edge
 
 /// Inverse of the curvature, in all directions or along one.
 glm::dmat2 inverseOf(const glm::dmat2& curvature, std::optional<glm::dvec2> direction) {
@@ -31,7 +31,7 @@ double scaleOf(const GradientSums& s, const glm::dmat2& inverse) {
 std::optional<glm::dvec2> eccStep(const GradientSums& sums, const DisplacementPrior& prior, glm::dvec2 moved,
                                   std::optional<glm::dvec2> direction) {
   const double bend = sums.g00 + sums.g11;
-  if (!(sums.xx > 0) || !(sums.yy > 0) || !(bend > kLeastCurvature * sums.samples)) return std::nullopt;
+  if (!(sums.xx > 0) || !(sums.yy > 0) || !(bend > kMinCurvature * sums.samples)) return std::nullopt;
   // 1 − ECC is half the squared distance of the two unit-length signals; costs are subtracted from their covariance.
   const glm::dmat2 cost = prior.cost * (2 * sums.samples * std::sqrt(sums.xx / sums.yy));
   const glm::dmat2 curvature = glm::dmat2(sums.g00, sums.g01, sums.g01, sums.g11) + cost + glm::dmat2(kDamping * bend);

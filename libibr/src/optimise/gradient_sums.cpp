@@ -8,8 +8,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kLanes = 8;        // pixels per step
-constexpr int kMostSteps = 256;  // between reductions of the lanes, to limit rounding of floats
+constexpr int kLanes = 8;       // pixels per step
+constexpr int kMaxSteps = 256;  // between reductions of the lanes, to limit rounding of floats
 
 using Lane = std::array<float, kLanes>;
 
@@ -138,7 +138,7 @@ void addRun(const RunSource& source, const RunSource& target, int pixels, const 
       weight[std::size_t(l)] = counted[std::size_t(l)] * (hat.first + hat.step * float(first + l));
     }
     addStep(a, b, weight, counted, hat, lanes);
-    if (++lanes.steps == kMostSteps) empty(totals, lanes);
+    if (++lanes.steps == kMaxSteps) empty(totals, lanes);
   }
   totals.n += pixels;
 }

@@ -8,16 +8,16 @@
 #include <optional>
 
 #include "optimise/mesh_edges.h"
-#include "optimise/mover.h"
+#include "optimise/alignment_backend.h"
 #include "optimise/triangle_agreement.h"
 #include "optimise/workers.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kLeastSamples = 50;  // of a triangle, so that its parts can still be judged
-constexpr int kPasses = 2;            // triangles that were always beside a worse one then wait for the next cycle
-constexpr int kTrialCycles = 2;       // the second one with half the radius
+constexpr double kMinSamples = 50;  // of a triangle, so that its parts can still be judged
+constexpr int kPasses = 2;          // triangles that were always beside a worse one then wait for the next cycle
+constexpr int kTrialCycles = 2;     // the second one with half the radius
 
 // One new point and the triangles that it splits.
 struct Trial {
@@ -83,7 +83,7 @@ class Insertions {
       edges_ = MeshEdges(alignment_);
       std::vector<Trial> trials = trialsOf(worst);
       if (trials.empty()) break;
-      tryOut(trials, std::uint32_t(pass));
+      optimiseTrials(trials, std::uint32_t(pass));
       std::erase_if(trials, [](const Trial& t) { return !(t.surplus > 0); });
       std::ranges::stable_sort(trials, std::greater<>{}, &Trial::surplus);
       trials.resize(std::min(trials.size(), request_.most - added));
@@ -102,7 +102,7 @@ class Insertions {
     });
     std::vector<std::size_t> worst;
     for (std::size_t t = 0; t < agreed.size(); ++t)
-      if (agreed[t] && agreed[t]->ecc < options_.insertBelow && agreed[t]->samples >= kLeastSamples &&
+      if (agreed[t] && agreed[t]->ecc < options_.insertBelow && agreed[t]->samples >= kMinSamples &&
           agreed[t]->variance >= options_.varianceFloor)
         worst.push_back(t);
     std::ranges::stable_sort(worst, {}, [&](std::size_t t) { return agreed[t]->ecc; });
@@ -140,12 +140,12 @@ class Insertions {
       const std::uint32_t c = opposite(corner, a, b), d = opposite(alignment_.triangles[s], a, b);
       Trial trial{{{a, b, b}, {0.5, 0.5, 0.0}}, {t, s}, {corner, alignment_.triangles[s]}, {}};
       trial.after = {{c, a, 0}, {d, b, 0}, {b, c, 0}, {a, d, 0}};
-      if (stands(trial)) return trial;
+      if (isValid(trial)) return trial;
     }
     constexpr double kThird = 1.0 / 3.0;
     Trial trial{{corner, glm::dvec3(kThird)}, {t}, {corner}, {}};
     for (int k = 0; k < 3; ++k) trial.after.emplace_back(corner[k], corner[(k + 1) % 3], 0);
-    return stands(trial) ? std::optional(trial) : std::nullopt;
+    return isValid(trial) ? std::optional(trial) : std::nullopt;
   }
 
   // Squared length of an edge, of its vector summed over all images.
@@ -156,20 +156,20 @@ class Insertions {
   }
 
   // True if no part is folded over with the new point at its start position.
-  bool stands(const Trial& trial) const {
+  bool isValid(const Trial& trial) const {
     Positions corners(alignment_.position.size());
     for (const glm::uvec3& part : trial.after) {
       for (std::size_t i = 0; i < corners.size(); ++i) {
         const auto& at = alignment_.position[i];
         corners[i] = {at[part.x], at[part.y], meanOf(at, trial.point)};
       }
-      if (!unfolded(corners, {0, 1, 2})) return false;
+      if (!isUnfolded(corners, {0, 1, 2})) return false;
     }
-    return std::ranges::all_of(trial.before, [&](const glm::uvec3& t) { return unfolded(alignment_.position, t); });
+    return std::ranges::all_of(trial.before, [&](const glm::uvec3& t) { return isUnfolded(alignment_.position, t); });
   }
 
   // Moves all new points at once and nothing else: no trial depends on another.
-  void tryOut(std::vector<Trial>& trials, std::uint32_t pass) {
+  void optimiseTrials(std::vector<Trial>& trials, std::uint32_t pass) {
     Alignment grown = alignment_;
     const std::size_t n = grown.position[0].size();
     grown.fixed.assign(n, 1);
@@ -179,8 +179,9 @@ class Insertions {
     }
     const StarMesh mesh = starMeshOf(grown);
     Positions at = grown.position;
-    const MoverInput input{mesh, pictures_, options_, grown};
-    const auto mover = options_.method == AlignmentMethod::gradient ? gradientMover(input) : cpuMover(input);
+    const BackendInput input{mesh, pictures_, options_, grown};
+    const auto mover =
+        options_.method == AlignmentMethod::gradient ? makeGradientBackend(input) : makeCpuBackend(input);
     for (std::uint32_t c = 0; c < std::uint32_t(kTrialCycles); ++c)
       mover->cycle({std::max(request_.radius >> c, 1), shader::eccHash(request_.seed, pass * kTrialCycles + c)}, at,
                    keepGoing_);

@@ -68,12 +68,12 @@ shader::EccScore Judgement::score(EccDefinition definition, double varianceFloor
   shader::EccScore score{};
   EccTarget all{};
   for (int t = 0; t < count; ++t) {
-    score = shader::eccPlus(score, targets[std::size_t(t)]);
+    score = shader::eccAdd(score, targets[std::size_t(t)]);
     all = shader::eccSum(all, targets[std::size_t(t)]);
   }
-  return shader::eccFinished(score, all,
-                             definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated,
-                             scoreUnits(varianceFloor), cost);
+  return shader::eccFinalScore(score, all,
+                               definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated,
+                               scoreUnits(varianceFloor), cost);
 }
 
 std::int64_t scoreUnits(double squaredGrey) {

@@ -20,7 +20,7 @@ struct Judgement {
   int count = 0;                               // number of targets
   bool whole = true;                           // false: a triangle is too large or too steep to be judged; no result
   std::uint64_t pixels() const;
-  /// `cost` (eccToll) belongs to EccDefinition::channels, as the floor does.
+  /// `cost` (eccAddedCost) belongs to EccDefinition::channels, as the floor does.
   shader::EccScore score(EccDefinition definition, double varianceFloor, std::int64_t cost = 0) const;
 };
 

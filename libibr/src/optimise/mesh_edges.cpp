@@ -11,7 +11,7 @@ MeshEdges::MeshEdges(const Alignment& alignment) {
       all.insert(either(a, b));
       if (!beside.emplace(Edge(a, b), t).second) barred.insert(either(a, b));
     }
-  for (const glm::uvec3& corner : alignment.kept)
+  for (const glm::uvec3& corner : alignment.unevaluated)
     for (int k = 0; k < 3; ++k) {
       const Edge edge = either(corner[k], corner[(k + 1) % 3]);
       all.insert(edge);

@@ -6,7 +6,7 @@
 namespace ibr {
 namespace {
 
-void moveClass(const MoverInput& input, std::span<const std::uint32_t> points, std::size_t member, Positions& at,
+void moveClass(const BackendInput& input, std::span<const std::uint32_t> points, std::size_t member, Positions& at,
                const PickBest& best, CycleCounts& counts) {
   std::vector<Pick> picks(points.size());
   forEachInParallel(points.size(), input.options.threads,
@@ -19,12 +19,12 @@ void moveClass(const MoverInput& input, std::span<const std::uint32_t> points, s
     moved.push_back({points[i], at[member][points[i]]});
     at[member][points[i]] += picks[i].offset;
   }
-  askGuard(input.options.guard, moved, member, at, counts);
+  applyGuard(input.options.guard, moved, member, at, counts);
 }
 
 }  // namespace
 
-CycleCounts cycleOnProcessor(const MoverInput& input, Positions& at, const KeepGoing& keepGoing, const PickBest& best) {
+CycleCounts runCycleOnCpu(const BackendInput& input, Positions& at, const KeepGoing& keepGoing, const PickBest& best) {
   CycleCounts counts;
   for (std::size_t member = 0; member < at.size(); ++member)
     for (std::size_t c = 0; c + 1 < input.mesh.colours.first.size(); ++c) {
@@ -34,8 +34,8 @@ CycleCounts cycleOnProcessor(const MoverInput& input, Positions& at, const KeepG
   return counts;
 }
 
-std::vector<Judgement> judgeAllOnProcessor(const MoverInput& input, const Positions& at) {
-  const std::size_t n = input.mesh.pointCount();
+std::vector<Judgement> judgeAllOnCpu(const BackendInput& input, const Positions& at) {
+  const std::size_t n = input.mesh.vertexCount();
   std::vector<Judgement> all(at.size() * n);
   forEachInParallel(all.size(), input.options.threads, [&](std::size_t i) {
     all[i] = judge({input.mesh, input.pictures}, at, std::uint32_t(i % n), i / n, glm::ivec2(0));

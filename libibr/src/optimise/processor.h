@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "optimise/mover.h"
+#include "optimise/alignment_backend.h"
 
 namespace ibr {
 
@@ -18,9 +18,9 @@ struct Pick {
 /// `best` is called from several threads; `at` does not change during the calls.
 using PickBest = std::function<Pick(std::uint32_t point, std::size_t member, const Positions& at)>;
 
-CycleCounts cycleOnProcessor(const MoverInput& input, Positions& at, const KeepGoing& keepGoing, const PickBest& best);
+CycleCounts runCycleOnCpu(const BackendInput& input, Positions& at, const KeepGoing& keepGoing, const PickBest& best);
 
-/// Implements Mover::judgeAll.
-std::vector<Judgement> judgeAllOnProcessor(const MoverInput& input, const Positions& at);
+/// Implements AlignmentBackend::judgeAll.
+std::vector<Judgement> judgeAllOnCpu(const BackendInput& input, const Positions& at);
 
 }  // namespace ibr

@@ -12,8 +12,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kPixels = 8;           // per step
-constexpr int kMostSteps = 1 << 13;  // until lanes are emptied: a lane of products gains less than 2¹⁸ per step
+constexpr int kPixels = 8;          // per step
+constexpr int kMaxSteps = 1 << 13;  // until lanes are emptied: a lane of products gains less than 2¹⁸ per step
 
 struct Colours {
   __m256i r, g, b;  // values of eight pixels in 2⁻⁸ levels, 32 bits each
@@ -43,7 +43,7 @@ IBR_AVX2 __m256i weighed(__m256i pairs, __m256i weights) {
   return _mm256_srai_epi32(_mm256_add_epi32(_mm256_madd_epi16(pairs, weights), half), shader::kEccWeightBits);
 }
 
-// Computes eccMixed for one channel.
+// Computes eccBilinear for one channel.
 IBR_AVX2 __m256i mixed(__m256i t00, __m256i t10, __m256i t01, __m256i t11, __m256i acrossWeights, __m256i downWeights,
                        int channel) {
   const __m256i upper = weighed(neighbours(t00, t10, channel), acrossWeights);
@@ -135,7 +135,7 @@ __attribute__((target("avx2"))) void addRun(const RunSource& source, const RunSo
     Colours a = sampled(source, at), b = sampled(target, at);
     if (first + kPixels > pixels) a = without(a, beyond), b = without(b, beyond);
     addStep(a, b, lanes);
-    if (++lanes.steps == kMostSteps) empty(sums, lanes);
+    if (++lanes.steps == kMaxSteps) empty(sums, lanes);
   }
   sums.n += pixels;
 }

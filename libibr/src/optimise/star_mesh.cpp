@@ -10,7 +10,7 @@
 namespace ibr {
 namespace {
 
-constexpr int kLargestSide = 16384;
+constexpr int kMaxSide = 16384;
 
 glm::ivec2 sumOf(const Positions& at, std::uint32_t point) {
   glm::ivec2 sum(0);
@@ -38,8 +38,8 @@ void checkAlignment(const Alignment& a) {
     check(a.pictures[i] && a.pictures[i]->channels == 3 && a.pictures[i]->width > 0 && a.pictures[i]->height > 0,
           ErrorCode::invalidInput, "alignment.pictures[{}]: not an RGB image", i);
     const glm::ivec2 size(a.pictures[i]->width, a.pictures[i]->height);
-    check(std::max(size.x, size.y) <= kLargestSide, ErrorCode::invalidInput,
-          "alignment.pictures[{}]: {}×{} px, a side must be at most {} px", i, size.x, size.y, kLargestSide);
+    check(std::max(size.x, size.y) <= kMaxSide, ErrorCode::invalidInput,
+          "alignment.pictures[{}]: {}×{} px, a side must be at most {} px", i, size.x, size.y, kMaxSide);
     check(a.position[i].size() == n, ErrorCode::invalidInput, "alignment.position[{}]: {} points, not {}", i,
           a.position[i].size(), n);
     for (std::size_t p = 0; p < n; ++p) {
@@ -57,7 +57,7 @@ void checkAlignment(const Alignment& a) {
               t, triangles[t][c], n);
   };
   checkIndices(a.triangles, "triangles");
-  checkIndices(a.kept, "kept");
+  checkIndices(a.unevaluated, "unevaluated");
   for (std::size_t t = 0; t < a.triangles.size(); ++t)
     for (std::size_t i = 0; i < d; ++i)
       check(areaIn(a.position[i], a.triangles[t]) > 0, ErrorCode::invalidInput,
@@ -76,7 +76,7 @@ Lists listsOf(const Alignment& a) {
               std::vector<std::vector<std::uint32_t>>(n), a.fixed};
   lists.fixed.resize(n, 0);
   for (const glm::uvec3& t : a.triangles) {
-    const bool judged = unfolded(a.position, t);
+    const bool judged = isUnfolded(a.position, t);
     for (int c = 0; c < 3; ++c) {
       if (judged)
         lists.star[t[c]].push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
@@ -84,7 +84,7 @@ Lists listsOf(const Alignment& a) {
         lists.fixed[t[c]] = 1;
     }
   }
-  for (const glm::uvec3& t : a.kept) {
+  for (const glm::uvec3& t : a.unevaluated) {
     std::uint32_t where = 0;
     for (std::size_t i = 0; i < a.position.size(); ++i)
       if (areaIn(a.position[i], t) > 0) where |= 1u << i;
@@ -117,7 +117,7 @@ void findBorder(StarMesh& mesh, std::span<const std::uint8_t> fixed) {
 // Greedy, in the points' order: a point gets the first class that none of its neighbours has.
 void colour(StarMesh& mesh) {
   constexpr std::uint32_t kNone = ~0u;
-  const std::size_t n = mesh.pointCount();
+  const std::size_t n = mesh.vertexCount();
   std::vector<std::uint32_t> classOf(n, kNone);
   std::vector<std::vector<std::uint32_t>> classes;
   for (std::uint32_t p = 0; p < n; ++p) {
@@ -137,7 +137,7 @@ void colour(StarMesh& mesh) {
 
 }  // namespace
 
-bool unfolded(const Positions& at, const glm::uvec3& t) {
+bool isUnfolded(const Positions& at, const glm::uvec3& t) {
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (areaIn(at[i], t) <= 0) return false;
     for (std::size_t k = 0; k < i; ++k)
@@ -161,18 +161,18 @@ StarMesh starMeshOf(const Alignment& alignment) {
   return mesh;
 }
 
-int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most) {
+int maxMove(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most) {
   if (mesh.border[point] == Border::fixed) return 0;
   int reach = most;
   for (const glm::uvec2& edge : mesh.star[point]) {
-    reach = std::min(reach, shader::eccReach(at[member][point], at[member][edge.x], at[member][edge.y]));
+    reach = std::min(reach, shader::eccMaxMove(at[member][point], at[member][edge.x], at[member][edge.y]));
     for (std::size_t k = 0; k < at.size(); ++k) {
       if (k == member) continue;
       const auto mean = [&](std::uint32_t p) { return at[member][p] + at[k][p]; };
-      reach = std::min(reach, shader::eccReach(mean(point), mean(edge.x), mean(edge.y)));
+      reach = std::min(reach, shader::eccMaxMove(mean(point), mean(edge.x), mean(edge.y)));
     }
     if (at.size() > 2)
-      reach = std::min(reach, shader::eccReach(sumOf(at, point), sumOf(at, edge.x), sumOf(at, edge.y)));
+      reach = std::min(reach, shader::eccMaxMove(sumOf(at, point), sumOf(at, edge.x), sumOf(at, edge.y)));
   }
   return reach;
 }
@@ -180,9 +180,9 @@ int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std:
 glm::ivec2 candidateOffset(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member,
                            int radius, std::uint32_t seed, std::uint32_t instance) {
   const std::uint32_t own = shader::eccHash(seed, instance);
-  if (mesh.border[point] == Border::interior) return shader::eccInDisc(own, radius);
+  if (mesh.border[point] == Border::interior) return shader::eccOffsetInDisc(own, radius);
   const glm::uvec2 chord = mesh.chord[point];
-  return shader::eccAlong(own, radius, at[member][chord.y] - at[member][chord.x]);
+  return shader::eccOffsetAlong(own, radius, at[member][chord.y] - at[member][chord.x]);
 }
 
 bool fits(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, glm::ivec2 offset) {

@@ -40,7 +40,7 @@ struct StarMesh {
   std::vector<glm::uvec2> chord;  // n: of a point that slides, its neighbours on the border; (0, 0) = interior
   std::vector<Border> border;     // n
   Rows<std::uint32_t> colours;    // points that may move, in classes that share no triangle, ascending
-  std::size_t pointCount() const { return border.size(); }
+  std::size_t vertexCount() const { return border.size(); }
   std::size_t memberCount() const { return size.size(); }
 };
 
@@ -50,11 +50,11 @@ struct StarMesh {
 StarMesh starMeshOf(const Alignment& alignment);
 
 /// True if a triangle is positive in each image, in the mean of each two and in the mean of all. Exact.
-bool unfolded(const Positions& at, const glm::uvec3& t);
+bool isUnfolded(const Positions& at, const glm::uvec3& t);
 
 /// Maximum displacement of a point in `member`, 1/128 px: at most `most`, 0 if it cannot move. Within it, no judged
 /// triangle folds over in the image, in its mean with any other or in the mean of all ([T] fig. 15).
-int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most);
+int maxMove(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most);
 
 /// Offset of candidate `instance` >= 1 from the point; `seed` is the point's own in this step.
 glm::ivec2 candidateOffset(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member,

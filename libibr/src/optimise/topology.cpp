@@ -28,7 +28,7 @@ class EdgeFlips {
 
   std::size_t run() {
     std::size_t flips = 0;
-    for (int pass = 0; pass < options_.mostPasses; ++pass) {
+    for (int pass = 0; pass < options_.maxPasses; ++pass) {
       const std::size_t now = flipBest();
       if (now == 0) break;
       flips += now;
@@ -67,7 +67,7 @@ class EdgeFlips {
       const Pair before{alignment_.triangles[s], alignment_.triangles[t]};
       const std::uint32_t c = opposite(before[0], a, b), d = opposite(before[1], a, b);
       const Flip flip{{s, t}, before, {{{a, d, c}, {d, b, c}}}, MeshEdges::either(c, d)};
-      const auto unfoldedHere = [&](const glm::uvec3& triangle) { return unfolded(alignment_.position, triangle); };
+      const auto unfoldedHere = [&](const glm::uvec3& triangle) { return isUnfolded(alignment_.position, triangle); };
       if (c != d && !edges_.all.contains(flip.edge) && std::ranges::all_of(flip.after, unfoldedHere) &&
           std::ranges::all_of(flip.before, unfoldedHere))
         flips.push_back(flip);

@@ -15,7 +15,7 @@ struct FlipOptions {
   /// Required rise of the ECC of the two triangles; more with few samples (triangle_agreement.h).
   double gain = 0.005;
   double varianceFloor = 25;  // grey²
-  int mostPasses = 8;         // no pass flips an edge next to one that it has flipped
+  int maxPasses = 8;          // no pass flips an edge next to one that it has flipped
   int threads = 0;            // 0: all cores; does not affect the result
 };
 

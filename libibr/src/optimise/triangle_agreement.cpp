@@ -7,7 +7,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kSureSamples = 1024;
+constexpr double kReliableSamples = 1024;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<TriangleAgreement> agreementOf(std::span<const Texels> pictures, c
 double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after,
                  double gain) {
   if (!before || !after || before->samples == 0) return -1;
-  return after->ecc - before->ecc - gain * std::max(1.0, std::sqrt(kSureSamples / before->samples));
+  return after->ecc - before->ecc - gain * std::max(1.0, std::sqrt(kReliableSamples / before->samples));
 }
 
 }  // namespace ibr

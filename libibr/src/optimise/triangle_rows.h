@@ -31,11 +31,11 @@ struct TriangleMaps {
   bool set(const Corner& a, const Corner& b, const Corner& c) {
     const glm::ivec2 ma = a.mean(), mb = b.mean(), mc = c.mean();
     const std::int64_t area = shader::eccArea(ma, mb, mc);
-    if (area <= 0 || !shader::eccSmall(ma, mb, mc)) return false;
+    if (area <= 0 || !shader::eccSizeFits(ma, mb, mc)) return false;
     source = shader::eccMap(ma, mb, mc, a.source, b.source, c.source, area);
     target = shader::eccMap(ma, mb, mc, a.target, b.target, c.target, area);
     origin = ma;
-    return shader::eccGentle(source) && shader::eccGentle(target);
+    return shader::eccGradientFits(source) && shader::eccGradientFits(target);
   }
 };
 
@@ -43,8 +43,8 @@ struct TriangleMaps {
 inline RunSource runAt(const shader::EccMap& map, const Texels& texels, glm::ivec2 origin, int column, int row) {
   constexpr std::int64_t kTexel = std::int64_t(1) << shader::kEccCoordinateBits;
   constexpr int kDropped = shader::kEccCoordinateBits - shader::kEccRunBits;
-  const std::int64_t x = shader::eccAt(map.originX, map.xByX, map.xByY, origin, column, row);
-  const std::int64_t y = shader::eccAt(map.originY, map.yByX, map.yByY, origin, column, row);
+  const std::int64_t x = shader::eccCoordinateAt(map.originX, map.xByX, map.xByY, origin, column, row);
+  const std::int64_t y = shader::eccCoordinateAt(map.originY, map.yByX, map.yByY, origin, column, row);
   return {texels.at(int(x >> shader::kEccCoordinateBits), int(y >> shader::kEccCoordinateBits)),
           texels.stride,
           std::int32_t((x & (kTexel - 1)) >> kDropped),

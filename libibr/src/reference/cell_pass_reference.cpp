@@ -105,7 +105,7 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
     bb += (b[k] - meanB) * (b[k] - meanB);
     ab += (a[k] - meanA) * (b[k] - meanB);
   }
-  const double least = double(shader::kLeastContrast);
+  const double least = double(shader::kMinContrast);
   if (std::sqrt(aa / n) < least || std::sqrt(bb / n) < least) return std::nullopt;
   return ab / std::sqrt(aa * bb);
 }
@@ -174,15 +174,15 @@ float noiseAt(int x, int y) {
   return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
 }
 
-// Applies the masks to the members' weights, which then sum to 1 or are all 0. Returns the range (as in Picture) of a
-// colour at a mask's border, since weights depend on texels, too. Returns 0 elsewhere, and infinity where such weights
-// select a member.
+// Applies the masks to the members' weights, which then sum to 1 or are all 0. Returns the range (as in RenderedImage)
+// of a colour at a mask's border, since weights depend on texels, too. Returns 0 elsewhere, and infinity where such
+// weights select a member.
 double masked(const DrawItem& item, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
               std::array<double, 4>& weights) {
   double total = 0;
   bool border = false;
   for (std::size_t i = 0; i < item.cell.members.size(); ++i) {
-    weights[i] = std::max(weights[i], double(shader::kLeastMaskedWeight));
+    weights[i] = std::max(weights[i], double(shader::kMinMaskedWeight));
     const double alpha = sample(item, t, textures[item.cell.members[i]], i, x, y).alpha;
     border = border || (weights[i] > 0 && alpha > 0 && alpha < 1);
     weights[i] *= std::clamp(2 * alpha - 1, 0.0, 1.0);
@@ -194,13 +194,13 @@ double masked(const DrawItem& item, const Triangle& t, const std::vector<std::ve
                                                       : std::numeric_limits<double>::infinity();
 }
 
-bool isGone(const std::array<double, 4>& weights) {
+bool isFullyMasked(const std::array<double, 4>& weights) {
   return std::ranges::all_of(weights, [](double weight) { return weight == 0; });
 }
 
 // `x`, `y`: the pixel; `noise`: offset into the noise pattern. `blend`: weights of the members, sum 1.
 Texel shade(const DrawItem& item, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
-            glm::ivec2 noise, const std::array<double, 4>& blend, Known& known) {
+            glm::ivec2 noise, const std::array<double, 4>& blend, BufferValues& known) {
   const float random = noiseAt(x + noise.x, y + noise.y);
   const int chosen = shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, random);
   Texel result;
@@ -222,7 +222,7 @@ Texel shade(const DrawItem& item, const Triangle& t, const std::vector<std::vect
   const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);  // sums to 1 / w
   const glm::dvec3 variance = glm::max(square - mean * mean, 0.0);
   known = {1.0 / std::max(glm::dot(a, t.inverseDistance), 0.0),
-           kTierAgrees,
+           kTierConsistent,
            item.rank,
            item.extrapolation,
            blend,
@@ -254,7 +254,7 @@ struct Owner {
 };
 
 void drawItem(const DrawItem& item, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
-              glm::ivec2 noise, Picture& picture, std::vector<Owner>& owners) {
+              glm::ivec2 noise, RenderedImage& picture, std::vector<Owner>& owners) {
   const Intrinsics& k = view.intrinsics;
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
   const bool ours = item.plan.settings.morph == Morph::ours;
@@ -304,7 +304,7 @@ void drawItem(const DrawItem& item, int index, const std::vector<std::vector<Ima
         double border = 0;
         if (isMasked(item.scene, item.cell)) {
           border = masked(item, t, textures, x, y, blend);
-          if (isGone(blend)) continue;
+          if (isFullyMasked(blend)) continue;
         }
         owners[at].item = index;
         owners[at].depth = z;
@@ -316,20 +316,20 @@ void drawItem(const DrawItem& item, int index, const std::vector<std::vector<Ima
   }
 }
 
-Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-               const std::vector<PlannedCell>& cells, std::size_t viewIndex, bool cubic) {
+RenderedImage canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
+                     const std::vector<PlannedCell>& cells, std::size_t viewIndex, bool cubic) {
   const Camera& view = plan.views[viewIndex];
   const int width = view.intrinsics.width, height = view.intrinsics.height;
   const std::size_t count = std::size_t(width) * std::size_t(height);
-  Picture picture{width,
-                  height,
-                  std::vector<glm::dvec4>(count, glm::dvec4(0)),
-                  std::vector<std::uint8_t>(count, 0),
-                  std::vector<double>(count, std::numeric_limits<double>::infinity()),
-                  std::vector<double>(count, 0),
-                  std::vector<double>(count, 0),
-                  std::vector<Known>(count),
-                  std::vector<int>(count, 0)};
+  RenderedImage picture{width,
+                        height,
+                        std::vector<glm::dvec4>(count, glm::dvec4(0)),
+                        std::vector<std::uint8_t>(count, 0),
+                        std::vector<double>(count, std::numeric_limits<double>::infinity()),
+                        std::vector<double>(count, 0),
+                        std::vector<double>(count, 0),
+                        std::vector<BufferValues>(count),
+                        std::vector<int>(count, 0)};
   std::vector<Owner> owners(count);
   const glm::ivec2 noise = noiseOffset(plan, viewIndex);
   const std::vector<DrawItem> items = drawListOf(scene, plan, cells, viewIndex, cubic);
@@ -351,18 +351,18 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
 std::vector<PlannedCell> drawn(const FramePlan& plan) {
   std::vector<PlannedCell> cells = plan.cells;
   for (std::size_t i = plan.fadingOut.size(); i-- > 0;)
-    cells.insert(cells.begin() + std::ptrdiff_t(plan.fadingOut[i].before), plan.fadingOut[i].planned);
+    cells.insert(cells.begin() + std::ptrdiff_t(plan.fadingOut[i].drawnBefore), plan.fadingOut[i].planned);
   return cells;
 }
 
 }  // namespace
 
-Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-               std::size_t view, TextureFilter filter) {
+RenderedImage render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
+                     std::size_t view, TextureFilter filter) {
   const bool cubic = filter == TextureFilter::bicubic;
-  Picture picture = canvas(scene, textures, plan, drawn(plan), view, cubic);
+  RenderedImage picture = canvas(scene, textures, plan, drawn(plan), view, cubic);
   const glm::dvec3 background(plan.settings.background);
-  std::optional<Picture> previous;
+  std::optional<RenderedImage> previous;
   if (plan.previousWeight > 0) previous = canvas(scene, textures, plan, plan.previous, view, cubic);
   for (std::size_t at = 0; at < picture.colour.size(); ++at) {
     const auto shown = [](const glm::dvec4& colour, const glm::dvec3& behind) {

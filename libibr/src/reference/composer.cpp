@@ -120,11 +120,11 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
     }
   }
   if (!(sum > 0)) return;
-  const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierCompleted : kTierAgrees;
+  const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierCompleted : kTierConsistent;
   if (tier > job.maxTier) return;
   result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
   result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueSurface(surfaces).inverseDepth);
-  result.deviation.pixel(x, y)[0] = float(deviationOf(surfaces, tier == kTierAgrees, job.step, variance));
+  result.deviation.pixel(x, y)[0] = float(deviationOf(surfaces, tier == kTierConsistent, job.step, variance));
   setColour(result, x, y, glm::clamp(colour * (255 / sum), 0.0, 255.0), tier);
 }
 
@@ -162,7 +162,7 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
         "planned photograph of node {}, backdrop {}: not in the scene", planned.node, planned.backdrop);
   const Node& node = scene.nodes[planned.node];
   const Cell& backdrop = scene.backdrops[planned.backdrop];
-  const std::size_t points = backdrop.mesh.pointCount();
+  const std::size_t points = backdrop.mesh.vertexCount();
   check(backdrop.members == std::vector{planned.node} && backdrop.mesh.confirmations.size() == points &&
             backdrop.mesh.consensus.size() == points,
         ErrorCode::invalidInput,

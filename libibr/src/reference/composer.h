@@ -39,7 +39,7 @@ namespace ibr::reference {
 
 /// A composed view. Inverse depths are along the view's axis.
 struct Composed {
-  Image8 picture;             // RGBA; alpha as AlphaContent::tier: kTierAgrees where the depth is confirmed,
+  Image8 picture;             // RGBA; alpha as AlphaContent::tier: kTierConsistent where the depth is confirmed,
                               // kTierCompleted where it was completed, kTierFilled where it was filled in the view,
                               // 0 and black in holes
   ImageF colour;              // RGB of `picture` before rounding, 8-bit levels

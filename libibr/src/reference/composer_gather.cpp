@@ -15,12 +15,12 @@ namespace {
 // Constants are fixed, because results for different depth maps are compared.
 constexpr double kAngleFloor = 0.03;        // radians, added to every angle
 constexpr double kDistanceCost = 0.001;     // radians per spacing
-constexpr double kLargestResolution = 1.5;  // of the view's: a finer photograph is no better
+constexpr double kMaxResolution = 1.5;      // of the view's: a finer photograph is no better
 constexpr double kVisibilityFloor = 0.002;  // a hidden photograph is better than none
 constexpr double kBehindVisibility = 0.25;  // if the photograph's own surface is behind the point
-constexpr double kOwnPlace = 0.01;          // radians of cost within which visibility and borders fade to no effect
-constexpr double kLeastApart = 1e-6;        // limits the weight at a photograph's own pose
-constexpr double kUnsureDeviations = 3;     // deviations of both surfaces within which nothing counts as hidden
+constexpr double kOwnPoseCost = 0.01;       // radians of cost within which visibility and borders fade to no effect
+constexpr double kMinApart = 1e-6;          // limits the weight at a photograph's own pose
+constexpr double kOcclusionSigmas = 3;      // deviations of both surfaces within which nothing counts as hidden
 constexpr double kLevels = 255;
 
 // Weight and sampling of a surface in one photograph.
@@ -41,16 +41,16 @@ std::optional<Sight> sightOf(const PhotographSampler& sampler, glm::dvec2 viewPi
   const double angle =
       std::atan2(inverseDepth * glm::length(glm::cross(ray, sampler.shift())), glm::dot(ray, direction));
   const double beyond = angle + kDistanceCost * candidate.distance, cost = kAngleFloor + beyond;
-  const double finer = sampler.resolution(ray, direction), resolution = std::min(finer, kLargestResolution);
+  const double finer = sampler.resolution(ray, direction), resolution = std::min(finer, kMaxResolution);
   const double here = sampler.inverseDepth(direction, inverseDepth), own = sampler.ownInverseDepth(*pixel);
   const double unsure = uncertainty * here + uncertaintyOf(sampler.ownConsensus(*pixel)) * own;
-  const double tolerance = 2 * toleranceOf(candidate.step, here) + candidate.residual + kUnsureDeviations * unsure;
+  const double tolerance = 2 * toleranceOf(candidate.step, here) + candidate.residual + kOcclusionSigmas * unsure;
   const double before = std::clamp((own - here) / tolerance - 1, 0.0, 1.0),
                behind = std::clamp((here - own) / tolerance - 1, 0.0, 1.0);
   const double visible = std::max((1 - before) * (1 - (1 - kBehindVisibility) * behind), kVisibilityFloor);
-  const double apart = glm::smoothstep(0.0, kOwnPlace, beyond);
+  const double apart = glm::smoothstep(0.0, kOwnPoseCost, beyond);
   Sight sight{candidate.weight * resolution * resolution * glm::mix(1.0, sampler.border(*pixel), apart) *
-                  glm::mix(1.0, visible, apart) / (cost * std::max(apart, kLeastApart)),
+                  glm::mix(1.0, visible, apart) / (cost * std::max(apart, kMinApart)),
               std::max(detail * finer, uncertainty * angle * focalPx(candidate.camera.intrinsics)), *pixel, &sampler};
   if (candidate.masked && sight.weight > 0)  // shared/cell.h, maskShare
     sight.weight *= std::clamp(2 * sampler.colour(*pixel, sight.footprint).alpha - 1, 0.0, 1.0);

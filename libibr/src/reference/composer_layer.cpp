@@ -14,7 +14,7 @@
 namespace ibr::reference {
 namespace {
 
-constexpr double kLargestJump = 2;       // steps between neighbours of a depth map that form one surface
+constexpr double kMaxJump = 2;           // steps between neighbours of a depth map that form one surface
 constexpr double kInsideMargin = -1e-9;  // relative to the weights; avoids gaps between triangles that share an edge
 
 double trustOf(int confirmations) {
@@ -61,7 +61,7 @@ Box boxOf(const std::array<glm::dvec3, 3>& corners, int width, int height) {
 
 HypothesisMesh hypothesisMesh(const Intrinsics& photograph, const MorphMesh& mesh) {
   HypothesisMesh result;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p)
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
     result.vertices.push_back({double(mesh.ratio[0][p]) * unproject(photograph, mesh.match[0][p]),
                                double(mesh.inverseDistance[p]), trustOf(mesh.confirmations[p]),
                                double(mesh.consensus[p])});
@@ -88,7 +88,7 @@ HypothesisMesh hypothesisMesh(const Intrinsics& photograph, const PhotographDept
       low = std::min(low, double(map.values[corner]));
       high = std::max(high, double(map.values[corner]));
     }
-    if (high - low <= kLargestJump * depth.step) result.triangles.push_back(corners);
+    if (high - low <= kMaxJump * depth.step) result.triangles.push_back(corners);
   };
   for (int y = 0; y + 1 < map.height; ++y)
     for (int x = 0; x + 1 < map.width; ++x) {

@@ -21,15 +21,15 @@ constexpr double kFullConsensus = 0.9;     // consensus at which a present surfa
 constexpr double kCompletedTrust = 0.155;  // trust below which a hypothesis was completed, not matched; the middle
                                            // between no and one confirmation
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
-constexpr double kSureConsensus = 0.5;     // consensus at which ρ counts as exact; below it …
-constexpr double kUnsure = 0.1;            // … maximum relative error of ρ
+constexpr double kExactConsensus = 0.5;    // consensus at which ρ counts as exact; below it …
+constexpr double kMaxRelativeError = 0.1;  // … maximum relative error of ρ
 constexpr double kOpaque = 0.5;            // minimum opacity of the surface that defines depth
-constexpr double kLeastDepth = 1e-6;       // minimum ρ for relative spreads
+constexpr double kMinInverseDepth = 1e-6;  // minimum ρ for relative spreads
 constexpr double kAloneSpread = 0.05;      // relative; for a pixel with a single hypothesis
 constexpr double kStepDeviation = 0.18;    // of a confirmed ρ: steps, and …
 constexpr double kSpreadDeviation = 0.85;  // … factor on the spread, times 1 + …
 constexpr double kColourDeviation = 4;     // … this × the colours' deviation in kColourSpread, …
-constexpr double kMostColours = 2;         // … limited to this
+constexpr double kMaxColourFactor = 2;     // … limited to this
 
 // Support of a hypothesis at `here` by one at `there`: 0 to 1.
 double kernel(double here, double there, double step) {
@@ -69,7 +69,7 @@ double spreadAbout(std::span<const Vote> votes, double surface) {
   if (votes.size() == 1) return kAloneSpread;
   double sum = 0, square = 0;
   for (const Vote& vote : votes) {
-    const double off = std::min(std::abs(vote.inverseDepth - surface) / std::max(surface, kLeastDepth), 1.0);
+    const double off = std::min(std::abs(vote.inverseDepth - surface) / std::max(surface, kMinInverseDepth), 1.0);
     sum += vote.weight;
     square += vote.weight * off * off;
   }
@@ -98,7 +98,7 @@ double toleranceOf(double step, double inverseDepth) {
 }
 
 double uncertaintyOf(double consensus) {
-  return kUnsure * std::max(0.0, 1 - consensus / kSureConsensus);
+  return kMaxRelativeError * std::max(0.0, 1 - consensus / kExactConsensus);
 }
 
 const Surface& opaqueSurface(const Surfaces& surfaces) {
@@ -110,7 +110,7 @@ const Surface& opaqueSurface(const Surfaces& surfaces) {
 double deviationOf(const Surfaces& surfaces, bool confirmed, double step, double variance) {
   const double inverseDepth = opaqueSurface(surfaces).inverseDepth;
   if (!confirmed) return inverseDepth;
-  const double colours = std::min(std::sqrt(variance) / kColourSpread, kMostColours);
+  const double colours = std::min(std::sqrt(variance) / kColourSpread, kMaxColourFactor);
   return std::hypot(kStepDeviation * step,
                     kSpreadDeviation * (1 + kColourDeviation * colours) * surfaces.spread * inverseDepth);
 }

@@ -33,7 +33,7 @@ bool isGatherable(const Scene& scene) {
   return requirementsOf(scene, {}).gatherable > 0;
 }
 
-struct ReferenceViews::State {
+struct ReferenceRenderer::State {
   void take(const std::vector<PlannedPhotograph>& photographs);
 
   const Scene& scene;
@@ -42,15 +42,15 @@ struct ReferenceViews::State {
   std::map<std::uint32_t, Textures> textures;  // by node
 };
 
-ReferenceViews::ReferenceViews(const Scene& scene, int threads)
+ReferenceRenderer::ReferenceRenderer(const Scene& scene, int threads)
     : state_(new State{scene,
                        threads > 0 ? threads : std::max(1, int(std::thread::hardware_concurrency())),
                        sceneBounds(scene),
                        {}}) {}
 
-ReferenceViews::~ReferenceViews() = default;
+ReferenceRenderer::~ReferenceRenderer() = default;
 
-void ReferenceViews::State::take(const std::vector<PlannedPhotograph>& photographs) {
+void ReferenceRenderer::State::take(const std::vector<PlannedPhotograph>& photographs) {
   std::map<std::uint32_t, Textures> taken;
   for (const PlannedPhotograph& photograph : photographs) {
     Textures& own = taken[photograph.node];
@@ -64,7 +64,7 @@ void ReferenceViews::State::take(const std::vector<PlannedPhotograph>& photograp
   textures = std::move(taken);
 }
 
-ReferenceView ReferenceViews::compose(const Camera& view, Exposure exposure) {
+ReferenceView ReferenceRenderer::compose(const Camera& view, Exposure exposure) {
   RenderSettings settings;
   settings.composition = Composition::gathered;
   settings.voteScale = 1;

@@ -103,7 +103,7 @@ Texel samplePanorama(const std::vector<Image8>& levels, const Intrinsics& k, glm
   const double footprint = std::max(glm::length(x), glm::length(y));
   const double apart = std::max(footprint, 1.0);
   const double width = std::min(std::hypot(x.x, y.x) / std::max(cosine, 1e-6), double(k.width));
-  const double wanted = 0.5 * std::max(width / apart - 1.5, 0.0), most = double(shader::kLargestPanoramaReach);
+  const double wanted = 0.5 * std::max(width / apart - 1.5, 0.0), most = double(shader::kMaxPanoramaReach);
   const double reach = std::min(wanted, most), spacing = apart / k.width * std::max(wanted / most, 1.0);
   const glm::dvec2 at = *project(k, ray) / glm::dvec2(k.width, k.height);
   Texel sum = trilinear(levels, at, footprint, true, cubic);

@@ -14,7 +14,7 @@ namespace ibr::reference {
 
 struct Texel {
   glm::dvec3 colour{0};  // 0 to 1
-  double range = 0;      // as Picture::range and Picture::levelRange (cell_pass_reference.h)
+  double range = 0;      // as RenderedImage::range and RenderedImage::levelRange (cell_pass_reference.h)
   double levelRange = 0;
   double alpha = 0;  // 0 to 1
 };

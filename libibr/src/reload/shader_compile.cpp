@@ -34,9 +34,9 @@ std::vector<std::filesystem::path> prerequisites(std::string_view rule) {
 }
 
 CompiledShader compileShader(const std::string& compiler, const std::filesystem::path& folder, const std::string& file,
-                             const std::filesystem::path& output, const std::function<bool()>& goesOn) {
-  constexpr double kLongestSeconds = 30;
-  constexpr std::uint64_t kLargest = 64u << 20;
+                             const std::filesystem::path& output, const std::function<bool()>& shouldContinue) {
+  constexpr double kMaxSeconds = 30;
+  constexpr std::uint64_t kMaxFileBytes = 64u << 20;
   const std::string spirv = output.string() + ".spv", rule = output.string() + ".d";
   std::vector<std::string> arguments{compiler};
   for (const std::string_view flag : shaderFlags()) arguments.emplace_back(flag);
@@ -48,16 +48,16 @@ CompiledShader compileShader(const std::string& compiler, const std::filesystem:
     const Stopwatch watch;
     const ChildResult run = runChild(
         arguments, {}, [&](std::string_view line) { result.text.append(line) += '\n'; },
-        [&] { return goesOn() && watch.seconds() < kLongestSeconds; });
+        [&] { return shouldContinue() && watch.seconds() < kMaxSeconds; });
     if (run.status != 0 || run.stopped) {
       if (run.stopped) result.text += fmt::format("{}: stopped after {:.0f} s\n", compiler, watch.seconds());
       if (result.text.empty()) result.text = fmt::format("{}: failed with exit status {}\n", compiler, run.status);
       return result;
     }
-    const std::vector<std::byte> bytes = readFile(spirv, kLargest);
+    const std::vector<std::byte> bytes = readFile(spirv, kMaxFileBytes);
     check(!bytes.empty() && bytes.size() % sizeof(std::uint32_t) == 0, ErrorCode::io, "{}: {} bytes are not SPIR-V",
           spirv, bytes.size());
-    result.dependencies = prerequisites(readTextFile(rule, kLargest));
+    result.dependencies = prerequisites(readTextFile(rule, kMaxFileBytes));
     result.words.resize(bytes.size() / sizeof(std::uint32_t));
     std::memcpy(result.words.data(), bytes.data(), bytes.size());
     result.text.clear();  // only warnings

@@ -18,10 +18,10 @@ struct CompiledShader {
 };
 
 /// Compiles `folder`/`file` as the build does, with include path `folder`. `output`: path of scratch files, to which
-/// suffixes are added. `goesOn`: called as in runChild. Throws nothing but std::bad_alloc: failures are described in
-/// the result's text.
+/// suffixes are added. `shouldContinue`: called as in runChild. Throws nothing but std::bad_alloc: failures are
+/// described in the result's text.
 CompiledShader compileShader(const std::string& compiler, const std::filesystem::path& folder, const std::string& file,
-                             const std::filesystem::path& output, const std::function<bool()>& goesOn);
+                             const std::filesystem::path& output, const std::function<bool()>& shouldContinue);
 
 /// Prerequisites of a make rule in the format of glslangValidator --depfile: a backslash escapes spaces in names.
 std::vector<std::filesystem::path> prerequisites(std::string_view rule);

@@ -51,18 +51,18 @@ struct ShaderReloader::State {
   ShaderReplacements& replacements;
   LogCallback log;
   ShaderWatch watch;
-  std::map<std::size_t, Failure> failing;                                            // by index of the shader
-  std::vector<std::pair<const EmbeddedShader*, std::vector<std::uint32_t>>> before;  // replaced words, for takeBack()
+  std::map<std::size_t, Failure> failures;                                           // by index of the shader
+  std::vector<std::pair<const EmbeddedShader*, std::vector<std::uint32_t>>> before;  // replaced words, for revert()
 };
 
 ShaderReloader::ShaderReloader(Device& device, ShaderReloadOptions options) {
-  constexpr double kLongestSeconds = 10;
+  constexpr double kMaxSeconds = 10;
   const Stopwatch watch;
   std::string version;  // the text is not used; a successful run shows that the compiler exists
   const auto keepFirst = [&](std::string_view line) {
     if (version.empty()) version = line;
   };
-  runChild({options.compiler, "--version"}, {}, keepFirst, [&] { return watch.seconds() < kLongestSeconds; });
+  runChild({options.compiler, "--version"}, {}, keepFirst, [&] { return watch.seconds() < kMaxSeconds; });
   state_ = std::make_unique<State>(device, options);
   state_->say(LogLevel::info, fmt::format("shaders in {} are compiled on change with {} ({})", options.folder.string(),
                                           options.compiler, version));
@@ -80,14 +80,14 @@ ShaderReloader::Result ShaderReloader::poll() {
     const EmbeddedShader& shader = embeddedShaders()[i];
     const std::string file(shader.file);
     if (const std::string text = refusal(*shader.words, compiled); !text.empty()) {
-      Failure& known = state_->failing[i];
+      Failure& known = state_->failures[i];
       if (known.text == text) continue;
       state_->say(LogLevel::warning, fmt::format("{}: {}", file, text));
       result.failed.push_back(known = {file, text});
       continue;
     }
-    state_->failing.erase(i);
-    if (std::ranges::equal(compiled.words, state_->replacements.inUse(*shader.words))) continue;
+    state_->failures.erase(i);
+    if (std::ranges::equal(compiled.words, state_->replacements.currentWords(*shader.words))) continue;
     if (std::ranges::equal(compiled.words, *shader.words)) compiled.words.clear();
     before.emplace_back(&shader, state_->use(*shader.words, std::move(compiled.words)));
     state_->say(LogLevel::info, fmt::format("{}: shader replaced", file));
@@ -100,13 +100,13 @@ ShaderReloader::Result ShaderReloader::poll() {
   return result;
 }
 
-std::vector<ShaderReloader::Failure> ShaderReloader::failing() const {
+std::vector<ShaderReloader::Failure> ShaderReloader::failures() const {
   std::vector<Failure> list;
-  for (const auto& [i, failure] : state_->failing) list.push_back(failure);
+  for (const auto& [i, failure] : state_->failures) list.push_back(failure);
   return list;
 }
 
-std::vector<std::string> ShaderReloader::takeBack() {
+std::vector<std::string> ShaderReloader::revert() {
   std::vector<std::string> files;
   for (auto& [shader, words] : std::exchange(state_->before, {})) {
     state_->use(*shader->words, std::move(words));

@@ -35,17 +35,17 @@ ShaderWatch::~ShaderWatch() {
 
 std::map<std::size_t, CompiledShader> ShaderWatch::take() {
   constexpr double kSeconds = 0.1;
-  const std::lock_guard lock(guard_);
-  if (sinceAsked_.seconds() > kSeconds) {
-    sinceAsked_ = {};
-    ask_ = true;
-    asked_.notify_one();
+  const std::lock_guard lock(mutex_);
+  if (sinceRequest_.seconds() > kSeconds) {
+    sinceRequest_ = {};
+    requested_ = true;
+    wake_.notify_one();
   }
   return std::exchange(done_, {});
 }
 
-ShaderWatch::Times ShaderWatch::timesBelow() const {
-  Times times;
+ShaderWatch::FileTimes ShaderWatch::folderTimes() const {
+  FileTimes times;
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
     std::error_code gone;
@@ -57,7 +57,7 @@ ShaderWatch::Times ShaderWatch::timesBelow() const {
   return times;
 }
 
-std::vector<std::size_t> ShaderWatch::outdated(const Times& now) const {
+std::vector<std::size_t> ShaderWatch::outdated(const FileTimes& now) const {
   std::set<fs::path> changed;
   for (const auto& [path, time] : now)
     if (const auto before = times_.find(path); before == times_.end() || before->second != time) changed.insert(path);
@@ -75,12 +75,12 @@ std::vector<std::size_t> ShaderWatch::outdated(const Times& now) const {
   return list;
 }
 
-void ShaderWatch::look(const std::stop_token& stop) {
+void ShaderWatch::compileChanges(const std::stop_token& stop) {
   using namespace std::chrono_literals;
-  Times now = timesBelow();
+  FileTimes now = folderTimes();
   while (now != times_ && !stop.stop_requested()) {  // waits until an editor has finished writing
     std::this_thread::sleep_for(30ms);
-    Times again = timesBelow();
+    FileTimes again = folderTimes();
     if (again == now) break;
     now = std::move(again);
   }
@@ -88,27 +88,28 @@ void ShaderWatch::look(const std::stop_token& stop) {
   times_ = std::move(now);
   if (list.empty()) return;
   std::vector<CompiledShader> compiled(list.size());
-  const auto goesOn = [&] { return !stop.stop_requested(); };
+  const auto shouldContinue = [&] { return !stop.stop_requested(); };
   const auto compile = [&](std::size_t i) {
     const std::string& file = shaders_[list[i]].file;
-    if (goesOn()) compiled[i] = compileShader(compiler_, folder_, file, scratch_ / std::to_string(list[i]), goesOn);
+    if (shouldContinue())
+      compiled[i] = compileShader(compiler_, folder_, file, scratch_ / std::to_string(list[i]), shouldContinue);
   };
   forEachInParallel(list.size(), 0, compile, 1);
-  if (!goesOn()) return;
+  if (!shouldContinue()) return;
   for (std::size_t i = 0; i < list.size(); ++i) shaders_[list[i]].dependencies = compiled[i].dependencies;
-  const std::lock_guard lock(guard_);
+  const std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < list.size(); ++i) done_[list[i]] = std::move(compiled[i]);
 }
 
 void ShaderWatch::work(const std::stop_token& stop) {
   while (true) {
     {
-      std::unique_lock lock(guard_);
-      if (!asked_.wait(lock, stop, [&] { return ask_; })) return;
-      ask_ = false;
+      std::unique_lock lock(mutex_);
+      if (!wake_.wait(lock, stop, [&] { return requested_; })) return;
+      requested_ = false;
     }
     try {
-      look(stop);
+      compileChanges(stop);
     } catch (const std::exception&) {  // no memory or no thread: the file compiles at its next change
     }
   }

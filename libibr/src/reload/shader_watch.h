@@ -32,15 +32,15 @@ class ShaderWatch {
   std::map<std::size_t, CompiledShader> take();
 
  private:
-  using Times = std::map<std::filesystem::path, std::pair<std::filesystem::file_time_type, std::uintmax_t>>;
-  Times timesBelow() const;
-  std::vector<std::size_t> outdated(const Times& now) const;
-  void look(const std::stop_token& stop);
+  using FileTimes = std::map<std::filesystem::path, std::pair<std::filesystem::file_time_type, std::uintmax_t>>;
+  FileTimes folderTimes() const;
+  std::vector<std::size_t> outdated(const FileTimes& now) const;
+  void compileChanges(const std::stop_token& stop);
   void work(const std::stop_token& stop);
 
   std::filesystem::path folder_, scratch_;
   std::string compiler_;
-  Stopwatch sinceAsked_;
+  Stopwatch sinceRequest_;
 
   // Used by the thread only.
   struct Shader {
@@ -48,11 +48,11 @@ class ShaderWatch {
     std::vector<std::filesystem::path> dependencies;  // empty: unknown, or compilation failed
   };
   std::vector<Shader> shaders_;
-  Times times_;
+  FileTimes times_;
 
-  std::mutex guard_;  // protects the members below
-  std::condition_variable_any asked_;
-  bool ask_ = true;
+  std::mutex mutex_;  // protects the members below
+  std::condition_variable_any wake_;
+  bool requested_ = true;
   std::map<std::size_t, CompiledShader> done_;
 
   std::jthread thread_;  // last member: joined before the others are destroyed

@@ -40,7 +40,7 @@ struct Renderer::State {
                ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
     const Requirements& needed = requirements;
     checkHiddenArea(o.hiddenArea);
-    if (needed.switchMixing) previous.emplace(device, canvas.largest());
+    if (needed.crossFadeOrders) previous.emplace(device, canvas.largest());
     if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
     if (needed.fill) {
       std::vector<VkImageView> sources;
@@ -88,8 +88,8 @@ struct Renderer::State {
   }
 
   // Features of a plan that this renderer uses.
-  bool mixes(const FramePlan& plan) const { return previous && plan.previousWeight > 0; }
-  bool drawsAtOnce(const FramePlan& plan) const {
+  bool crossFades(const FramePlan& plan) const { return previous && plan.previousWeight > 0; }
+  bool drawsBothEyesAtOnce(const FramePlan& plan) const {
     return eyes && !gathers(plan) && plan.views.size() == 2 && plan.settings.overlay == Overlay::none &&
            !isSequence(plan) && (!adapts(plan) || eyesShare(plan)) &&
            plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
@@ -175,7 +175,7 @@ void Renderer::State::draw(VkCommandBuffer commands, const PlanDraws& draws, std
     gather->update(commands, plan, view, extent);
     gather->vote(commands, plan, view, extent);
   }
-  const bool atOnce = drawsAtOnce(plan);
+  const bool atOnce = drawsBothEyesAtOnce(plan);
   if (!atOnce || view == 0) {
     const GpuScope scope(commands, timer, "canvas");
     if (atOnce) {
@@ -189,7 +189,7 @@ void Renderer::State::draw(VkCommandBuffer commands, const PlanDraws& draws, std
       drawCells(commands, draws, Order::current, view, extent);
     }
   }
-  if (!mixes(plan)) return;
+  if (!crossFades(plan)) return;
   const GpuScope scope(commands, timer, "previous canvas");
   drawCells(commands, draws, Order::previous, view, extent);
 }
@@ -226,7 +226,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
   assert(targets.size() == plan.views.size());
   const PlanDraws draws(*s.scene, plan);
   s.cells->update(commandBuffer, draws);
-  const bool atOnce = s.drawsAtOnce(plan);
+  const bool atOnce = s.drawsBothEyesAtOnce(plan);
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
     const VkExtent2D extent = s.drawn(plan, target.extent);
@@ -246,8 +246,8 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
       s.depth->record(commandBuffer, source, items, plan.nearDistance, extent, target.extent, *target.depth);
     }
     const GpuScope scope(commandBuffer, timer, "composite");
-    s.composite->record(commandBuffer, source, plan, view, extent, s.mixes(plan) ? float(plan.previousWeight) : 0.0f,
-                        s.fills(plan), target);
+    s.composite->record(commandBuffer, source, plan, view, extent,
+                        s.crossFades(plan) ? float(plan.previousWeight) : 0.0f, s.fills(plan), target);
   }
 }
 
@@ -328,10 +328,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
     ++counters.draws;
     ++counters.triangles;
     for (const Order order : {Order::current, Order::previous}) {
-      if (order == Order::previous && !s.mixes(plan)) continue;
-      if (order == Order::current && view == 1 && s.drawsAtOnce(plan)) continue;  // drawn together with view 0
+      if (order == Order::previous && !s.crossFades(plan)) continue;
+      if (order == Order::current && view == 1 && s.drawsBothEyesAtOnce(plan)) continue;  // drawn together with view 0
       ++counters.passes;
-      const bool both = order == Order::current && s.drawsAtOnce(plan);
+      const bool both = order == Order::current && s.drawsBothEyesAtOnce(plan);
       if (s.gathers(plan)) {  // one triangle over the canvas
         ++counters.draws;
         ++counters.triangles;

@@ -5,7 +5,7 @@ namespace ibr {
 
 RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent, VkFormat format) {
   RendererOptions options{.maxExtent = maxExtent};
-  options.switchMixing = settings.switchSeconds > 0;
+  options.crossFadeOrders = settings.switchSeconds > 0;
   options.fill = settings.maxTier >= kTierFilled;
   options.formats = {format};
   options.compositions = {settings.composition};

@@ -15,10 +15,10 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLargestCount = std::int64_t(1) << 32;
+constexpr std::int64_t kMaxCount = std::int64_t(1) << 32;
 
 std::size_t optionalCount(const JsonValue& json, const char* key) {
-  return json.has(key) ? std::size_t(json[key].integer(0, kLargestCount)) : 0;
+  return json.has(key) ? std::size_t(json[key].integer(0, kMaxCount)) : 0;
 }
 
 }  // namespace
@@ -107,7 +107,7 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
   if (json.has("sparse")) json["sparse"].fault("sparse accessors are not supported");
   if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
   Accessor result{json,
-                  std::size_t(json["count"].integer(1, kLargestCount)),
+                  std::size_t(json["count"].integer(1, kMaxCount)),
                   1,
                   component == kUnsignedByte    ? 1u
                   : component == kUnsignedShort ? 2u
@@ -118,7 +118,7 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
 
   const JsonValue view = element("bufferViews", json["bufferView"]);
   const std::size_t offset = optionalCount(json, "byteOffset"), start = optionalCount(view, "byteOffset");
-  const auto length = std::size_t(view["byteLength"].integer(1, kLargestCount));
+  const auto length = std::size_t(view["byteLength"].integer(1, kMaxCount));
   const std::size_t stride = view.has("byteStride") ? std::size_t(view["byteStride"].integer(4, 252)) : size;
   if (view.has("byteStride") && (stride < size || stride % 4 != 0))
     view["byteStride"].fault(fmt::format("{} is not a multiple of 4, or is less than {} bytes", stride, size));
@@ -140,7 +140,7 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
 const std::vector<std::byte>& GltfDocument::buffer(const JsonValue& index) {
   const JsonValue json = element("buffers", index);
   if (&json.raw() == bufferJson_) return buffer_;
-  const auto length = std::size_t(json["byteLength"].integer(1, kLargestCount));
+  const auto length = std::size_t(json["byteLength"].integer(1, kMaxCount));
   bufferJson_ = nullptr;
   if (!json.has("uri") && !binaryChunk_.empty() && &json.raw() == &root()["buffers"].at(0).raw()) {
     buffer_ = binaryChunk_;

@@ -49,7 +49,7 @@ Intrinsics intrinsicsOf(const JsonValue& json) {
   return k;
 }
 
-void checkVersion(const JsonValue& json, const ReadVersions& read) {
+void checkVersion(const JsonValue& json, const SupportedVersions& read) {
   const JsonValue version = json["version"];
   const auto number = version.integer(1, INT32_MAX);
   if (number > read.newest)
@@ -59,7 +59,7 @@ void checkVersion(const JsonValue& json, const ReadVersions& read) {
                               read.oldest, read.remedy));
 }
 
-JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read) {
+JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& read) {
   const JsonValue extension = document.root()["extensions"][name];
   checkVersion(extension, read);
   return extension;

@@ -24,14 +24,14 @@ glm::dquat quaternion(const JsonValue& value);  // of length 1, normalised withi
 Intrinsics intrinsicsOf(const JsonValue& json);
 
 /// Supported versions of a document, and the remedy for an older one.
-struct ReadVersions {
+struct SupportedVersions {
   int oldest = 1, newest = 1;
   const char* remedy = "";
 };
 /// Throws JsonFault for a member "version" outside of `read`.
-void checkVersion(const JsonValue& json, const ReadVersions& read);
+void checkVersion(const JsonValue& json, const SupportedVersions& read);
 /// Content of the document's extension `name`, after a check of its version.
-JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read);
+JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& read);
 
 /// Name and camera of a list entry with members "node" and "camera".
 struct NamedCamera {

@@ -145,7 +145,7 @@ void GltfWriter::removeStaleBuffers(const std::string& subfolder) const {
       fs::remove(entry.path(), ignored);
 }
 
-void demandUtf8(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
+void requireUtf8(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
   try {
     Json(text).dump();
   } catch (const Json::exception&) {
@@ -153,14 +153,14 @@ void demandUtf8(const std::string& text, const fs::path& folder, const char* wha
   }
 }
 
-void demandInside(const fs::path& file, const fs::path& folder, const char* what, const std::string& field) {
+void requireInside(const fs::path& file, const fs::path& folder, const char* what, const std::string& field) {
   const fs::path normal = file.lexically_normal();
   check(file.empty() || (file.is_relative() && normal != "." && *normal.begin() != ".."), ErrorCode::invalidInput,
         "{}: {} cannot be saved: {} \"{}\" leads outside the {}'s folder", folder.string(), what, field, file.string(),
         what);
 }
 
-void demandJson(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
+void requireJson(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
   try {
     if (!text.empty()) parseJson(text);
   } catch (const JsonFault& fault) {

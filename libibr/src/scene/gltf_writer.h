@@ -65,12 +65,12 @@ class GltfWriter {
 
 /// Check that texts and file names can be stored in a document in `folder`; `what` and `field` are for the message.
 /// Throw Error{invalidInput}.
-void demandUtf8(const std::string& text, const std::filesystem::path& folder, const char* what,
-                const std::string& field);
-void demandInside(const std::filesystem::path& file, const std::filesystem::path& folder, const char* what,
-                  const std::string& field);
+void requireUtf8(const std::string& text, const std::filesystem::path& folder, const char* what,
+                 const std::string& field);
+void requireInside(const std::filesystem::path& file, const std::filesystem::path& folder, const char* what,
+                   const std::string& field);
 /// Requires "" or JSON text.
-void demandJson(const std::string& text, const std::filesystem::path& folder, const char* what,
-                const std::string& field);
+void requireJson(const std::string& text, const std::filesystem::path& folder, const char* what,
+                 const std::string& field);
 
 }  // namespace ibr

@@ -131,11 +131,11 @@ void checkWritable(const HtmModel& model, const fs::path& folder) {
   check(!model.surface.mesh.triangles.empty() && !(model.source && model.source->mesh.triangles.empty()),
         ErrorCode::invalidInput, "{}: model cannot be saved: a surface has no triangle", folder.string());
   for (std::size_t i = 0; i < model.cameras.size(); ++i) {
-    demandUtf8(model.cameras[i].name, folder, "model", fmt::format("cameras[{}].name", i));
-    demandInside(model.cameras[i].imageFile, folder, "model", fmt::format("cameras[{}].imageFile", i));
-    demandInside(model.cameras[i].visibilityFile, folder, "model", fmt::format("cameras[{}].visibilityFile", i));
+    requireUtf8(model.cameras[i].name, folder, "model", fmt::format("cameras[{}].name", i));
+    requireInside(model.cameras[i].imageFile, folder, "model", fmt::format("cameras[{}].imageFile", i));
+    requireInside(model.cameras[i].visibilityFile, folder, "model", fmt::format("cameras[{}].visibilityFile", i));
   }
-  demandJson(model.settings, folder, "model", "settings");
+  requireJson(model.settings, folder, "model", "settings");
 }
 
 }  // namespace

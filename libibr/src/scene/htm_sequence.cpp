@@ -26,7 +26,7 @@ std::uint64_t bytesOf(const HtmSurface& surface) {
 std::uint64_t HtmFrame::bytes() const {
   std::uint64_t sum = sizeof *this + bytesOf(model.surface) + model.complements.size() * sizeof(glm::vec2);
   if (model.source) sum += bytesOf(*model.source);
-  for (const HtmPicture& picture : pictures) {
+  for (const HtmImage& picture : pictures) {
     sum += picture.photograph.values.size() + picture.visibility.values.size();
     if (!picture.levels) continue;
     for (const Image8& level : *picture.levels) sum += level.values.size();
@@ -34,12 +34,12 @@ std::uint64_t HtmFrame::bytes() const {
   return sum;
 }
 
-HtmFrame loadHtmFrame(const fs::path& model, const HtmPictureSource& pictures) {
+HtmFrame loadHtmFrame(const fs::path& model, const HtmImageSource& pictures) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   HtmFrame frame{loadHtmModel(model), {}};
   for (std::size_t i = 0; i < frame.model.cameras.size(); ++i)
-    frame.pictures.push_back(pictures ? pictures(frame.model, i) : HtmPicture{});
+    frame.pictures.push_back(pictures ? pictures(frame.model, i) : HtmImage{});
   frame.loadMilliseconds = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return frame;
 }
@@ -52,7 +52,7 @@ struct HtmSequence::State {
     std::uint64_t bytes = 0;
   };
 
-  State(const fs::path& path, HtmPictureSource source, const HtmSequenceOptions& wanted)
+  State(const fs::path& path, HtmImageSource source, const HtmSequenceOptions& wanted)
       : index(loadHtmSequence(path)), pictures(std::move(source)), options(wanted) {
     std::error_code ignored;
     folder = fs::is_directory(path, ignored) ? path : path.parent_path();
@@ -68,7 +68,7 @@ struct HtmSequence::State {
   }
 
   // Number of frames from the current one to `frame`; nullopt if the sequence does not reach it.
-  std::optional<std::size_t> stepsTo(std::size_t frame) const {
+  std::optional<std::size_t> framesUntil(std::size_t frame) const {
     if (frame >= current) return frame - current;
     if (!options.loop) return std::nullopt;
     return frame + index.frames.size() - current;
@@ -80,23 +80,23 @@ struct HtmSequence::State {
     current = frame;
     started = true;
     for (auto entry = entries.begin(); entry != entries.end();) {
-      const auto steps = stepsTo(entry->first);
-      entry = steps && *steps <= options.ahead ? std::next(entry) : entries.erase(entry);
+      const auto steps = framesUntil(entry->first);
+      entry = steps && *steps <= options.framesAhead ? std::next(entry) : entries.erase(entry);
     }
     changed.notify_all();
   }
 
-  std::uint64_t keptBytes() const {
+  std::uint64_t cachedBytes() const {
     std::uint64_t sum = 0;
     for (const auto& [frame, entry] : entries) sum += entry.bytes;
     return sum;
   }
 
   // The next frame to load.
-  std::optional<std::size_t> due() const {
+  std::optional<std::size_t> nextToLoad() const {
     if (!started) return std::nullopt;
     if (!entries.contains(current)) return current;
-    for (std::size_t steps = 1; steps <= options.ahead && steps < index.frames.size(); ++steps) {
+    for (std::size_t steps = 1; steps <= options.framesAhead && steps < index.frames.size(); ++steps) {
       std::size_t frame = current + steps;
       if (frame >= index.frames.size()) {
         if (!options.loop) return std::nullopt;
@@ -105,7 +105,7 @@ struct HtmSequence::State {
       if (entries.contains(frame)) continue;
       std::uint64_t nearer = 0;
       for (const auto& [other, entry] : entries)
-        if (stepsTo(other) < steps) nearer += entry.bytes;
+        if (framesUntil(other) < steps) nearer += entry.bytes;
       if (nearer + largest > options.budgetBytes) return std::nullopt;
       return frame;
     }
@@ -113,10 +113,10 @@ struct HtmSequence::State {
   }
 
   // Removes the frames furthest ahead first.
-  void makeRoomFor(std::size_t frame) {
-    while (!entries.empty() && keptBytes() + largest > options.budgetBytes &&
-           stepsTo(furthest()->first) > stepsTo(frame))
-      entries.erase(furthest());
+  void evictFor(std::size_t frame) {
+    while (!entries.empty() && cachedBytes() + largest > options.budgetBytes &&
+           framesUntil(furthestEntry()->first) > framesUntil(frame))
+      entries.erase(furthestEntry());
   }
 
   Entry load(std::size_t frame) const {
@@ -135,31 +135,31 @@ struct HtmSequence::State {
     std::unique_lock lock(mutex);
     for (;;) {
       std::optional<std::size_t> frame;
-      changed.wait(lock, [&] { return stopping || (frame = due()).has_value(); });
+      changed.wait(lock, [&] { return stopping || (frame = nextToLoad()).has_value(); });
       if (stopping) return;
       ++loads;
-      makeRoomFor(*frame);
+      evictFor(*frame);
       lock.unlock();
       Entry entry = load(*frame);
       lock.lock();
       largest = std::max(largest, entry.bytes);
       // The current frame may have changed during the load.
-      if (const auto steps = stepsTo(*frame); steps && *steps <= options.ahead) {
+      if (const auto steps = framesUntil(*frame); steps && *steps <= options.framesAhead) {
         entries[*frame] = std::move(entry);
-        dropBeyondBudget();
+        evictBeyondBudget();
       }
       changed.notify_all();
     }
   }
 
   // A frame larger than all earlier ones may exceed the reserved memory.
-  void dropBeyondBudget() {
-    while (entries.size() > 1 && keptBytes() > options.budgetBytes) entries.erase(furthest());
+  void evictBeyondBudget() {
+    while (entries.size() > 1 && cachedBytes() > options.budgetBytes) entries.erase(furthestEntry());
   }
 
-  std::map<std::size_t, Entry>::iterator furthest() {
+  std::map<std::size_t, Entry>::iterator furthestEntry() {
     return std::max_element(entries.begin(), entries.end(),
-                            [&](const auto& a, const auto& b) { return stepsTo(a.first) < stepsTo(b.first); });
+                            [&](const auto& a, const auto& b) { return framesUntil(a.first) < framesUntil(b.first); });
   }
 
   std::shared_ptr<const HtmFrame> take(std::size_t frame) {
@@ -176,7 +176,7 @@ struct HtmSequence::State {
 
   HtmSequenceIndex index;
   fs::path folder;
-  HtmPictureSource pictures;
+  HtmImageSource pictures;
   HtmSequenceOptions options;
 
   std::mutex calls;  // held during calls that request a frame
@@ -189,7 +189,7 @@ struct HtmSequence::State {
   std::thread thread;
 };
 
-HtmSequence::HtmSequence(const fs::path& path, HtmPictureSource pictures, const HtmSequenceOptions& options)
+HtmSequence::HtmSequence(const fs::path& path, HtmImageSource pictures, const HtmSequenceOptions& options)
     : state_(std::make_unique<State>(path, std::move(pictures), options)) {}
 HtmSequence::~HtmSequence() = default;
 
@@ -230,8 +230,8 @@ std::shared_ptr<const HtmFrame> HtmSequence::tryFrame(std::size_t index) {
 
 HtmSequence::Counts HtmSequence::counts() const {
   const std::lock_guard lock(state_->mutex);
-  Counts counts{0, state_->keptBytes(), state_->loads};
-  for (const auto& [index, entry] : state_->entries) counts.kept += entry.frame != nullptr;
+  Counts counts{0, state_->cachedBytes(), state_->loads};
+  for (const auto& [index, entry] : state_->entries) counts.cachedFrames += entry.frame != nullptr;
   return counts;
 }
 

@@ -11,12 +11,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kVersion = 1;
-constexpr double kLargestRate = 1000;
+constexpr double kMaxFps = 1000;
 
 HtmSequenceIndex indexOf(const JsonValue& root, const fs::path& folder) {
   checkVersion(root, {.newest = kVersion});
   HtmSequenceIndex index;
-  index.fps = within(root["fps"], 0, kLargestRate);
+  index.fps = within(root["fps"], 0, kMaxFps);
   if (!(index.fps > 0)) root["fps"].fault("is not positive");
   const JsonValue frames = root["frames"];
   if (frames.size() == 0) frames.fault("is empty");

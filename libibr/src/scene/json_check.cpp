@@ -60,8 +60,8 @@ class Builder {
   };
 
   Json* place(Json&& value) {
-    constexpr std::size_t kMostValues = std::size_t(1) << 25;
-    if (++values_ > kMostValues) throw JsonFault(pointer(), fmt::format("has more than {} values", kMostValues));
+    constexpr std::size_t kMaxValues = std::size_t(1) << 25;
+    if (++values_ > kMaxValues) throw JsonFault(pointer(), fmt::format("has more than {} values", kMaxValues));
     if (levels_.empty()) return &(*document_ = std::move(value));
     Json& parent = *levels_.back().value;
     return parent.is_array() ? &parent.emplace_back(std::move(value)) : &(*member_ = std::move(value));
@@ -71,9 +71,9 @@ class Builder {
     return true;
   }
   bool open(Json&& value) {
-    constexpr std::size_t kDeepest = 64;
-    if (levels_.size() >= kDeepest)
-      throw JsonFault(pointer(), fmt::format("is nested deeper than {} levels", kDeepest));
+    constexpr std::size_t kMaxDepth = 64;
+    if (levels_.size() >= kMaxDepth)
+      throw JsonFault(pointer(), fmt::format("is nested deeper than {} levels", kMaxDepth));
     levels_.push_back({place(std::move(value)), {}});
     return true;
   }
@@ -125,8 +125,8 @@ bool findPointer(const Json& from, const Json* wanted, std::string& pointer) {
 std::string shown(const Json& value) {
   if (value.is_structured()) return fmt::format("an {} of {} elements", value.type_name(), value.size());
   std::string text = value.dump();
-  constexpr std::size_t kLongest = 100;
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
+  constexpr std::size_t kMaxBytes = 100;
+  if (text.size() > kMaxBytes) text = text.substr(0, kMaxBytes) + "…";
   return text;
 }
 

@@ -28,9 +28,9 @@ MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> for
   std::vector<bool> shown(scene.nodes.size(), false);
   for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
     for (const Cell& cell : *cells) {
-      demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
+      demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.vertexCount();
       if (!cell.mesh.confirmations.empty())  // trust and consensus
-        demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.pointCount();
+        demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.vertexCount();
       demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.tier0Count();
       for (const std::uint32_t member : cell.members) shown[member] = true;
     }

@@ -34,16 +34,16 @@ T get(std::span<const std::byte> bytes, MeshLayout::Array array, std::size_t ind
 
 MeshLayout layoutOf(const MorphMesh& mesh) {
   const std::size_t tier0 = mesh.tier0Count();
-  return {mesh.memberCount(),   mesh.pointCount(),          tier0, mesh.triangles.size() - tier0,
+  return {mesh.memberCount(),   mesh.vertexCount(),         tier0, mesh.triangles.size() - tier0,
           !mesh.planes.empty(), !mesh.confirmations.empty()};
 }
 
-float storedMatch(float pixel, int side) {
+float quantisedMatch(float pixel, int side) {
   return float(std::round(double(pixel) * gridOf(side)) / gridOf(side));
 }
 
 float textureCoordinate(float pixel, int side) {
-  return float(double(storedMatch(pixel, side)) / side);
+  return float(double(quantisedMatch(pixel, side)) / side);
 }
 
 float matchFromTexture(float coordinate, int side) {
@@ -63,7 +63,7 @@ std::vector<glm::vec3> displayPositions(const Scene& scene, const Cell& cell) {
     for (const std::uint32_t b : cell.members)
       edge = std::max(edge, glm::distance(scene.nodes[a].camera.pose.position, scene.nodes[b].camera.pose.position));
   const double infinity = 1000.0 * (edge > 0 ? edge : 1.0);
-  std::vector<glm::vec3> positions(cell.mesh.pointCount());
+  std::vector<glm::vec3> positions(cell.mesh.vertexCount());
   for (std::size_t p = 0; p < positions.size(); ++p) {
     glm::dvec3 offset(0.0), direction(0.0);
     const double inverseDistance = cell.mesh.inverseDistance[p];
@@ -92,7 +92,7 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
     const Intrinsics& k = scene.nodes[cell.members[i]].camera.intrinsics;
     for (std::size_t p = 0; p < layout.points; ++p) {
       const glm::vec2 match = mesh.match[i][p];
-      stored.mesh.match[i][p] = {storedMatch(match.x, k.width), storedMatch(match.y, k.height)};
+      stored.mesh.match[i][p] = {quantisedMatch(match.x, k.width), quantisedMatch(match.y, k.height)};
       put(bytes, layout.textureCoordinates(i), p,
           glm::vec2(textureCoordinate(match.x, k.width), textureCoordinate(match.y, k.height)));
       put(bytes, layout.ratio(), p * layout.members + i, mesh.ratio[i][p]);
@@ -125,10 +125,10 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
 }
 
 MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout, std::span<const glm::ivec2> sizes) {
-  constexpr std::size_t kMost = std::size_t(1) << 32;  // prevents overflow of products
-  check(layout.members <= 4 && std::max({layout.points, layout.tier0, layout.tier1}) <= kMost, ErrorCode::invalidInput,
-        "mesh buffer: {} members, {} points, {} and {} triangles exceed the limits", layout.members, layout.points,
-        layout.tier0, layout.tier1);
+  constexpr std::size_t kMaxCount = std::size_t(1) << 32;  // prevents overflow of products
+  check(layout.members <= 4 && std::max({layout.points, layout.tier0, layout.tier1}) <= kMaxCount,
+        ErrorCode::invalidInput, "mesh buffer: {} members, {} points, {} and {} triangles exceed the limits",
+        layout.members, layout.points, layout.tier0, layout.tier1);
   check(bytes.size() == layout.bytes() && sizes.size() == layout.members, ErrorCode::invalidInput,
         "mesh buffer: {} bytes, not the {} of {} members, {} points and {} triangles", bytes.size(), layout.bytes(),
         layout.members, layout.points, layout.tier0 + layout.tier1);

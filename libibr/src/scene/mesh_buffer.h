@@ -60,7 +60,7 @@ MeshLayout layoutOf(const MorphMesh& mesh);
 
 /// Grid of stored matches: 2⁻⁹ px, or 2⁻⁷ px for images with a side over 16384 px. A match on the grid survives the
 /// conversion to float texture coordinates and back exactly.
-float storedMatch(float pixel, int side);
+float quantisedMatch(float pixel, int side);
 float textureCoordinate(float pixel, int side);
 float matchFromTexture(float coordinate, int side);
 

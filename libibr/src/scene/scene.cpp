@@ -18,7 +18,7 @@ CellQuality::CellQuality()
     : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage), score(coverage) {}
 
 std::size_t MorphMesh::tier0Count() const {
-  return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));
+  return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierConsistent)));
 }
 
 bool isMasked(const Scene& scene, const Cell& cell) {
@@ -41,7 +41,7 @@ std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, s
 namespace {
 
 void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at, Faults& faults) {
-  const std::size_t points = mesh.pointCount(), triangles = mesh.triangles.size();
+  const std::size_t points = mesh.vertexCount(), triangles = mesh.triangles.size();
   auto sized = [&](std::size_t size, std::size_t wanted, const std::string& field) {
     if (size != wanted) faults.add(at + field, "has {} values, not {}", size, wanted);
     return size == wanted;
@@ -125,7 +125,7 @@ void checkExposure(const Node& node, const std::string& at, Faults& faults) {
   for (int c = 0; c < 3; ++c)
     if (!(node.gain[c] >= 1 / kMaxGain && node.gain[c] <= kMaxGain))
       faults.add(fmt::format("{}.gain[{}]", at, c), "{} is not within 1/{} to {}", node.gain[c], kMaxGain, kMaxGain);
-  const CaptureFacts& capture = node.capture;
+  const CaptureMetadata& capture = node.capture;
   for (const auto& [name, value] : kCaptureNumbers)
     if (!(capture.*value >= 0) || !std::isfinite(capture.*value))
       faults.add(fmt::format("{}.capture.{}", at, name), "{} is negative or not finite", capture.*value);

@@ -5,9 +5,9 @@ namespace ibr {
 
 void checkCamera(const Camera& camera, const std::string& at, Faults& faults) {
   const Intrinsics& k = camera.intrinsics;
-  constexpr int kLargest = 1 << 16;
-  if (k.width < 1 || k.height < 1 || k.width > kLargest || k.height > kLargest)
-    faults.add(at + ".intrinsics", "size {}x{} is not within 1 to {}", k.width, k.height, kLargest);
+  constexpr int kMaxSide = 1 << 16;
+  if (k.width < 1 || k.height < 1 || k.width > kMaxSide || k.height > kMaxSide)
+    faults.add(at + ".intrinsics", "size {}x{} is not within 1 to {}", k.width, k.height, kMaxSide);
   if (k.model == CameraModel::pinhole) {
     if (!(k.fx > 0) || !(k.fy > 0) || !std::isfinite(k.fx) || !std::isfinite(k.fy))
       faults.add(at + ".intrinsics", "focal lengths {} and {} are not positive", k.fx, k.fy);

@@ -25,12 +25,12 @@ inline constexpr int kSceneVersion = 2;  // version 1 had no depth of photograph
 
 /// Members of a photograph's "capture"; each is optional.
 inline constexpr std::array kCaptureNumbers{
-    std::pair{"exposureTime", &CaptureFacts::exposureTime}, std::pair{"fNumber", &CaptureFacts::fNumber},
-    std::pair{"iso", &CaptureFacts::iso}, std::pair{"focalLength", &CaptureFacts::focalLength},
-    std::pair{"focalLength35", &CaptureFacts::focalLength35}};
-inline constexpr std::array kCaptureTexts{std::pair{"maker", &CaptureFacts::maker},
-                                          std::pair{"model", &CaptureFacts::model},
-                                          std::pair{"lens", &CaptureFacts::lens}};
+    std::pair{"exposureTime", &CaptureMetadata::exposureTime}, std::pair{"fNumber", &CaptureMetadata::fNumber},
+    std::pair{"iso", &CaptureMetadata::iso}, std::pair{"focalLength", &CaptureMetadata::focalLength},
+    std::pair{"focalLength35", &CaptureMetadata::focalLength35}};
+inline constexpr std::array kCaptureTexts{std::pair{"maker", &CaptureMetadata::maker},
+                                          std::pair{"model", &CaptureMetadata::model},
+                                          std::pair{"lens", &CaptureMetadata::lens}};
 
 /// Convert relative paths to URIs (RFC 3986) and back. decodeUri returns "" for a URI that is absolute, has a scheme or
 /// is malformed.

@@ -39,7 +39,7 @@ class SceneReader {
     if (extension.has("unused")) {
       const JsonValue unused = extension["unused"];
       for (std::size_t i = 0; i < unused.size(); ++i)
-        scene.unused.push_back({unused.at(i)["name"].string(), unused.at(i)["reason"].string()});
+        scene.unusedPhotographs.push_back({unused.at(i)["name"].string(), unused.at(i)["reason"].string()});
     }
     if (extension.has("origin")) {
       const JsonValue origin = extension["origin"];
@@ -94,8 +94,8 @@ class SceneReader {
   }
 
  private:
-  static CaptureFacts capture(const JsonValue& entry) {
-    CaptureFacts facts;
+  static CaptureMetadata capture(const JsonValue& entry) {
+    CaptureMetadata facts;
     for (const auto& [key, value] : kCaptureNumbers)
       if (entry.has(key)) facts.*value = positive(entry[key]);
     for (const auto& [key, text] : kCaptureTexts)
@@ -203,9 +203,9 @@ class SceneReader {
     for (std::size_t t = 0; t < list.count; t += 3) {
       const glm::uvec3 v(list.index(t), list.index(t + 1), list.index(t + 2));
       for (int k = 0; k < 3; ++k)
-        if (v[k] >= mesh.pointCount())
+        if (v[k] >= mesh.vertexCount())
           list.json.fault(
-              fmt::format("element {}: {} is beyond the {} points", t + std::size_t(k), v[k], mesh.pointCount()));
+              fmt::format("element {}: {} is beyond the {} points", t + std::size_t(k), v[k], mesh.vertexCount()));
       mesh.triangles.push_back(v);
       mesh.tier.push_back(tier);
     }

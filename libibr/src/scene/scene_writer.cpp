@@ -24,20 +24,20 @@ constexpr int kFloat = GltfWriter::kFloat;
 // Checks beyond validate(): texts must be valid in a JSON file, and file names inside the folder.
 void checkTexts(const Scene& scene, const fs::path& folder) {
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-    demandUtf8(scene.nodes[n].name, folder, "scene", fmt::format("nodes[{}].name", n));
-    demandInside(scene.nodes[n].imageFile, folder, "scene", fmt::format("nodes[{}].imageFile", n));
-    demandInside(scene.nodes[n].textureFile, folder, "scene", fmt::format("nodes[{}].textureFile", n));
+    requireUtf8(scene.nodes[n].name, folder, "scene", fmt::format("nodes[{}].name", n));
+    requireInside(scene.nodes[n].imageFile, folder, "scene", fmt::format("nodes[{}].imageFile", n));
+    requireInside(scene.nodes[n].textureFile, folder, "scene", fmt::format("nodes[{}].textureFile", n));
     for (const auto& [key, text] : kCaptureTexts)
-      demandUtf8(scene.nodes[n].capture.*text, folder, "scene", fmt::format("nodes[{}].capture.{}", n, key));
-    demandInside(scene.nodes[n].maskFile, folder, "scene", fmt::format("nodes[{}].maskFile", n));
-    demandInside(scene.nodes[n].depthFile, folder, "scene", fmt::format("nodes[{}].depthFile", n));
+      requireUtf8(scene.nodes[n].capture.*text, folder, "scene", fmt::format("nodes[{}].capture.{}", n, key));
+    requireInside(scene.nodes[n].maskFile, folder, "scene", fmt::format("nodes[{}].maskFile", n));
+    requireInside(scene.nodes[n].depthFile, folder, "scene", fmt::format("nodes[{}].depthFile", n));
   }
-  for (std::size_t i = 0; i < scene.unused.size(); ++i) {
-    demandUtf8(scene.unused[i].name, folder, "scene", fmt::format("unused[{}].name", i));
-    demandUtf8(scene.unused[i].reason, folder, "scene", fmt::format("unused[{}].reason", i));
+  for (std::size_t i = 0; i < scene.unusedPhotographs.size(); ++i) {
+    requireUtf8(scene.unusedPhotographs[i].name, folder, "scene", fmt::format("unused[{}].name", i));
+    requireUtf8(scene.unusedPhotographs[i].reason, folder, "scene", fmt::format("unused[{}].reason", i));
   }
-  demandUtf8(scene.acquisition, folder, "scene", "acquisition");
-  demandJson(scene.settings, folder, "scene", "settings");
+  requireUtf8(scene.acquisition, folder, "scene", "acquisition");
+  requireJson(scene.settings, folder, "scene", "settings");
 }
 
 class Writer {
@@ -82,7 +82,7 @@ class Writer {
       extension["origin"] = {{"latitudeDegrees", scene_.origin->latitudeDegrees},
                              {"longitudeDegrees", scene_.origin->longitudeDegrees},
                              {"heightMetres", scene_.origin->heightMetres}};
-    for (const UnusedPhotograph& unused : scene_.unused)
+    for (const UnusedPhotograph& unused : scene_.unusedPhotographs)
       extension["unused"].push_back({{"name", unused.name}, {"reason", unused.reason}});
     extension["photographs"] = std::move(photographs_);
     extension["cells"] = std::move(cells);

@@ -30,7 +30,7 @@ void shareFile(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-void shareScene(const Scene& scene, const fs::path& folder) {
+void saveSceneWithLinks(const Scene& scene, const fs::path& folder) {
   for (const Node& node : scene.nodes)
     for (const fs::path& file : {node.imageFile, node.textureFile, node.maskFile, node.depthFile})
       if (!file.empty()) shareFile(pathInside(scene.folder, file), folder / file);

@@ -43,7 +43,7 @@ TEST_CASE("ibr optimise writes an improved scene, a table, a report and images")
   REQUIRE(report.at("cells").size() == before.cells.size());
   for (const Json& cell : report["cells"]) {
     CHECK(cell.at("cell") == 0);
-    CHECK(cell.at("points") == before.cells[0].mesh.pointCount());
+    CHECK(cell.at("points") == before.cells[0].mesh.vertexCount());
     CHECK(cell.at("images") == before.cells[0].members.size());
     CHECK(cell.at("finalEcc") >= cell.at("initialEcc"));
     CHECK(cell.at("initialEcc") > 0.5);
@@ -92,7 +92,7 @@ TEST_CASE("ibr optimise writes an improved scene, a table, a report and images")
     CHECK(grown.at("insertGain") == 0.0);
     CHECK(report["cells"][0].at("inserted") == 0);
     const std::size_t inserted = grown["cells"][0].at("inserted");
-    CHECK(loadScene(folder / "more").cells[0].mesh.pointCount() == before.cells[0].mesh.pointCount() + inserted);
+    CHECK(loadScene(folder / "more").cells[0].mesh.vertexCount() == before.cells[0].mesh.vertexCount() + inserted);
     CHECK(runProgram({"validate", folder / "more"}).code == 0);
     CHECK(fs::exists(folder / "grown/cell000_heat.png"));
   }

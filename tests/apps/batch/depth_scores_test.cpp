@@ -39,8 +39,8 @@ TEST_CASE("completed, filled and empty pixels are guessed; matched ones are not"
     buffers.surface.pixel(x, 0)[1] = tier;
     buffers.confidence.pixel(x, 0)[1] = uncertainty;
   };
-  set(0, 4, kTierAgrees, 0.001f);
-  set(1, 4, kTierAgrees, 0.2f);
+  set(0, 4, kTierConsistent, 0.001f);
+  set(1, 4, kTierConsistent, 0.2f);
   set(2, 4, kTierCompleted, 1.0f / 4);
   set(3, 4, kTierCompleted, 1.0f / 4);
   set(4, kInfinity, kTierFilled, kInfinity);
@@ -60,12 +60,12 @@ TEST_CASE("deviation scores are shares of confirmed pixels within one and two st
     buffers.confidence.pixel(x, 0)[1] = deviation;
   };
   const ImageF truth = row({4, 4, 4, 4, 0, 4});
-  set(0, 4, kTierAgrees, 0);              // exact
-  set(1, 1 / 0.26f, kTierAgrees, 0.02f);  // error of half a standard deviation
-  set(2, 1 / 0.28f, kTierAgrees, 0.02f);  // error of 1.5 standard deviations
-  set(3, kInfinity, kTierAgrees, 0.1f);   // error of 2.5 standard deviations
-  set(4, 4, kTierAgrees, 1);              // sky in the truth
-  set(5, 4, kTierCompleted, 1);           // unconfirmed depth
+  set(0, 4, kTierConsistent, 0);              // exact
+  set(1, 1 / 0.26f, kTierConsistent, 0.02f);  // error of half a standard deviation
+  set(2, 1 / 0.28f, kTierConsistent, 0.02f);  // error of 1.5 standard deviations
+  set(3, kInfinity, kTierConsistent, 0.1f);   // error of 2.5 standard deviations
+  set(4, 4, kTierConsistent, 1);              // sky in the truth
+  set(5, 4, kTierCompleted, 1);               // unconfirmed depth
   CHECK(deviationScores(buffers, truth).one == Approx(2.0 / 4));
   CHECK(deviationScores(buffers, truth).two == Approx(3.0 / 4));
   set(0, kInfinity, -1, kInfinity);

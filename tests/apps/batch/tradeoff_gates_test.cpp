@@ -66,11 +66,11 @@ TEST_CASE("a preset is beaten only by settings that are more than 3 % better in 
   CHECK((holds(rowOf("fewer draws, slower", 25, 0.077, 7)) == std::pair(true, false)));
   CHECK((holds(rowOf("faster, more draws", 19, 0.077, 9)) == std::pair(false, true)));
   TradeoffRow larger = rowOf("more pixels", 25, 0.077, 7);
-  larger.setting.way.settings.renderScale = 1.5;
+  larger.setting.variant.settings.renderScale = 1.5;
   CHECK((holds(larger) == std::pair(true, true)));
   TradeoffRow eyes = rowOf("two eyes", 19, 0.077, 7), built = eyes, failed = eyes;
-  eyes.setting.way.views = 2;
-  built.setting.way.build = 1;
+  eyes.setting.variant.views = 2;
+  built.setting.variant.build = 1;
   failed.failure = "no memory";
   for (const TradeoffRow& other : {eyes, built, failed}) CHECK((holds(other) == std::pair(true, true)));
 }
@@ -117,21 +117,21 @@ TEST_CASE("tradeoff settings start with the presets, are unique, and vary one kn
   const TradeoffSettings settings = tradeoffSettings({});
   for (std::size_t p = 0; p < kPresets.size(); ++p) {
     CHECK(settings.all[p].name() == std::string("preset ") + kPresets[p].first);
-    CHECK((settings.all[p].way.settings == preset(kPresets[p].second, DeviceKind::software)));
+    CHECK((settings.all[p].variant.settings == preset(kPresets[p].second, DeviceKind::software)));
   }
   CHECK(settings.knobs.size() == tradeoffKnobNames().size());
   for (std::size_t i = 0; i < settings.all.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((settings.all[i].way == settings.all[j].way));
+    for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((settings.all[i].variant == settings.all[j].variant));
   for (const TradeoffKnob& knob : settings.knobs) {
     INFO(knob.name);
-    const nlohmann::ordered_json base = wayJson(settings.all[knob.base].way);
+    const nlohmann::ordered_json base = variantJson(settings.all[knob.base].variant);
     std::size_t values = 0;
     for (const TradeoffSetting& setting : settings.all) {
       if (!setting.valueOf(knob.name)) continue;
       ++values;
       std::size_t differences = 0;
-      const nlohmann::ordered_json way = wayJson(setting.way);
-      for (const auto& [name, value] : way.items()) differences += value != base[name];
+      const nlohmann::ordered_json variant = variantJson(setting.variant);
+      for (const auto& [name, value] : variant.items()) differences += value != base[name];
       CHECK(differences <= 1);
     }
     CHECK(values >= 2);
@@ -142,7 +142,7 @@ TEST_CASE("tradeoff settings start with the presets, are unique, and vary one kn
   const TradeoffSettings few = tradeoffSettings({.knobs = {"blend"}, .grid = false, .builds = {"coarse"}});
   CHECK(few.all.size() == 4 + 3 + 1);
   CHECK(few.all.back().name() == "build coarse");
-  CHECK(few.all.back().way.build == 1);
+  CHECK(few.all.back().variant.build == 1);
 }
 
 TEST_CASE("cached figures of images survive a round trip through JSON") {

@@ -68,7 +68,7 @@ TEST_CASE("the graph's SVG shows cameras, cells and unused photographs, with esc
   scene.cells[1].members = {0, 1, 2};
   scene.cells[2].members = {0, 1, 2, 3};
   for (std::size_t c = 0; c < 3; ++c) scene.cells[c].quality.score = 0.1 * double(c + 1);
-  scene.unused = {
+  scene.unusedPhotographs = {
       {scene.nodes[4].name, "its axis is 47° from that of any photograph from another place, more than 26°"},
       {"file.jpg", "not registered\x01"}};
   const std::string svg = graphSvg(scene);

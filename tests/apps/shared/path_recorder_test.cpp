@@ -43,7 +43,7 @@ double wayFrom(const CameraPath& path, double from, double to) {
   Pose last = cameraAt(path, from).pose;
   for (int i = 1; i <= 200; ++i) {
     const Pose pose = cameraAt(path, std::lerp(from, to, i / 200.0)).pose;
-    way += wayBetween(last, pose, unitsPerRadianOf(path));
+    way += poseDistance(last, pose, unitsPerRadianOf(path));
     last = pose;
   }
   return way;

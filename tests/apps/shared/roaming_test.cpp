@@ -33,22 +33,22 @@ TEST_CASE("bounds: positions inside are kept, positions outside move to the boun
     glm::dvec3 at = origin;
     for (int i = 0; i < 20000; ++i) {
       const glm::dvec3 step = 0.05 * glm::dvec3(any(random), any(random), any(random));
-      const glm::dvec3 to = at + step, kept = keptWithin(bounds, at, to);
+      const glm::dvec3 to = at + step, kept = clampedToBounds(bounds, at, to);
       const double rounding = 1e-15 * std::max(1.0, far) + 1e-12;
       REQUIRE(distanceTo(bounds, kept) <= 0.3 + 4 * rounding);
       REQUIRE(glm::distance(kept, to) <= glm::length(step) + 4 * rounding);  // no further than the requested step
       if (distanceTo(bounds, to) <= 0.3) REQUIRE(kept == to);
       at = kept;
     }
-    const glm::dvec3 below = keptWithin(bounds, origin, origin + glm::dvec3(0.4, -7, 0));
+    const glm::dvec3 below = clampedToBounds(bounds, origin, origin + glm::dvec3(0.4, -7, 0));
     CHECK(glm::distance(below, origin + glm::dvec3(0.4, -0.3, 0)) < 1e-9);
 
     // From outside, motion inwards is free, motion outwards is stopped, and nothing jumps.
     const glm::dvec3 outside = origin + glm::dvec3(0, -2, 0);
-    CHECK(keptWithin(bounds, outside, outside + glm::dvec3(0, 0.1, 0)) == outside + glm::dvec3(0, 0.1, 0));
-    CHECK(glm::distance(keptWithin(bounds, outside, outside - glm::dvec3(0, 0.1, 0)), outside) < 1e-9);
+    CHECK(clampedToBounds(bounds, outside, outside + glm::dvec3(0, 0.1, 0)) == outside + glm::dvec3(0, 0.1, 0));
+    CHECK(glm::distance(clampedToBounds(bounds, outside, outside - glm::dvec3(0, 0.1, 0)), outside) < 1e-9);
   }
-  CHECK(keptWithin({}, {1, 2, 3}, {4, 5, 6}) == glm::dvec3(4, 5, 6));
+  CHECK(clampedToBounds({}, {1, 2, 3}, {4, 5, 6}) == glm::dvec3(4, 5, 6));
   CHECK(std::isinf(distanceTo({}, {1, 2, 3})));
 }
 
@@ -70,13 +70,13 @@ TEST_CASE("neighbours: each pair of a cell occurs once, and cameras at one posit
 }
 
 TEST_CASE("the initial speed grows with the scene, and is valid without cameras") {
-  CHECK(firstSpeed({}) == 1);
-  CHECK(firstSpeed(row(1, 1)) == 1);
-  CHECK(firstSpeed(row(5, 0)) == 1);
+  CHECK(initialSpeed({}) == 1);
+  CHECK(initialSpeed(row(1, 1)) == 1);
+  CHECK(initialSpeed(row(5, 0)) == 1);
   CHECK(!neighbourDistance(row(5, 0)));
   for (const double far : {0.0, 1e6}) {
-    CHECK(firstSpeed(row(5, 0.1, glm::dvec3(far))) == Approx(0.2).epsilon(1e-6));
-    CHECK(firstSpeed(row(2000, 0.1, glm::dvec3(far))) == Approx(199.9 * 0.05).epsilon(1e-6));
+    CHECK(initialSpeed(row(5, 0.1, glm::dvec3(far))) == Approx(0.2).epsilon(1e-6));
+    CHECK(initialSpeed(row(2000, 0.1, glm::dvec3(far))) == Approx(199.9 * 0.05).epsilon(1e-6));
     CHECK(*neighbourDistance(row(2000, 0.1, glm::dvec3(far))) == Approx(0.1).epsilon(1e-6));
   }
 }

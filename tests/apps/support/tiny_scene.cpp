@@ -87,7 +87,7 @@ std::vector<NamedCamera> writePhotographs(const fs::path& folder, const Syntheti
   }
   std::vector<Point> points;
   for (const Cell& cell : made.scene.cells)
-    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       points.push_back({vertexPosition(made.scene, cell, p).value(), {}});
       for (std::size_t i = 0; i < cell.members.size(); ++i)
         points.back().observations.push_back({cell.members[i], cell.mesh.match[i][p]});

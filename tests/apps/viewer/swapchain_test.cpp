@@ -39,9 +39,9 @@ struct Shown {
 void recordColour(const Swapchain::Frame& frame, const std::array<float, 3>& colour) {
   const VkClearColorValue value{.float32 = {colour[0], colour[1], colour[2], 1}};
   const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  transition(frame.commands, frame.image, Swapchain::kBefore, use::kTransferDestination);
+  transition(frame.commands, frame.image, Swapchain::kInitialUse, use::kTransferDestination);
   vkCmdClearColorImage(frame.commands, frame.image, use::kTransferDestination.layout, &value, 1, &all);
-  transition(frame.commands, frame.image, use::kTransferDestination, Swapchain::kAfter);
+  transition(frame.commands, frame.image, use::kTransferDestination, Swapchain::kFinalUse);
 }
 
 using EventHandle = Handle<VkEvent, vkDestroyEvent>;
@@ -102,7 +102,7 @@ std::string numberOf(const char* name) {
 
 TEST_CASE("a swapchain that never waits gives no frame while the device is busy") {
   if (!displayIsThere()) return;
-  Shown shown(Pace::whenever);
+  Shown shown(Pace::immediate);
   Swapchain& swapchain = shown.swapchain;
   // Creating the images waits for the device.
   const auto first = swapchain.begin();
@@ -116,7 +116,7 @@ TEST_CASE("a swapchain that never waits gives no frame while the device is busy"
       CHECK(frame->slot == i);
       recordColour(*frame, {1, 0, 0});
       // Software devices wait for the image when it is presented.
-      swapchain.keepImages();
+      swapchain.simulateNoImage();
       CHECK_FALSE(swapchain.end(*frame));
     }
     CHECK_FALSE(swapchain.begin());
@@ -130,7 +130,7 @@ TEST_CASE("a swapchain that never waits gives no frame while the device is busy"
 
 TEST_CASE("a swapchain that never waits is resized when the window's size has settled") {
   if (!displayIsThere()) return;
-  Shown shown(Pace::whenever);
+  Shown shown(Pace::immediate);
   const auto first = shown.swapchain.begin();
   REQUIRE(first);
   shown.swapchain.abandon(*first);
@@ -188,7 +188,7 @@ TEST_CASE("a swapchain waits for the queue's mutex") {
 
 TEST_CASE("a window shows the last accepted frame in every pacing mode") {
   if (!displayIsThere()) return;
-  for (const Pace pace : {Pace::refresh, Pace::whenever}) {
+  for (const Pace pace : {Pace::refresh, Pace::immediate}) {
     Shown shown(pace);
     const std::array<float, 3> last{0.2f, 0.4f, 0.6f};
     // Without waiting, frames may be dropped, but not all of them.

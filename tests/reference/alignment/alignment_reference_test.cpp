@@ -239,7 +239,7 @@ TEST_CASE("whole-pixel shifts give the ECC of the shifted pixels, in both defini
         b.pixel(x, y)[k] = std::uint8_t((a.pixel(std::max(x - 4, 0), y)[k] + c.pixel(x, y)[k]) / 2 + 20 * k);
   AlignedPictures mesh = squares({&a, &b, &c});
   shift(mesh, 1, {4 * 128, 0});
-  std::vector<PreEcc> sums(6);
+  std::vector<EccMoments> sums(6);
   for (int y = 8; y < 28; ++y)
     for (int x = 8; x < 28; ++x)
       for (int k = 0; k < 3; ++k) {

@@ -20,7 +20,9 @@ struct Blend {
     if (!(sum.w > 0)) reference = logWeight;
     sum += share * std::exp(logWeight - reference) * glm::dvec4(value, 1);
   }
-  bool settled(double logRest, double cut) const { return sum.w > 0 && std::exp(logRest - reference) <= cut * sum.w; }
+  bool settled(double logRemainingWeight, double cut) const {
+    return sum.w > 0 && std::exp(logRemainingWeight - reference) <= cut * sum.w;
+  }
 };
 
 // Blends of the cameras that see a point, and of all cameras with weight there, for points that no camera sees.
@@ -63,7 +65,7 @@ glm::dvec4 sample(const std::vector<Image8>& mips, glm::dvec2 at, double level) 
   return glm::mix(read(low), read(high), level - double(low));
 }
 
-std::vector<Image8> mipsOf(const HtmPicture& picture, int width, int height) {
+std::vector<Image8> mipsOf(const HtmImage& picture, int width, int height) {
   Image8 page(width, height, 4);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -151,7 +153,7 @@ VertexColours vertexColours(const HtmModel& model, const std::vector<Source>& so
       const double counts = at && has(model.surface.members[v], k.camera) ? source.inside(*at) : 0;
       if (counts > 0)
         shown.add(k.logWeight, counts, source.inView(q, *at, tolerance, isSafe), sample(source.mips, *at, 0));
-      if (shown.seen.settled(k.logRest, plan.settings.weightCut)) break;
+      if (shown.seen.settled(k.logRemainingWeight, plan.settings.weightCut)) break;
     }
     const glm::dvec4 sum = shown.sum();
     all.colour.push_back(sum.w > 0 ? sum / sum.w : glm::dvec4(0));
@@ -172,16 +174,16 @@ std::vector<std::vector<glm::dvec2>> harmonise(const HtmModel& model, const HtmF
       for (const PlannedHtmCamera& j : plan.cameras) {
         const glm::dvec2 complement(model.complements[model.complementIndex(plan.cameras[i].camera, j.camera, v)]);
         mean.add(j.logWeight, has(model.surface.members[v], j.camera), glm::dvec3(complement, 0));
-        if (mean.settled(j.logRest, plan.settings.weightCut)) break;
+        if (mean.settled(j.logRemainingWeight, plan.settings.weightCut)) break;
       }
       if (mean.sum.w > 0) displaced[i][v] = glm::dvec2(mean.sum) / mean.sum.w;
     }
   return displaced;
 }
 
-HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, const HtmFramePlan& plan) {
+HtmReferenceImage render(const HtmModel& model, const std::vector<HtmImage>& pictures, const HtmFramePlan& plan) {
   int pageWidth = 1, pageHeight = 1;
-  for (const HtmPicture& picture : pictures) {
+  for (const HtmImage& picture : pictures) {
     pageWidth = std::max(pageWidth, picture.photograph.width);
     pageHeight = std::max(pageHeight, picture.photograph.height);
   }
@@ -195,9 +197,9 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
   VertexColours coloured;
   if (plan.settings.method == HtmMethod::vertexColours) coloured = vertexColours(model, sources, plan, tolerance);
 
-  HtmTwin twin;
-  twin.width = plan.view.intrinsics.width;
-  twin.height = plan.view.intrinsics.height;
+  HtmReferenceImage ref;
+  ref.width = plan.view.intrinsics.width;
+  ref.height = plan.view.intrinsics.height;
   const glm::dvec4 background(glm::dvec3(plan.settings.background), 0);
   const std::vector<std::vector<SurfaceHit>> hits = shiftedHits(model.surface.mesh, plan.view);
   for (std::size_t pixel = 0; pixel < hits[0].size(); ++pixel) {
@@ -205,8 +207,8 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
     bool safe = true;
     for (const std::vector<SurfaceHit>& shifted : hits) safe = safe && shifted[pixel].triangle == hit.triangle;
     if (hit.triangle < 0) {
-      twin.safe.push_back(safe);
-      twin.colour.push_back(background);
+      ref.safe.push_back(safe);
+      ref.colour.push_back(background);
       continue;
     }
     const glm::uvec3 corner = model.surface.mesh.triangles[std::size_t(hit.triangle)];
@@ -238,15 +240,15 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
             shown.add(planned.logWeight, counts, source.inView(q, *projected, tolerance, safe),
                       sample(source.mips, at, std::log2(detail / (hit.inverseDepth * -q.z))));
         }
-        if (shown.seen.settled(planned.logRest, plan.settings.weightCut)) break;
+        if (shown.seen.settled(planned.logRemainingWeight, plan.settings.weightCut)) break;
       }
       safe = safe && shown.isClear();
       sum = shown.sum();
     }
-    twin.safe.push_back(safe);
-    twin.colour.push_back(sum.w > 0 ? sum / sum.w : background);
+    ref.safe.push_back(safe);
+    ref.colour.push_back(sum.w > 0 ? sum / sum.w : background);
   }
-  return twin;
+  return ref;
 }
 
 }  // namespace ibr::test::reference

@@ -11,7 +11,7 @@ namespace ibr::test::reference {
 /// Eq. 6: displaced texture coordinates in px, indexed [planned camera][vertex].
 std::vector<std::vector<glm::dvec2>> harmonise(const HtmModel& model, const HtmFramePlan& plan);
 
-struct HtmTwin {
+struct HtmReferenceImage {
   int width = 0, height = 0;
   std::vector<glm::dvec4> colour;  // 0 to 1; w: 1 where a surface is shown
   // True if a shift of the images by 1/100 px changes neither the surface at the pixel nor the surfaces that the
@@ -20,6 +20,6 @@ struct HtmTwin {
 };
 
 /// Renders eq. 7 with HtmSettings::method. Samples as a trilinear GpuHtmModel does.
-HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, const HtmFramePlan& plan);
+HtmReferenceImage render(const HtmModel& model, const std::vector<HtmImage>& pictures, const HtmFramePlan& plan);
 
 }  // namespace ibr::test::reference

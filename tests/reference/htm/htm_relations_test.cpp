@@ -174,9 +174,9 @@ TEST_CASE("surfaces that only cameras of tiny weight see are drawn", "[htm][N11]
 
 TEST_CASE("a point that no camera sees is coloured by its member cameras", "[htm][N11][T23]") {
   BumpyModel bumpy = bumpyModel();
-  for (HtmPicture& picture : bumpy.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
+  for (HtmImage& picture : bumpy.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
   const HtmStage blind(bumpy);
-  for (HtmPicture& picture : bumpy.pictures) picture.visibility = {};
+  for (HtmImage& picture : bumpy.pictures) picture.visibility = {};
   const HtmStage all(bumpy);
   const Camera view = ringCamera({}, 0.4);
   for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::vertexColours}) {
@@ -276,7 +276,7 @@ TEST_CASE("a replaced model is drawn like a newly created model", "[htm]") {
   for (const std::size_t m : {0u, 1u, 2u, 3u, 4u, 2u, 0u}) {
     const BumpyModel& bumpy = models[m];
     gpuModel.replace(bumpy.model, bumpy.source());
-    renderer.show(gpuModel);
+    renderer.setModel(gpuModel);
     const HtmStage alone(bumpy);
     for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {
       const HtmFramePlan plan = alone.plan(view(bumpy.options), {.method = method});
@@ -294,7 +294,7 @@ TEST_CASE("a replaced model is drawn like a newly created model", "[htm]") {
   CHECK(errorOf([&] { gpuModel.replace(invalid, models[1].source()); }).code() == ErrorCode::invalidInput);
   CHECK(errorOf([&] { gpuModel.replace(models[1].model, models[3].source()); }).code() == ErrorCode::invalidInput);
   gpuModel.replace(models[1].model, models[1].source());
-  renderer.show(gpuModel);
+  renderer.setModel(gpuModel);
   const HtmStage alone(models[1]);
   const HtmFramePlan plan = alone.plan(view(models[1].options));
   CHECK(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); }) ==
@@ -303,10 +303,10 @@ TEST_CASE("a replaced model is drawn like a newly created model", "[htm]") {
 
 TEST_CASE("copies of a prepared photograph share its mip levels", "[htm]") {
   const BumpyModel bumpy = bumpyModel();
-  std::vector<HtmPicture> prepared;
+  std::vector<HtmImage> prepared;
   for (std::size_t i = 0; i < bumpy.pictures.size(); ++i)
-    prepared.push_back(preparedHtmPicture(bumpy.model, i, bumpy.pictures[i]));
-  const std::vector<HtmPicture> copies = prepared;
+    prepared.push_back(prepareHtmImage(bumpy.model, i, bumpy.pictures[i]));
+  const std::vector<HtmImage> copies = prepared;
   CHECK(copies[2].levels == prepared[2].levels);
   const HtmStage stage(bumpy), other(bumpy.model, copies);
   const Camera view = ringCamera(bumpy.options, 0.4);

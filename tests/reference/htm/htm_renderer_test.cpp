@@ -15,22 +15,22 @@
 namespace ibr::test {
 namespace {
 
-void compareWithTwin(const HtmStage& stage, const Camera& view, const HtmSettings& settings) {
+void compareWithReference(const HtmStage& stage, const Camera& view, const HtmSettings& settings) {
   const HtmFramePlan plan = stage.plan(view, settings);
   const Image8 picture = stage.render(plan);
-  const reference::HtmTwin twin = reference::render(stage.model(), stage.pictures(), plan);
+  const reference::HtmReferenceImage ref = reference::render(stage.model(), stage.pictures(), plan);
   std::size_t drawn = 0, wrongAlpha = 0, wrongColour = 0;
-  for (int y = 0; y < twin.height; ++y)
-    for (int x = 0; x < twin.width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
-      if (!twin.safe[at]) continue;
-      drawn += twin.colour[at].w > 0;
-      wrongAlpha += picture.pixel(x, y)[3] != (twin.colour[at].w > 0 ? 255 : 0);
+  for (int y = 0; y < ref.height; ++y)
+    for (int x = 0; x < ref.width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(ref.width) + std::size_t(x);
+      if (!ref.safe[at]) continue;
+      drawn += ref.colour[at].w > 0;
+      wrongAlpha += picture.pixel(x, y)[3] != (ref.colour[at].w > 0 ? 255 : 0);
       // Tolerance for rounding, and for the filter's precision of 1/256 texel.
       for (int c = 0; c < 3; ++c)
-        wrongColour += std::abs(picture.pixel(x, y)[std::size_t(c)] - 255 * twin.colour[at][c]) > 2.5;
+        wrongColour += std::abs(picture.pixel(x, y)[std::size_t(c)] - 255 * ref.colour[at][c]) > 2.5;
     }
-  CHECK(double(drawn) > 0.1 * twin.width * twin.height);
+  CHECK(double(drawn) > 0.1 * ref.width * ref.height);
   CHECK(wrongAlpha == 0);
   CHECK(wrongColour == 0);
 }
@@ -43,14 +43,14 @@ TEST_CASE("a harmonised model equals the reference implementation", "[htm][P9]")
   for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {
     INFO("method " << int(method));
     HtmSettings settings{.method = method, .background = {0.2f, 0.4f, 0.6f}};
-    compareWithTwin(stage, ringCamera(options, 0.3), settings);
+    compareWithReference(stage, ringCamera(options, 0.3), settings);
     settings.gamma = 3;
-    compareWithTwin(stage, ringCamera(options, 2.0, 0.9), settings);
+    compareWithReference(stage, ringCamera(options, 2.0, 0.9), settings);
     settings.gamma = 1000;
-    compareWithTwin(stage, ringCamera(options, 4.4, -0.7), settings);
+    compareWithReference(stage, ringCamera(options, 4.4, -0.7), settings);
     settings.gamma = 50;
     settings.exclude = 0b11;  // the near cameras: the others are far off and do not see much of the surface
-    compareWithTwin(stage, ringCamera(options, 0.5), settings);
+    compareWithReference(stage, ringCamera(options, 0.5), settings);
   }
 }
 
@@ -65,8 +65,8 @@ TEST_CASE("photographs of different sizes share a texture array", "[htm]") {
     bumpy.pictures[i] = other.pictures[i];
   }
   const HtmStage stage(std::move(bumpy));
-  compareWithTwin(stage, ringCamera({}, 0.7), {});
-  compareWithTwin(stage, ringCamera({}, 0.7), {.gamma = 2, .weightCut = 0});
+  compareWithReference(stage, ringCamera({}, 0.7), {});
+  compareWithReference(stage, ringCamera({}, 0.7), {.gamma = 2, .weightCut = 0});
 }
 
 TEST_CASE("harmonised coordinates follow eq. 6", "[htm]") {
@@ -89,13 +89,13 @@ TEST_CASE("harmonised coordinates follow eq. 6", "[htm]") {
       });
       const std::vector<std::byte> bytes = readBuffer(testDevice(), set.displacements());
       const auto* displaced = reinterpret_cast<const glm::vec2*>(bytes.data());
-      const auto twin = reference::harmonise(stage.model(), plan);
+      const auto ref = reference::harmonise(stage.model(), plan);
       double largest = 0, error = 0;
-      for (std::size_t i = 0; i < twin.size(); ++i)
+      for (std::size_t i = 0; i < ref.size(); ++i)
         for (std::size_t v = 0; v < stage.model().vertexCount(); ++v) {
           const glm::dvec2 got(displaced[i * stage.model().vertexCount() + v]);
-          largest = std::max(largest, glm::length(twin[i][v]));
-          error = std::max(error, std::isfinite(got.x + got.y) ? glm::length(got - twin[i][v]) : 1e9);
+          largest = std::max(largest, glm::length(ref[i][v]));
+          error = std::max(error, std::isfinite(got.x + got.y) ? glm::length(got - ref[i][v]) : 1e9);
         }
       INFO("gamma " << gamma << " angle " << angle << " of " << groups << " groups in a row at most " << most);
       CHECK(largest > 0.5);
@@ -106,7 +106,7 @@ TEST_CASE("harmonised coordinates follow eq. 6", "[htm]") {
 TEST_CASE("groups of vertices are folded into rows that a device can dispatch", "[htm]") {
   for (const std::uint32_t most : {1u, 2u, 65535u, 0x7fffffffu, 0xffffffffu})
     for (const std::uint32_t groups : {1u, 2u, 3u, 65535u, 65536u, 65537u, 131071u, 1u << 26}) {
-      const glm::uvec2 folded = htmFolded(groups, most);
+      const glm::uvec2 folded = htmDispatchGroups(groups, most);
       const std::uint64_t sum = std::uint64_t(folded.x) * folded.y;
       INFO(groups << " groups, " << most << " in a row");
       CHECK(folded.x <= most);

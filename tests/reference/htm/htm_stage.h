@@ -14,7 +14,7 @@ namespace ibr::test {
 
 class HtmStage {
  public:
-  explicit HtmStage(HtmModel model, std::vector<HtmPicture> pictures)
+  explicit HtmStage(HtmModel model, std::vector<HtmImage> pictures)
       : model_(std::move(model)),
         pictures_(std::move(pictures)),
         bounds_(htmBounds(model_)),
@@ -25,7 +25,7 @@ class HtmStage {
   HtmStage& operator=(const HtmStage&) = delete;
 
   const HtmModel& model() const { return model_; }
-  const std::vector<HtmPicture>& pictures() const { return pictures_; }
+  const std::vector<HtmImage>& pictures() const { return pictures_; }
   const GpuHtmModel& gpuModel() const { return gpuModel_; }
 
   HtmFramePlan plan(const Camera& view, const HtmSettings& settings = {}) const {
@@ -41,7 +41,7 @@ class HtmStage {
 
  private:
   HtmModel model_;
-  std::vector<HtmPicture> pictures_;
+  std::vector<HtmImage> pictures_;
   HtmBounds bounds_;
   GpuHtmModel gpuModel_;
 };

@@ -28,7 +28,7 @@ Camera cameraAt(double angle, double distance) {
 // red. The two cameras beside it see behind the screen and are green and blue. All cameras are members everywhere.
 struct Wall {
   HtmModel model;
-  std::vector<HtmPicture> pictures;
+  std::vector<HtmImage> pictures;
 };
 
 Wall wall() {
@@ -52,7 +52,7 @@ Wall wall() {
   const double angles[]{0, kAside, -kAside};
   for (int i = 0; i < 3; ++i) {
     wall.model.cameras.push_back({"camera" + std::to_string(i), cameraAt(angles[i], kDistance), {}, {}});
-    HtmPicture& picture = wall.pictures.emplace_back(HtmPicture{Image8(kSize, kSize, 3), Image8(kSize, kSize, 1)});
+    HtmImage& picture = wall.pictures.emplace_back(HtmImage{Image8(kSize, kSize, 3), Image8(kSize, kSize, 1)});
     for (std::size_t p = 0; p < std::size_t(kSize) * kSize; ++p)
       picture.photograph.values[3 * p + std::size_t(i)] = 255;
     std::ranges::fill(picture.visibility.values, std::uint8_t(255));
@@ -102,7 +102,7 @@ TEST_CASE("a camera does not colour surfaces that its mask excludes", "[htm]") {
   const glm::dvec3 above(0.05, 0.85, 0), below(0.05, -0.85, 0);
   REQUIRE(project(red.intrinsics, glm::conjugate(red.pose.rotation) * (above - red.pose.position))->y < half - 2);
   const HtmStage stage(masked.model, masked.pictures);
-  for (HtmPicture& picture : masked.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
+  for (HtmImage& picture : masked.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
   const HtmStage blind(masked.model, masked.pictures);
   for (const HtmMethod method : kAll) {
     INFO("method " << int(method));

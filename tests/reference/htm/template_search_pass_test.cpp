@@ -150,7 +150,7 @@ Matches onDevice(const Case& all, int radius, TemplateMeasure measure) {
   return deviceTemplateSearch(testDevice())(all.views())(all.tasks, all.samples, radius, measure);
 }
 Matches onProcessor(const Case& all, int radius, TemplateMeasure measure) {
-  return processorTemplateSearch(all.views())(all.tasks, all.samples, radius, measure);
+  return cpuTemplateSearch(all.views())(all.tasks, all.samples, radius, measure);
 }
 
 void expectSame(const Matches& a, const Matches& b) {
@@ -238,7 +238,7 @@ TEST_CASE("tasks beyond the capacity are searched in batches, from several threa
     all.tasks.back().start = {k % 5 - 2, k % 3 - 1};
   }
   const Matches wanted = onProcessor(all, 1, TemplateMeasure::absoluteDifferences);
-  const MakeTemplateSearch make = deviceTemplateSearch(testDevice());
+  const TemplateSearchFactory make = deviceTemplateSearch(testDevice());
   const TemplateSearch one = make(all.views()), other = make(all.views());
   Matches byOne, byOther;
   std::thread thread([&] { byOne = one(all.tasks, all.samples, 1, TemplateMeasure::absoluteDifferences); });
@@ -261,8 +261,8 @@ TEST_CASE("a pass can be recorded repeatedly into the caller's commands") {
       pass.record(commands);
       pass.record(commands);
     });
-    expectSame(pass.matches(), processorTemplateSearch(all.views())(tasks.first(count), all.samples, 2,
-                                                                    TemplateMeasure::absoluteDifferences));
+    expectSame(pass.matches(), cpuTemplateSearch(all.views())(tasks.first(count), all.samples, 2,
+                                                              TemplateMeasure::absoluteDifferences));
   }
   CHECK(errorOf([&] {
           pass.set(std::vector<TemplateTask>(all.tasks.size() + 1), all.samples, 2, TemplateMeasure::correlation);
@@ -287,8 +287,8 @@ TEST_CASE("CPU and device searches refuse the same input") {
   const Image8 picture(4, 4, 3), grey(4, 4, 1), none;
   const std::vector<const Image8*> good{&picture};
   const std::vector<TemplateSample> samples(5000);
-  for (const MakeTemplateSearch& make :
-       {MakeTemplateSearch(processorTemplateSearch), deviceTemplateSearch(testDevice())}) {
+  for (const TemplateSearchFactory& make :
+       {TemplateSearchFactory(cpuTemplateSearch), deviceTemplateSearch(testDevice())}) {
     for (const Image8* bad : {&grey, &none})
       CHECK(errorOf([&] { make(std::vector{bad}); }).code() == ErrorCode::invalidInput);
     const TemplateSearch search = make(good);

@@ -12,16 +12,16 @@ using namespace ibr;
 TEST_CASE("the memory limit of a control group is the minimum over the group and its parents") {
   const test::TemporaryFolder folder;
   makeFolders(folder / "a/b/c");
-  CHECK(!groupMemoryLimit(folder / "", "0::/a/b/c\n"));
+  CHECK(!cgroupMemoryLimit(folder / "", "0::/a/b/c\n"));
   writeFile(folder / "a/memory.max", std::string_view("3000000000\n"));
   writeFile(folder / "a/b/memory.max", std::string_view("max\n"));
-  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 3e9);
+  CHECK(cgroupMemoryLimit(folder / "", "0::/a/b/c\n") == 3e9);
   writeFile(folder / "a/b/c/memory.max", std::string_view("2000000000\n"));
-  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 2e9);
+  CHECK(cgroupMemoryLimit(folder / "", "0::/a/b/c\n") == 2e9);
   writeFile(folder / "memory.max", std::string_view("1000000000\n"));  // the file as a container sees it
-  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 1e9);
-  CHECK(groupMemoryLimit(folder / "", "0::/\n") == 1e9);
-  CHECK(groupMemoryLimit(folder / "", "0::/not/there\n") == 1e9);
+  CHECK(cgroupMemoryLimit(folder / "", "0::/a/b/c\n") == 1e9);
+  CHECK(cgroupMemoryLimit(folder / "", "0::/\n") == 1e9);
+  CHECK(cgroupMemoryLimit(folder / "", "0::/not/there\n") == 1e9);
 }
 
 TEST_CASE("control groups of version 1 use their own hierarchy for memory") {
@@ -29,9 +29,9 @@ TEST_CASE("control groups of version 1 use their own hierarchy for memory") {
   makeFolders(folder / "memory/job");
   writeFile(folder / "memory/job/memory.limit_in_bytes", std::string_view("500000000\n"));
   writeFile(folder / "memory/memory.limit_in_bytes", std::string_view("9223372036854771712\n"));
-  CHECK(groupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n4:memory:/job\n1:name=systemd:/y\n") == 5e8);
-  CHECK(!groupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n"));
-  CHECK(!groupMemoryLimit(folder / "", "no such line"));
+  CHECK(cgroupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n4:memory:/job\n1:name=systemd:/y\n") == 5e8);
+  CHECK(!cgroupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n"));
+  CHECK(!cgroupMemoryLimit(folder / "", "no such line"));
 }
 
 TEST_CASE("resident memory includes an allocation and stays below the limit") {
@@ -40,5 +40,5 @@ TEST_CASE("resident memory includes an allocation and stays below the limit") {
   CHECK(residentMemory() >= before + 60e6 + much[7]);
   CHECK(peakMemory() >= 60e6);
   CHECK(memoryLimit() > residentMemory());
-  CHECK(processorSeconds() > 0);
+  CHECK(cpuSeconds() > 0);
 }

@@ -18,7 +18,8 @@ const BumpyModel& bumpy() {
   return made;
 }
 
-HtmFramePlan planFor(const Camera& view, const HtmSettings& settings = {}, const HtmState& state = {}, double dt = 0) {
+HtmFramePlan planFor(const Camera& view, const HtmSettings& settings = {}, const HtmPlanState& state = {},
+                     double dt = 0) {
   return planHtmFrame(bumpy().model, htmBounds(bumpy().model), {view, settings, dt}, state);
 }
 
@@ -40,9 +41,9 @@ TEST_CASE("a plan has all cameras except excluded ones, best first", "[htm]") {
     for (std::size_t m = k + 1; m < plan.cameras.size(); ++m)
       rest += std::exp(plan.cameras[m].logWeight - plan.cameras[k].logWeight);
     if (k + 1 < plan.cameras.size())
-      CHECK(plan.cameras[k].logRest - plan.cameras[k].logWeight == Approx(std::log(rest)).margin(1e-9));
+      CHECK(plan.cameras[k].logRemainingWeight - plan.cameras[k].logWeight == Approx(std::log(rest)).margin(1e-9));
     else
-      CHECK(plan.cameras[k].logRest == -std::numeric_limits<double>::infinity());
+      CHECK(plan.cameras[k].logRemainingWeight == -std::numeric_limits<double>::infinity());
   }
   // If the best camera is excluded, log weights are relative to the next best.
   CHECK(planFor(viewAt(0.4), {.exclude = 0b10}).cameras[0].logWeight == 0);
@@ -73,11 +74,11 @@ TEST_CASE("a view in the middle of the mesh has finite weights", "[htm]") {
 }
 
 TEST_CASE("weights follow the view with a time constant", "[htm]") {
-  const HtmSettings settings{.smoothSeconds = 0.5};
+  const HtmSettings settings{.smoothingSeconds = 0.5};
   const std::vector<double> from = planFor(viewAt(0)).next.logWeights, to = planFor(viewAt(2)).next.logWeights;
   // Without a previous state the weights apply at once.
   CHECK(planFor(viewAt(2), settings).next.logWeights == to);
-  HtmState state{from};
+  HtmPlanState state{from};
   CHECK(planFor(viewAt(2), settings, state, 0).next.logWeights == from);
   double distance = 1e9;
   for (int frame = 0; frame < 40; ++frame) {
@@ -104,7 +105,7 @@ TEST_CASE("a plan refuses invalid input by field", "[htm]") {
   for (const double tolerance : {0.0, -1.0, nan, HUGE_VAL})
     CHECK_THAT(message({.depthTolerance = tolerance}), Catch::Contains("depthTolerance"));
   for (const double seconds : {-1.0, nan})
-    CHECK_THAT(message({.smoothSeconds = seconds}), Catch::Contains("smoothSeconds"));
+    CHECK_THAT(message({.smoothingSeconds = seconds}), Catch::Contains("smoothingSeconds"));
   for (int c = 0; c < 3; ++c)
     for (const float value : {float(nan), HUGE_VALF, -HUGE_VALF}) {
       HtmSettings settings;
@@ -121,15 +122,15 @@ TEST_CASE("a plan refuses invalid input by field", "[htm]") {
 
 TEST_CASE("values that are not finite are kept out of a plan's state", "[htm][N16][P4]") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), most = std::numeric_limits<double>::max();
-  const HtmState state = planFor(viewAt(0)).next;
+  const HtmPlanState state = planFor(viewAt(0)).next;
   for (const double smooth : {0.0, 0.5, HUGE_VAL})
     for (const double dt : {nan, HUGE_VAL, -HUGE_VAL})
-      CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothSeconds = smooth}, state, dt); }).what(),
+      CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothingSeconds = smooth}, state, dt); }).what(),
                  Catch::Contains("dtSeconds"));
   for (const double wrong : {nan, HUGE_VAL, -HUGE_VAL, 1e-9}) {
-    HtmState broken = state;
+    HtmPlanState broken = state;
     broken.logWeights[7] = wrong;
-    CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothSeconds = 0.5}, broken, 0.1); }).what(),
+    CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothingSeconds = 0.5}, broken, 0.1); }).what(),
                Catch::Contains("state.logWeights[7]"));
   }
   const auto within = [&](const HtmBounds& bounds) { planHtmFrame(bumpy().model, bounds, {viewAt(2), {}}); };
@@ -145,10 +146,10 @@ TEST_CASE("values that are not finite are kept out of a plan's state", "[htm][N1
   };
   for (const double smooth : {0.0, std::numeric_limits<double>::denorm_min(), 0.5, most, HUGE_VAL})
     for (const double dt : {-most, -1.0, 0.0, 1.0, most})
-      CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = smooth}, state, dt)));
+      CHECK(finiteAll(planFor(viewAt(2), {.smoothingSeconds = smooth}, state, dt)));
   // An infinite time constant or a negative time step keeps the weights.
-  CHECK(planFor(viewAt(2), {.smoothSeconds = HUGE_VAL}, state, most).next.logWeights == state.logWeights);
-  CHECK(planFor(viewAt(2), {.smoothSeconds = 0.5}, state, -1).next.logWeights == state.logWeights);
+  CHECK(planFor(viewAt(2), {.smoothingSeconds = HUGE_VAL}, state, most).next.logWeights == state.logWeights);
+  CHECK(planFor(viewAt(2), {.smoothingSeconds = 0.5}, state, -1).next.logWeights == state.logWeights);
   for (const double far : {1e12, 1e160, most}) {
     Camera view = viewAt(0);
     CHECK(finiteAll(planHtmFrame(bumpy().model, {{-far, far, -far}, 1}, {view, {}})));
@@ -160,9 +161,9 @@ TEST_CASE("values that are not finite are kept out of a plan's state", "[htm][N1
       CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("view.pose.position"));
     }
   }
-  HtmState deep = state;
+  HtmPlanState deep = state;
   deep.logWeights.assign(deep.logWeights.size(), -most);
-  CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = 0.5}, deep, 0.1)));
+  CHECK(finiteAll(planFor(viewAt(2), {.smoothingSeconds = 0.5}, deep, 0.1)));
 }
 
 TEST_CASE("bounds enclose the mesh", "[htm]") {
@@ -178,9 +179,9 @@ TEST_CASE("bounds enclose the mesh", "[htm]") {
 
 TEST_CASE("a baseline is the source mesh without complements", "[htm]") {
   HtmModel model = bumpy().model;
-  CHECK(baselineModel(model).surface.mesh == model.surface.mesh);
+  CHECK(unoptimisedModel(model).surface.mesh == model.surface.mesh);
   model.source = HtmSurface{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {1, 1, 1}};
-  const HtmModel baseline = baselineModel(model);
+  const HtmModel baseline = unoptimisedModel(model);
   CHECK(baseline.surface.mesh == model.source->mesh);
   CHECK(baseline.complements.empty());
   CHECK(validate(baseline).empty());
@@ -193,9 +194,9 @@ TEST_CASE("weights carry over to a model with other cameras", "[htm]") {
     return model;
   };
   const HtmModel before = named({"a", "b", "c"});
-  const HtmState state{{-3, 0, -1}};
+  const HtmPlanState state{{-3, 0, -1}};
   const auto logs = [&](const std::vector<std::string>& names) {
-    return htmStateFor(named(names), before, state).logWeights;
+    return transferHtmState(named(names), before, state).logWeights;
   };
   CHECK(logs({"a", "b", "c"}) == state.logWeights);
   CHECK(logs({"c", "a", "b"}) == std::vector<double>{-1, -3, 0});
@@ -205,14 +206,14 @@ TEST_CASE("weights carry over to a model with other cameras", "[htm]") {
   CHECK(logs({"new", "newer"}).empty());
   CHECK(logs({}).empty());
   // An invalid state of the previous model gives no state.
-  CHECK(htmStateFor(before, before, {}).logWeights.empty());
-  CHECK(htmStateFor(before, before, {{0, 0}}).logWeights.empty());
+  CHECK(transferHtmState(before, before, {}).logWeights.empty());
+  CHECK(transferHtmState(before, before, {{0, 0}}).logWeights.empty());
 }
 
 TEST_CASE("a prepared photograph has mip levels with visibility as alpha", "[htm]") {
   HtmModel model = bumpy().model;
   model.cameras[1].camera.intrinsics.width = 40;  // widest camera: sets the size of the texture array
-  const HtmPicture picture = bumpy().pictures[0], prepared = preparedHtmPicture(model, 0, picture);
+  const HtmImage picture = bumpy().pictures[0], prepared = prepareHtmImage(model, 0, picture);
   CHECK(prepared.photograph.empty());
   CHECK(prepared.visibility.empty());
   REQUIRE(prepared.levels->size() == 6);
@@ -224,7 +225,7 @@ TEST_CASE("a prepared photograph has mip levels with visibility as alpha", "[htm
       CHECK(page.pixel(x, y)[1] == picture.photograph.pixel(at, y)[1]);
       CHECK(page.pixel(x, y)[3] == (picture.visibility.empty() ? 255 : picture.visibility.pixel(at, y)[0]));
     }
-  CHECK(errorOf([&] { preparedHtmPicture(model, 1, picture); }).code() == ErrorCode::invalidInput);
+  CHECK(errorOf([&] { prepareHtmImage(model, 1, picture); }).code() == ErrorCode::invalidInput);
 }
 
 }  // namespace ibr::test

@@ -43,8 +43,8 @@ inline std::uint8_t level(double value) {
 }
 
 /// Returns one tuple for each channel of two interleaved lists.
-inline std::vector<PreEcc> preEcc(const Samples& a, const Samples& b, std::size_t channels = 3) {
-  std::vector<PreEcc> sums(channels);
+inline std::vector<EccMoments> preEcc(const Samples& a, const Samples& b, std::size_t channels = 3) {
+  std::vector<EccMoments> sums(channels);
   for (std::size_t i = 0; i < a.size(); ++i) sums[i % channels].add(a[i], b[i]);
   return sums;
 }

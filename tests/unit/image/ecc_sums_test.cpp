@@ -21,7 +21,7 @@ constexpr std::size_t kMega = 1'000'000, kMost = std::size_t(1) << 24;
 struct Wide {
   Int128 n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
   void add(Int128 a, Int128 b) { ++n, x += a, y += b, xx += a * a, yy += b * b, xy += a * b; }
-  bool equals(const PreEcc& s) const {
+  bool equals(const EccMoments& s) const {
     return n == s.n && x == s.x && y == s.y && xx == s.xx && yy == s.yy && xy == s.xy;
   }
 };
@@ -78,11 +78,11 @@ std::vector<Pattern> patterns() {
 // Compares tiles of a target, merged in random order, with one pass of 128-bit sums.
 void checkExact(const Pattern& pattern, std::size_t area, std::size_t channels, std::size_t targets) {
   std::mt19937 random(std::uint32_t(area + 7 * channels + targets));
-  std::vector<PreEcc> sums;
+  std::vector<EccMoments> sums;
   std::vector<Wide> wide;
   for (std::size_t k = 0; k < channels * targets; ++k) {
     const std::size_t tile = 1 + random() % std::max<std::size_t>(area / 3, 64);
-    std::vector<PreEcc> tiles(area / tile + 1);
+    std::vector<EccMoments> tiles(area / tile + 1);
     Wide exact;
     std::size_t i = 0;
     fill(pattern, area, 100 * area + k, [&](int a, int b) {
@@ -90,8 +90,8 @@ void checkExact(const Pattern& pattern, std::size_t area, std::size_t channels, 
       exact.add(a, b);
     });
     std::shuffle(tiles.begin(), tiles.end(), random);
-    PreEcc merged;
-    for (const PreEcc& t : tiles) merged.merge(t);
+    EccMoments merged;
+    for (const EccMoments& t : tiles) merged.merge(t);
     sums.push_back(merged);
     wide.push_back(exact);
     REQUIRE(exact.equals(merged));
@@ -104,8 +104,8 @@ void checkExact(const Pattern& pattern, std::size_t area, std::size_t channels, 
     }
 }
 
-PreEcc times(PreEcc sums, int doublings) {
-  for (int i = 0; i < doublings; ++i) sums.merge(PreEcc(sums));
+EccMoments times(EccMoments sums, int doublings) {
+  for (int i = 0; i < doublings; ++i) sums.merge(EccMoments(sums));
   return sums;
 }
 
@@ -130,7 +130,7 @@ class PaperSums {
   std::uint32_t n_ = 0, x_ = 0, y_ = 0, xx_ = 0, yy_ = 0, xy_ = 0;
 };
 
-std::size_t best(const std::vector<std::vector<PreEcc>>& candidates, EccDefinition definition, int floor) {
+std::size_t best(const std::vector<std::vector<EccMoments>>& candidates, EccDefinition definition, int floor) {
   std::size_t found = 0;
   for (std::size_t i = 1; i < candidates.size(); ++i)
     if (eccGreater(candidates[i], candidates[found], definition, floor)) found = i;
@@ -155,16 +155,16 @@ TEST_CASE("sums are exact and the ECC is right at every area, in any order", "[N
 TEST_CASE("values with eight fraction bits stay exact to 16.7 million pixels of three channels and targets", "[N1]") {
   for (const int a : {65280, 32767, -32768, -1})
     for (const int b : {65280, 255, -32768}) {
-      PreEcc two;
+      EccMoments two;
       two.add(a, b);
       two.add(a / 2, b / 3);
-      const PreEcc most = times(two, 23);
+      const EccMoments most = times(two, 23);
       Wide wide;
       wide.add(a, b), wide.add(a / 2, b / 3);
       const Int128 times = Int128(1) << 23;
       wide = {wide.n * times, wide.x * times, wide.y * times, wide.xx * times, wide.yy * times, wide.xy * times};
       REQUIRE(wide.equals(most));
-      const std::vector<PreEcc> nine(9, most);
+      const std::vector<EccMoments> nine(9, most);
       for (const EccDefinition definition : {EccDefinition::channels, EccDefinition::concatenated})
         CHECK(std::abs(ecc(nine, definition, 25 * 65536).value -
                        double(oracle(std::vector<Wide>(9, wide), definition, 25 * 65536))) <= 1e-12);
@@ -175,11 +175,11 @@ TEST_CASE("the best candidate is that of the oracle, ties go to the first", "[N1
   std::mt19937 random(3);
   for (int set = 0; set < 60; ++set) {
     const std::array<std::size_t, 3> areas{30 + random() % 400, 30 + random() % 400, 30 + random() % 400};
-    std::vector<std::vector<PreEcc>> candidates(12);
+    std::vector<std::vector<EccMoments>> candidates(12);
     std::vector<std::vector<Wide>> wide(12);
     for (std::size_t m = 0; m < 11; ++m)
       for (std::size_t k = 0; k < 9; ++k) {
-        PreEcc& sums = candidates[m].emplace_back();
+        EccMoments& sums = candidates[m].emplace_back();
         Wide& exact = wide[m].emplace_back();
         fill({Kind::noise, 3, 200}, areas[k / 3], random(), [&](int a, int b) {
           sums.add(256 * (a - 128), 256 * (b - 128));
@@ -193,7 +193,7 @@ TEST_CASE("the best candidate is that of the oracle, ties go to the first", "[N1
           if (oracle(wide[m], definition, floor) > oracle(wide[expected], definition, floor)) expected = m;
         // The last candidate counts each sample of the best one twice, so their ECCs are equal.
         candidates[11] = candidates[expected];
-        for (PreEcc& sums : candidates[11]) sums = times(sums, 1);
+        for (EccMoments& sums : candidates[11]) sums = times(sums, 1);
         REQUIRE(best(candidates, definition, floor) == expected);
         std::swap(candidates[11], candidates[0]);
         REQUIRE(best(candidates, definition, floor) == 0);
@@ -203,18 +203,18 @@ TEST_CASE("the best candidate is that of the oracle, ties go to the first", "[N1
 }
 
 TEST_CASE("candidates are ranked exactly: below double precision, by sign, and without correlation", "[N1][T4]") {
-  PreEcc four;
+  EccMoments four;
   for (const int a : {32767, 32767, -32767, -32767}) four.add(a, a);
-  PreEcc same = times(four, 22), other = same;
+  EccMoments same = times(four, 22), other = same;
   other.y -= 1, other.yy += 32766 * 32766 - 32767 * 32767, other.xy += 32767 * 32766 - 32767 * 32767;
   CHECK(ecc({&same, 1}).value == ecc({&other, 1}).value);
   CHECK(eccGreater({&same, 1}, {&other, 1}));
   CHECK_FALSE(eccGreater({&other, 1}, {&same, 1}));
   CHECK_FALSE(eccGreater({&same, 1}, {&same, 1}));
 
-  const PreEcc up{4, 2, 2, 2, 2, 2}, little{4, 2, 2, 2, 2, 1}, down{4, 2, 2, 2, 2, 0}, less{5, 2, 3, 2, 3, 1};
-  const PreEcc flat{4, 4, 4, 4, 4, 4}, single{1, 5, 5, 25, 25, 25};
-  const auto greater = [](const PreEcc& a, const PreEcc& b) { return eccGreater({&a, 1}, {&b, 1}); };
+  const EccMoments up{4, 2, 2, 2, 2, 2}, little{4, 2, 2, 2, 2, 1}, down{4, 2, 2, 2, 2, 0}, less{5, 2, 3, 2, 3, 1};
+  const EccMoments flat{4, 4, 4, 4, 4, 4}, single{1, 5, 5, 25, 25, 25};
+  const auto greater = [](const EccMoments& a, const EccMoments& b) { return eccGreater({&a, 1}, {&b, 1}); };
   CHECK(ecc({&down, 1}).value == -1.0);
   CHECK(greater(up, little));
   CHECK(greater(little, down));
@@ -222,13 +222,13 @@ TEST_CASE("candidates are ranked exactly: below double precision, by sign, and w
   CHECK_FALSE(greater(down, up));
   CHECK(greater(less, down));  // -1/6 and -1
   CHECK_FALSE(greater(down, less));
-  for (const PreEcc& none : {flat, single, PreEcc{}}) {
+  for (const EccMoments& none : {flat, single, EccMoments{}}) {
     CHECK(greater(down, none));
     CHECK_FALSE(greater(none, up));
     CHECK_FALSE(greater(none, down));
     CHECK_FALSE(greater(none, none));
   }
-  const std::vector<PreEcc> four_counts{up, less, same, {7, 0, 0, 3, 3, 3}};
+  const std::vector<EccMoments> four_counts{up, less, same, {7, 0, 0, 3, 3, 3}};
   CHECK_THROWS_AS(eccGreater(four_counts, four_counts), Error);
   CHECK_FALSE(eccGreater(four_counts, four_counts, EccDefinition::concatenated));
 }
@@ -236,7 +236,7 @@ TEST_CASE("candidates are ranked exactly: below double precision, by sign, and w
 TEST_CASE("the paper's counters give a wrong ECC, because each product is shifted", "[N1][T1][T3]") {
   const auto both = [](std::size_t area) {
     PaperSums paper(area, 3, 1);
-    PreEcc exact;
+    EccMoments exact;
     fill({Kind::noise, 2, 200}, 3 * area, 5, [&](int a, int b) {
       paper.add(std::uint32_t(a), std::uint32_t(b));
       exact.add(a, b);
@@ -262,11 +262,11 @@ TEST_CASE("the paper's floats select a wrong candidate", "[N1][T4]") {
     float bestFloat = -2;
     std::size_t picked = 0, expected = 0;
     long double bestExact = -2;
-    std::vector<std::vector<PreEcc>> candidates(16);
+    std::vector<std::vector<EccMoments>> candidates(16);
     for (std::size_t m = 0; m < candidates.size(); ++m) {
       PaperSums paper(22'017, 3, 1);
       Wide wide;
-      PreEcc& sums = candidates[m].emplace_back();
+      EccMoments& sums = candidates[m].emplace_back();
       fill({Kind::noise, 2, 200}, 3 * 22'017, 16 * std::uint64_t(set) + m, [&](int a, int b) {
         paper.add(std::uint32_t(a), std::uint32_t(b));
         wide.add(a, b);

@@ -56,7 +56,7 @@ TEST_CASE("ECC equals its definitions, from integer sums and sample by sample", 
         const Samples a = texture(700, deviation, {mean, mean, mean - 10}, 1);
         Samples b = texture(700, deviation, glm::dvec3(mean), 2);
         for (std::size_t i = 0; i < b.size(); ++i) b[i] = std::uint8_t((2 * a[i] + b[i]) / 3);
-        const std::vector<PreEcc> sums = preEcc(a, b);
+        const std::vector<EccMoments> sums = preEcc(a, b);
         const double expected = byDefinition(a, b, 3, floor);
         CHECK(ecc(sums, EccDefinition::channels, floor).defined);
         CHECK(ecc(sums, EccDefinition::channels, floor).value == Approx(expected).margin(1e-12).epsilon(0));
@@ -81,7 +81,7 @@ TEST_CASE("ECC is 1 for equal samples, -1 for the negative, and ignores gain and
   CHECK(ecc(preEcc(a, gained), EccDefinition::concatenated).value < 0.999);
   CHECK(bySamples(a, a).value == 1.0);
   const Samples other = texture(500, 12, {90, 130, 160}, 2);
-  PreEcc wide, doubled;
+  EccMoments wide, doubled;
   for (std::size_t i = 0; i < a.size(); ++i) {
     wide.add(a[i], other[i]);
     doubled.add(256 * (a[i] - 128), 512 * (other[i] - 128) + 77);  // 8 fraction bits, relative to mid-grey; gain 2
@@ -94,8 +94,8 @@ TEST_CASE("targets count together, each relative to its own means") {
   const Samples a = texture(400, 9, {90, 130, 160}, 1), b = texture(300, 9, {60, 60, 60}, 2);
   Samples brighter = b;
   for (auto& v : brighter) v = std::uint8_t(v + 90);
-  std::vector<PreEcc> sums = preEcc(a, a);
-  for (const PreEcc& s : preEcc(b, brighter)) sums.push_back(s);
+  std::vector<EccMoments> sums = preEcc(a, a);
+  for (const EccMoments& s : preEcc(b, brighter)) sums.push_back(s);
   CHECK(ecc(sums).value == 1.0);
   CHECK(ecc(sums, EccDefinition::concatenated).value < 0.9);
 }
@@ -105,7 +105,7 @@ TEST_CASE("unrelated textures of one colour correlate by the paper's definition,
   const std::array<double, 4> deviations{2, 10, 20, 40}, paper{0.998, 0.954, 0.836, 0.575};
   for (std::size_t k = 0; k < deviations.size(); ++k) {
     const glm::dvec3 colour(90, 130, 200);
-    const std::vector<PreEcc> sums =
+    const std::vector<EccMoments> sums =
         preEcc(texture(20000, deviations[k], colour, 1), texture(20000, deviations[k], colour, 2));
     CHECK(ecc(sums, EccDefinition::concatenated).value == Approx(paper[k]).margin(0.01));
     CHECK(std::abs(ecc(sums).value) < 0.02);

@@ -54,7 +54,7 @@ TemplateMatch searched(const Image8& picture, const std::vector<TemplateSample>&
                        TemplateMeasure measure) {
   const Image8* pictures[] = {&picture};
   const TemplateTask task{0, 0, std::uint32_t(samples.size()), start};
-  const auto matches = processorTemplateSearch(pictures)({&task, 1}, samples, radius, measure);
+  const auto matches = cpuTemplateSearch(pictures)({&task, 1}, samples, radius, measure);
   REQUIRE(matches.size() == 1);
   CHECK(std::isfinite(matches[0].cost) != samples.empty());
   return matches[0];
@@ -175,7 +175,7 @@ TEST_CASE("correlation ignores gain and offset of brightness", "[N12]") {
 TEST_CASE("results have the order of the tasks, also of tasks without samples", "[N12]") {
   const Image8 a = noise(50, 40, 6), b = noise(30, 60, 7);
   const Image8* pictures[] = {&a, &b};
-  const auto search = processorTemplateSearch(pictures);
+  const auto search = cpuTemplateSearch(pictures);
   std::vector<TemplateSample> samples = square(a, {20, 20}, 6, {2, 1});
   const auto second = square(b, {10, 30}, 6, {-3, 4});
   samples.insert(samples.end(), second.begin(), second.end());
@@ -209,9 +209,9 @@ TEST_CASE("invalid images, radii and tasks are refused") {
   const Image8* pictures[] = {&picture};
   for (const Image8* wrong : {&grey, &none}) {
     const Image8* both[] = {&picture, wrong};
-    CHECK(test::errorOf([&] { processorTemplateSearch(both); }).code() == ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] { cpuTemplateSearch(both); }).code() == ErrorCode::invalidInput);
   }
-  const auto search = processorTemplateSearch(pictures);
+  const auto search = cpuTemplateSearch(pictures);
   const auto samples = square(picture, {0, 0}, 10, {0, 0});
   const auto fails = [&](const TemplateTask& task, int radius) {
     CHECK(test::errorOf([&] {

@@ -68,8 +68,8 @@ TEST_CASE("RGBA8 levels decode unchanged") {
   CHECK(texture.format == TextureFormat::rgba8);
   CHECK(decodeTexture(texture) == levels);
   CHECK(Texture(std::vector<Image8>{}) == Texture());
-  CHECK(smallerLevels(texture, 0) == texture);
-  CHECK(smallerLevels(texture, 2) == Texture({levels.begin() + 2, levels.end()}));
+  CHECK(withoutLargestLevels(texture, 0) == texture);
+  CHECK(withoutLargestLevels(texture, 2) == Texture({levels.begin() + 2, levels.end()}));
 }
 
 TEST_CASE("inconsistent levels, lengths and block modes are refused") {

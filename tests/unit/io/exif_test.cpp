@@ -39,13 +39,13 @@ TEST_CASE("the orientation is found in both byte orders") {
   }
 }
 
-TEST_CASE("setUpright sets an orientation of any type to 1") {
+TEST_CASE("resetOrientation sets an orientation of any type to 1") {
   for (const bool bigEndian : {false, true})
     for (const int type : {3, 4}) {
       test::Bytes block =
           test::exifBlock({{0x010f, 2, {}, "Maker "}, {0x0112, type, {6}}}, {{0x9000, 4, {1}}}, bigEndian);
       CHECK(orientationOf(block) == 6);
-      io::setUpright(std::as_writable_bytes(std::span(block)));
+      io::resetOrientation(std::as_writable_bytes(std::span(block)));
       CHECK(orientationOf(block) == 1);
       CHECK(exifOf(block).capture.maker == "Maker");
     }
@@ -77,7 +77,7 @@ TEST_CASE("the exposure is found in both byte orders") {
   for (const bool bigEndian : {false, true}) {
     const io::Exif exif = exifOf(cameraBlock(bigEndian));
     CHECK(exif.orientation == 6);
-    const CaptureFacts wanted{1.0 / 250, 2.8, 400, 50, 75, "Maker", "M1", "50 mm??"};
+    const CaptureMetadata wanted{1.0 / 250, 2.8, 400, 50, 75, "Maker", "M1", "50 mm??"};
     CHECK((exif.capture == wanted));
     CHECK(relativeExposure(exif.capture).value() == Approx(400.0 / 250 / (2.8 * 2.8)));
   }
@@ -95,11 +95,11 @@ TEST_CASE("an ISO value beyond 16 bits is read from the wider tags") {
 }
 
 TEST_CASE("impossible exposure values are ignored") {
-  const CaptureFacts facts =
+  const CaptureMetadata facts =
       exifOf(test::exifBlock({}, {{0x829a, 5, {1, 0}}, {0x829d, 5, {0, 1}}, {0x8827, 5, {100, 1}}, {0x920a, 3, {50}}},
                              false))
           .capture;
-  CHECK((facts == CaptureFacts{}));
+  CHECK((facts == CaptureMetadata{}));
   CHECK(!relativeExposure(facts));
   CHECK(!relativeExposure({.exposureTime = 0.01, .fNumber = 2.8}));
   CHECK(!relativeExposure({.exposureTime = 0.01, .iso = 100}));
@@ -108,7 +108,7 @@ TEST_CASE("impossible exposure values are ignored") {
 TEST_CASE("a damaged exposure is never read beyond its end, and its values are finite") {
   for (const bool bigEndian : {false, true}) {
     const test::Bytes whole = cameraBlock(bigEndian);
-    const auto sound = [](const CaptureFacts& facts) {
+    const auto sound = [](const CaptureMetadata& facts) {
       for (const double v : {facts.exposureTime, facts.fNumber, facts.iso, facts.focalLength, facts.focalLength35})
         if (!(v >= 0) || !std::isfinite(v)) return false;
       return true;

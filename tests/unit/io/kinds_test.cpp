@@ -175,7 +175,7 @@ TEST_CASE("the error for other formats names the format by content, not by exten
                                                         "ftypcrx \0\0\0\0"s}};
   for (const auto& [kind, begin] : kinds) {
     test::writeBytes(folder / "a.jpg", test::Bytes(begin.begin(), begin.end()));
-    CHECK(foreignImageFormat(folder / "a.jpg") == kind);
+    CHECK(unsupportedImageFormat(folder / "a.jpg") == kind);
     CHECK(!isImageFile(folder / "a.jpg"));
     for (const auto& read :
          {std::function([&] { readImage(folder / "a.jpg"); }), std::function([&] { probeImage(folder / "a.jpg"); })}) {
@@ -185,7 +185,7 @@ TEST_CASE("the error for other formats names the format by content, not by exten
     }
   }
   writeImage(folder / "b.png", Image8(2, 2, 3, 9));
-  CHECK(foreignImageFormat(folder / "b.png").empty());
+  CHECK(unsupportedImageFormat(folder / "b.png").empty());
   test::writeBytes(folder / "empty.jpg", {});
   CHECK_THAT(test::errorOf([&] { readImage(folder / "empty.jpg"); }).what(),
              Catch::Contains("empty.jpg") && Catch::EndsWith("empty"));

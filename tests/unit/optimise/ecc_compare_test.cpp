@@ -79,7 +79,7 @@ TEST_CASE("square roots are rounded up") {
   std::mt19937_64 random(5);
   for (int i = 0; i < 20000; ++i) {
     const std::int64_t v = randomBits(random, int(random() % 51));
-    const std::int64_t root = eccRootUp(v);
+    const std::int64_t root = eccCeilSqrt(v);
     REQUIRE(root * root >= v);
     REQUIRE((root == 0 || (root - 1) * (root - 1) < v));
   }

@@ -82,13 +82,13 @@ struct Ridges {
       const glm::dvec2 there = middle + (bent ? glm::dvec2(off[i]) / double(kUnits) : glm::dvec2(0));
       for (const auto& [from, to] :
            {std::pair(s.x, s.y), std::pair(t.x, t.y), std::pair(t.y, t.z), std::pair(s.z, s.x)})
-        forPixelsIn(corner(from), corner(to), there, kSide, kSide,
-                    [&, one = from, two = to](int x, int y, const glm::dvec3& w) {
-                      const glm::dvec3 colour =
-                          bilinear(planted.pictures[0], w.x * corner(one) + w.y * corner(two) + w.z * middle);
-                      for (int c = 0; c < 3; ++c)
-                        planted.pictures[i].pixel(x, y)[std::size_t(c)] = std::uint8_t(colour[c] + 0.5);
-                    });
+        forTrianglePixels(corner(from), corner(to), there, kSide, kSide,
+                          [&, one = from, two = to](int x, int y, const glm::dvec3& w) {
+                            const glm::dvec3 colour =
+                                bilinear(planted.pictures[0], w.x * corner(one) + w.y * corner(two) + w.z * middle);
+                            for (int c = 0; c < 3; ++c)
+                              planted.pictures[i].pixel(x, y)[std::size_t(c)] = std::uint8_t(colour[c] + 0.5);
+                          });
     }
   }
 };
@@ -118,7 +118,7 @@ struct Step {
 void checkWhole(const Alignment& before, const Alignment& now) {
   const std::size_t n = before.position[0].size(), added = now.inserted.size() - before.inserted.size();
   CHECK(borderOf(now.triangles) == borderOf(before.triangles));
-  CHECK(now.kept == before.kept);
+  CHECK(now.unevaluated == before.unevaluated);
   std::set<unsigned> corners;
   for (const glm::uvec3& t : now.triangles) {
     CHECK(!foldedAnywhere(now.position, t));
@@ -227,7 +227,7 @@ TEST_CASE("an edge that a third triangle shares is not split") {
   const Alignment before = ridges.alignment;
   for (const std::size_t square : Ridges::kBent) {
     const glm::uvec3 t = before.triangles[2 * square];
-    ridges.alignment.kept.emplace_back(t.y, t.z, t.x);
+    ridges.alignment.unevaluated.emplace_back(t.y, t.z, t.x);
   }
   insert(ridges.alignment, optionsWith());
   for (const InsertedPoint& point : ridges.alignment.inserted)
@@ -245,7 +245,7 @@ TEST_CASE("the mesh stays consistent with many insertions and any number of thre
     a.epipolar.assign(3, std::vector<glm::vec2>(a.fixed.size(), {0.6f, 0.8f}));
     if (kept) {
       for (const std::size_t t : {11, 9, 3}) {  // neighbours of triangle 10, which becomes an island in a hole
-        a.kept.push_back(a.triangles[t]);
+        a.unevaluated.push_back(a.triangles[t]);
         a.triangles.erase(a.triangles.begin() + std::ptrdiff_t(t));
       }
     }
@@ -331,12 +331,12 @@ TEST_CASE("the optimiser inserts points between cycles with insertPoints and rai
     CHECK(now.position[0].size() == n + counted);
     CHECK(double(counted) <= options.insertShare * double(n));
     CHECK(summary.finalEcc == summary.cycles.at(summary.bestCycle - 1).ecc);
-    REQUIRE(summary.starEccBefore.size() == n + counted);
-    REQUIRE(summary.starEccAfter.size() == n + counted);
+    REQUIRE(summary.initialStarEcc.size() == n + counted);
+    REQUIRE(summary.finalStarEcc.size() == n + counted);
     double mean = 0;
     for (std::size_t p = 0; p < n + counted; ++p) {
-      CHECK(std::isnan(summary.starEccBefore[p]) == (p >= n));
-      if (p < n) mean += double(summary.starEccAfter[p]) / double(n);
+      CHECK(std::isnan(summary.initialStarEcc[p]) == (p >= n));
+      if (p < n) mean += double(summary.finalStarEcc[p]) / double(n);
     }
     CHECK(summary.finalEcc == Approx(mean).epsilon(1e-5));
     CHECK(borderOf(now.triangles) == borderOf(before.triangles));
@@ -365,7 +365,7 @@ TEST_CASE("cancelling removes inserted points, and options out of range are repo
   const auto fault = [&](auto&& change) {
     AlignmentOptions wrong = options;
     change(wrong);
-    return optionsFault(wrong);
+    return firstInvalidOption(wrong);
   };
   CHECK_THAT(fault([](auto& o) { o.insertGain = -0.1; }), Catch::Contains("insertGain") && Catch::Contains("-0.1"));
   CHECK_THAT(fault([](auto& o) { o.insertBelow = 1.5; }), Catch::Contains("insertBelow") && Catch::Contains("1.5"));

@@ -25,11 +25,11 @@ JudgeDifference compared(const Alignment& alignment, int grid, int radius, doubl
   std::vector<Texels> texels;
   for (const Image8* picture : alignment.pictures) texels.push_back(texelsOf(*picture));
   const JudgeInput input{mesh, texels};
-  const reference::AlignedPictures twinMesh{alignment.pictures, alignment.position, alignment.triangles};
+  const reference::AlignedPictures referenceMesh{alignment.pictures, alignment.position, alignment.triangles};
   std::mt19937 random(4);
   JudgeDifference agreement;
   for (int round = 0; round < rounds; ++round)
-    for (std::uint32_t point = 0; point < mesh.pointCount(); ++point) {
+    for (std::uint32_t point = 0; point < mesh.vertexCount(); ++point) {
       const std::size_t member = random() % mesh.memberCount();
       const auto way = [&] { return int(random() % std::uint32_t(2 * radius + 1)) - radius; };
       glm::ivec2 offset = glm::ivec2(way(), way()) / grid * grid;
@@ -39,7 +39,7 @@ JudgeDifference compared(const Alignment& alignment, int grid, int radius, doubl
         ++agreement.notWhole;
         continue;
       }
-      const reference::StarEcc twin = reference::starEcc(twinMesh, point, member, offset, varianceFloor);
+      const reference::StarEcc twin = reference::starEcc(referenceMesh, point, member, offset, varianceFloor);
       ++agreement.stars;
       for (std::size_t t = 0; t < twin.targets.size(); ++t)
         agreement.wrongCounts += judgement.targets[t].n != twin.targets[t].pixels;

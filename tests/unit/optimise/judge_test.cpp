@@ -46,9 +46,9 @@ TEST_CASE("every candidate has the reference's pixels and its ECC to 1e-5", "[N1
   const reference::AlignedPictures twin{planted.alignment.pictures, at, planted.alignment.triangles};
   double largest = 0;
   int judgedCandidates = 0;
-  for (std::uint32_t p = 0; p < mesh.pointCount(); p += 3)
+  for (std::uint32_t p = 0; p < mesh.vertexCount(); p += 3)
     for (std::size_t member = 0; member < at.size(); ++member) {
-      const int reach = reachOf(mesh, at, p, member, 640);
+      const int reach = maxMove(mesh, at, p, member, 640);
       if (reach == 0) continue;
       for (std::uint32_t m = 0; m < 12; ++m) {
         const glm::ivec2 offset = m == 0 ? glm::ivec2(0) : candidateOffset(mesh, at, p, member, reach, 99, m);
@@ -73,9 +73,9 @@ TEST_CASE("every candidate has the reference's pixels and its ECC to 1e-5", "[N1
 TEST_CASE("interior points keep their number of pixels for every candidate", "[N3]") {
   const Prepared p(2, 96, 5, 3.0, 31);
   const Positions& at = p.alignment().position;
-  for (std::uint32_t point = 0; point < p.mesh.pointCount(); ++point) {
+  for (std::uint32_t point = 0; point < p.mesh.vertexCount(); ++point) {
     if (p.mesh.border[point] != Border::interior) continue;
-    const int reach = reachOf(p.mesh, at, point, 1, 640);
+    const int reach = maxMove(p.mesh, at, point, 1, 640);
     const std::uint64_t pixels = judge({p.mesh, p.pictures}, at, point, 1, glm::ivec2(0)).pixels();
     for (std::uint32_t m = 1; m < 20; ++m)
       CHECK(judge({p.mesh, p.pictures}, at, point, 1, candidateOffset(p.mesh, at, point, 1, reach, 5, m)).pixels() ==
@@ -86,7 +86,7 @@ TEST_CASE("interior points keep their number of pixels for every candidate", "[N
 TEST_CASE("sums over all phases of pruned rows equal the full sums") {
   const Prepared p(3, 96, 4, 2.0, 32);
   const Positions& at = p.alignment().position;
-  for (std::uint32_t point = 0; point < p.mesh.pointCount(); ++point) {
+  for (std::uint32_t point = 0; point < p.mesh.vertexCount(); ++point) {
     const JudgeInput input{p.mesh, p.pictures};
     const Judgement whole = judge(input, at, point, 0, glm::ivec2(0));
     for (std::size_t t = 0; t < 2; ++t) {

@@ -14,12 +14,12 @@ namespace {
 
 __extension__ using Int128 = __int128;
 
-PreEcc tuple(const shader::EccScore& s) {
+EccMoments tuple(const shader::EccScore& s) {
   return {2, 0, 0, s.varianceX, s.varianceY, s.covariance};
 }
 
 bool agree(const shader::EccScore& a, const shader::EccScore& b) {
-  const PreEcc p = tuple(a), q = tuple(b);
+  const EccMoments p = tuple(a), q = tuple(b);
   return shader::eccGreater(a, b) == eccGreater({&p, 1}, {&q, 1}) &&
          shader::eccGreater(b, a) == eccGreater({&q, 1}, {&p, 1});
 }
@@ -27,13 +27,13 @@ bool agree(const shader::EccScore& a, const shader::EccScore& b) {
 // A star whose targets have these areas; sums in the shader's format and as tuples.
 struct Star {
   Judgement judgement;
-  std::vector<PreEcc> sums;
+  std::vector<EccMoments> sums;
 
   Star(std::mt19937& random, const std::vector<int>& areas, double deviation, double likeness) {
     std::normal_distribution<double> noise(0, 256 * deviation);
     for (const int area : areas) {
       shader::EccTarget& t = judgement.targets[std::size_t(judgement.count++)];
-      std::array<PreEcc, 3> channel;
+      std::array<EccMoments, 3> channel;
       for (int i = 0; i < area; ++i) {
         std::array<std::int64_t, 3> x{}, y{};
         for (std::size_t c = 0; c < 3; ++c) {

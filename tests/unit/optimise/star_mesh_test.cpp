@@ -31,9 +31,9 @@ Alignment fan(std::mt19937& random, int members, const Image8& picture) {
   }
   for (int k = 0; k < n; ++k) {
     const glm::uvec3 t(0, 1 + k, 1 + (k + 1) % n);
-    bool unfolded = true;
-    for (const auto& at : a.position) unfolded = unfolded && shader::eccArea(at[t.x], at[t.y], at[t.z]) > 0;
-    (unfolded ? a.triangles : a.kept).push_back(t);
+    bool isUnfolded = true;
+    for (const auto& at : a.position) isUnfolded = isUnfolded && shader::eccArea(at[t.x], at[t.y], at[t.z]) > 0;
+    (isUnfolded ? a.triangles : a.unevaluated).push_back(t);
   }
   return a;
 }
@@ -70,14 +70,14 @@ TEST_CASE("none of a million candidates folds a triangle over", "[N4][T8][P8]") 
     const Alignment a = fan(random, 2 + int(random() % 3), picture);
     const StarMesh mesh = starMeshOf(a);
     for (std::size_t member = 0; member < a.position.size(); ++member) {
-      const int reach = reachOf(mesh, a.position, 0, member, 640);
+      const int reach = maxMove(mesh, a.position, 0, member, 640);
       for (std::uint32_t m = 1; m < 64; ++m) {
         ++candidates;
         const glm::ivec2 offset = candidateOffset(mesh, a.position, 0, member, reach, std::uint32_t(random()), m);
         Positions at = a.position;
         at[member][0] += offset;
         if (!fits(mesh, a.position, 0, member, offset)) {
-          // Within reach, only triangles in `kept` may forbid an offset.
+          // Within reach, only triangles in `unevaluated` may forbid an offset.
           for (const glm::uvec3& t : a.triangles)
             if (!foldsSomewhere(a.position, t)) REQUIRE_FALSE(foldsSomewhere(at, t));
           continue;
@@ -85,7 +85,7 @@ TEST_CASE("none of a million candidates folds a triangle over", "[N4][T8][P8]") 
         moved += offset != glm::ivec2(0);
         for (const glm::uvec3& t : a.triangles)
           if (!foldsSomewhere(a.position, t)) REQUIRE_FALSE(foldsSomewhere(at, t));
-        for (const glm::uvec3& t : a.kept)
+        for (const glm::uvec3& t : a.unevaluated)
           for (std::size_t i = 0; i < at.size(); ++i)
             if (exactArea(a.position[i][t.x], a.position[i][t.y], a.position[i][t.z]) > 0)
               REQUIRE(exactArea(at[i][t.x], at[i][t.y], at[i][t.z]) > 0);
@@ -124,10 +124,10 @@ TEST_CASE("points of the border slide along the border, and corners of a hole do
 TEST_CASE("points of a class share no triangle, and every movable point is in a class") {
   const test::Planted planted = test::planted(3, 128, 8, 2.0, 2);
   const StarMesh mesh = starMeshOf(planted.alignment);
-  std::vector<int> classOf(mesh.pointCount(), -1);
+  std::vector<int> classOf(mesh.vertexCount(), -1);
   for (std::size_t c = 0; c + 1 < mesh.colours.first.size(); ++c)
     for (const std::uint32_t p : mesh.colours[c]) classOf[p] = int(c);
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) CHECK((classOf[p] < 0) == (mesh.border[p] == Border::fixed));
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) CHECK((classOf[p] < 0) == (mesh.border[p] == Border::fixed));
   for (const glm::uvec3& t : planted.alignment.triangles) {
     CHECK(classOf[t.x] != classOf[t.y]);
     CHECK(classOf[t.y] != classOf[t.z]);

@@ -49,7 +49,7 @@ struct Bent {
       const auto at = [&](std::size_t i, unsigned p) {
         return glm::dvec2(alignment.position[i][p]) / double(kAlignmentUnitsPerPixel);
       };
-      forPixelsIn(at(1, t.x), at(1, t.y), at(1, t.z), kSide, kSide, [&](int x, int y, const glm::dvec3& w) {
+      forTrianglePixels(at(1, t.x), at(1, t.y), at(1, t.z), kSide, kSide, [&](int x, int y, const glm::dvec3& w) {
         const glm::dvec3 colour = bilinear(planted.pictures[0], w.x * at(0, t.x) + w.y * at(0, t.y) + w.z * at(0, t.z));
         for (int c = 0; c < 3; ++c) planted.pictures[1].pixel(x, y)[std::size_t(c)] = std::uint8_t(colour[c] + 0.5);
       });
@@ -140,7 +140,7 @@ TEST_CASE("edge flips never fold a triangle over", "[N4][P8]") {
     const auto before = a.triangles;
     const std::vector<glm::uvec3> other{{0, 1, 3}, {1, 2, 3}};
     const bool may = !foldedAnywhere(a.position, other[0]) && !foldedAnywhere(a.position, other[1]);
-    if (flipEdges(a, texels, {.gain = -1, .mostPasses = 1, .threads = 1}) == 0) {
+    if (flipEdges(a, texels, {.gain = -1, .maxPasses = 1, .threads = 1}) == 0) {
       CHECK(a.triangles == before);
       refused += !may;
       continue;
@@ -160,7 +160,7 @@ TEST_CASE("edge flips never fold a triangle over", "[N4][P8]") {
 TEST_CASE("edge flips keep the number, area and border of triangles", "[N4]") {
   const auto flippedOften = [](int threads) {
     Bent bent;
-    flip(bent.alignment, {.gain = -1, .mostPasses = 7, .threads = threads});
+    flip(bent.alignment, {.gain = -1, .maxPasses = 7, .threads = threads});
     return bent.alignment.triangles;
   };
   const Bent bent;
@@ -190,7 +190,7 @@ TEST_CASE("edges of kept triangles and between movable and fixed points do not f
   REQUIRE(shared.size() == 2);
   bent.alignment.fixed.assign(bent.alignment.position[0].size(), 0);
   SECTION("edge of a kept triangle") {
-    bent.alignment.kept.push_back({shared[0], shared[1], 0});
+    bent.alignment.unevaluated.push_back({shared[0], shared[1], 0});
     CHECK(flip(bent.alignment) == 0);
   }
   SECTION("the new edge exists already") {
@@ -199,7 +199,7 @@ TEST_CASE("edges of kept triangles and between movable and fixed points do not f
       if (std::ranges::count(shared, s[k]) == 0) c = s[k];
       if (std::ranges::count(shared, t[k]) == 0) d = t[k];
     }
-    bent.alignment.kept.push_back({c, d, 0});
+    bent.alignment.unevaluated.push_back({c, d, 0});
     CHECK(flip(bent.alignment) == 0);
   }
   SECTION("one end fixed") {

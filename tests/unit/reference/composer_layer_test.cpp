@@ -114,7 +114,7 @@ TEST_CASE("triangles of tier 0 of a backdrop are hypotheses, trusted by confirma
   mesh.confirmations = {0, 1, 2, 3, 9};
   mesh.consensus = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.tier = {kTierAgrees, kTierRejected};
+  mesh.tier = {kTierConsistent, kTierRejected};
   const HypothesisMesh made = reference::hypothesisMesh(k, mesh);
   REQUIRE(made.triangles.size() == 1);
   CHECK(made.triangles[0] == glm::uvec3(0, 1, 2));

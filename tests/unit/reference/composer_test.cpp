@@ -175,7 +175,7 @@ TEST_CASE("tiers distinguish confirmed and completed depth") {
   const auto tier = [](const Composed& composed) {
     return (255 - composed.picture.pixel(kWidth / 2, kHeight / 2)[3]) / 64;
   };
-  CHECK(tier(stage.compose(kBetween)) == kTierAgrees);
+  CHECK(tier(stage.compose(kBetween)) == kTierConsistent);
   for (ComposerPhotograph& one : stage.photographs) std::ranges::fill(one.depth.confirmations.values, std::uint8_t(0));
   CHECK(tier(stage.compose(kBetween)) == kTierCompleted);
 }

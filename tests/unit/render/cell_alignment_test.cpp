@@ -57,7 +57,7 @@ FramePlan planOf(const Scene& scene, const Camera& view, const RenderSettings& s
 }
 
 double largestMisalignment(const Scene& scene, const FramePlan& plan, bool corrected) {
-  const std::vector<double> apart = misalignments(scene, sceneBounds(scene), plan, 0, corrected);
+  const std::vector<double> apart = misalignmentsPx(scene, sceneBounds(scene), plan, 0, corrected);
   REQUIRE(apart.size() > 50);
   return *std::ranges::max_element(apart);
 }
@@ -79,12 +79,12 @@ glm::dvec3 anyDirection(std::mt19937_64& random) {
 }
 
 // Planted matches of two meshes' points in front of the camera; `motion` displaces the second mesh.
-std::vector<SightPair> planted(const Motion& motion, std::size_t count, double nearness) {
+std::vector<ObservationPair> planted(const Motion& motion, std::size_t count, double nearness) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<SightPair> pairs;
+  std::vector<ObservationPair> pairs;
   for (std::size_t i = 0; i < count; ++i) {
-    const Sight from{glm::normalize(anyDirection(random) + glm::dvec3(0, 0, -1.5)), nearness * unit(random)};
+    const Observation from{glm::normalize(anyDirection(random) + glm::dvec3(0, 0, -1.5)), nearness * unit(random)};
     const glm::dvec3 to =
         rotationOf(motion) * from.direction + from.nearness * glm::dvec3(motion[3], motion[4], motion[5]);
     pairs.push_back({from, {glm::normalize(to), from.nearness}, 1});
@@ -102,7 +102,7 @@ double largestDifference(const Motion& a, const Motion& b) {
 
 TEST_CASE("a planted motion is found with a third of the pairs being outliers") {
   const Motion motion{0.004, -0.009, 0.006, 0.01, 0.02, -0.015};
-  std::vector<SightPair> pairs = planted(motion, 300, 1);
+  std::vector<ObservationPair> pairs = planted(motion, 300, 1);
   CHECK(largestDifference(fitMotion(pairs).motion, motion) < 3e-4);
   std::mt19937_64 random(9);
   for (std::size_t i = 0; i < pairs.size(); i += 3)  // a third are outliers: alike, or random
@@ -115,9 +115,9 @@ TEST_CASE("a planted motion is found with a third of the pairs being outliers") 
 }
 
 TEST_CASE("undetermined components of the motion stay zero") {
-  std::vector<SightPair> pairs(20, {{{0, 0, -1}, 0}, {{0, 0, -1}, 0}, 1});
+  std::vector<ObservationPair> pairs(20, {{{0, 0, -1}, 0}, {{0, 0, -1}, 0}, 1});
   CHECK(fitMotion(pairs).motion == Motion{});
-  for (SightPair& pair : pairs) pair.to.direction = glm::normalize(glm::dvec3(0.01, 0, -1));
+  for (ObservationPair& pair : pairs) pair.to.direction = glm::normalize(glm::dvec3(0.01, 0, -1));
   const Motion one = fitMotion(pairs).motion;
   CHECK(std::abs(one[1] + 0.01) < 1e-4);  // a turn about the up axis moves −z towards −x
   CHECK(largestDifference(one, {0, one[1]}) < 1e-9);
@@ -160,7 +160,7 @@ TEST_CASE("cells that differ because of a wrong pose agree after the correction"
   REQUIRE(plan.cells.size() == 2);
   CHECK(largestMisalignment(scene, plan, false) > 0.5);
   CHECK(largestMisalignment(scene, plan, true) < 0.1);
-  for (const PlannedCell& cell : plan.cells) CHECK(angleOf(cell.correction) < kLargestCorrection);
+  for (const PlannedCell& cell : plan.cells) CHECK(angleOf(cell.correction) < kMaxCorrectionRadians);
   RenderSettings settings;
   settings.alignCells = false;
   for (const PlannedCell& cell : planOf(scene, view, settings).cells) CHECK((cell.correction == Correction{}));
@@ -238,7 +238,7 @@ TEST_CASE("corrections are finite for any view") {
           cells.push_back({&scene.cells[c], bounds.anchors->of(scene)[c], {0.3, 0.3, 0.4}, 0.1 * double(c)});
         for (const Correction& correction : alignCells(scene, cells, place)) {
           CHECK(isFinite(correction));
-          CHECK(angleOf(correction) <= kLargestCorrection * 1.0001);
+          CHECK(angleOf(correction) <= kMaxCorrectionRadians * 1.0001);
         }
         for (const PlannedCell& cell : planOf(scene, view, settings).cells) CHECK(isFinite(cell.correction));
       }
@@ -291,7 +291,7 @@ TEST_CASE("corrected cells are culled only without a vertex in view or within th
     for (std::size_t i = 0; i < 3; ++i)
       shift += placement.weights[i] * (scene.nodes[cell.members[i]].camera.pose.position - eye);
     shift = corrected(correction, shift, eye);
-    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       glm::dvec3 direction = double(cell.mesh.inverseDistance[p]) * shift;
       for (std::size_t i = 0; i < 3; ++i) {
         const Camera& camera = scene.nodes[cell.members[i]].camera;

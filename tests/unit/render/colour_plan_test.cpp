@@ -28,15 +28,15 @@ FramePlan colours(FramePlan plan, double seconds, const PlanState& state) {
 
 TEST_CASE("a cell keeps its slot while it is drawn, and slots differ") {
   FramePlan plan = colours(planOf({7, 3, 9}), 0.02, {});
-  for (const PlannedCell& cell : plan.cells) CHECK(cell.colourFresh);
+  for (const PlannedCell& cell : plan.cells) CHECK(cell.colourTableIsNew);
   const std::uint32_t slotOf3 = plan.cells[1].colourSlot, slotOf9 = plan.cells[2].colourSlot;
   plan = colours(planOf({3, 5, 9, 11}), 0.02, plan.next);
   CHECK(plan.cells[0].colourSlot == slotOf3);
   CHECK(plan.cells[2].colourSlot == slotOf9);
-  CHECK_FALSE(plan.cells[0].colourFresh);
-  CHECK(plan.cells[1].colourFresh);
+  CHECK_FALSE(plan.cells[0].colourTableIsNew);
+  CHECK(plan.cells[1].colourTableIsNew);
   plan = colours(planOf({7}), 0.02, plan.next);
-  CHECK(plan.cells[0].colourFresh);  // absent for one frame
+  CHECK(plan.cells[0].colourTableIsNew);  // absent for one frame
   plan = colours(planOf({7}, ColourMapping::off), 0.02, plan.next);
   CHECK(plan.cells[0].colourSlot == kColourSlotCount);
   CHECK(plan.next.colourSlots.empty());
@@ -65,7 +65,7 @@ TEST_CASE("cells of the previous order keep their tables and slots") {
   next = colours(next, 0.02, plan.next);
   CHECK(next.previous[0].colourSlot == plan.cells[0].colourSlot);
   CHECK(next.previous[1].colourSlot == next.cells[0].colourSlot);
-  CHECK_FALSE(next.previous[0].colourFresh);
+  CHECK_FALSE(next.previous[0].colourTableIsNew);
   CHECK(next.previousWeight == 1);
 
   next = planOf({2, 4}, ColourMapping::paper);
@@ -111,7 +111,7 @@ TEST_CASE("the main table fades to the identity in equal steps, and restarts at 
     REQUIRE(frames < 100);
   }
   CHECK(frames == 20);
-  CHECK(state.colourFade == 0);
+  CHECK(state.colourFadeSecondsLeft == 0);
 }
 
 TEST_CASE("a time step of zero moves no table, and the first frame shows its target", "[N9][T18]") {
@@ -143,30 +143,30 @@ TEST_CASE("colours are counted every few frames, and at once for a new cell") {
   int counted = 0;
   for (int frame = 0; frame < 33; ++frame) {
     const FramePlan plan = colours(planOf({1, 2}), 0.02, state);
-    CHECK(plan.colour.counted == (frame % 8 == 0));
-    counted += plan.colour.counted;
+    CHECK(plan.colour.countHistograms == (frame % 8 == 0));
+    counted += plan.colour.countHistograms;
     state = plan.next;
   }
   CHECK(counted == 5);
-  CHECK_FALSE(colours(planOf({2, 1}), 0.02, state).colour.counted);  // the same cells in another order
-  CHECK(colours(planOf({1, 2, 3}), 0.02, state).colour.counted);
+  CHECK_FALSE(colours(planOf({2, 1}), 0.02, state).colour.countHistograms);  // the same cells in another order
+  CHECK(colours(planOf({1, 2, 3}), 0.02, state).colour.countHistograms);
   FramePlan always = planOf({1, 2});
   always.settings.colourPeriod = 1;
-  CHECK(colours(always, 0.02, state).colour.counted);
-  CHECK(colours(planOf({1, 2}, ColourMapping::paper), 0.02, state).colour.counted);
+  CHECK(colours(always, 0.02, state).colour.countHistograms);
+  CHECK(colours(planOf({1, 2}, ColourMapping::paper), 0.02, state).colour.countHistograms);
 }
 
 TEST_CASE("the main cell is drawn without a table once its table is the identity") {
   PlanState state;
   state.mainCell = 5;
   FramePlan plan = colours(planOf({1, 2}), 0.1, state);
-  CHECK(plan.colour.mainMapped);
+  CHECK(plan.colour.mainTableFading);
   for (int frame = 0; frame < 8; ++frame) {
     plan.next.mainCell = 1;
     plan = colours(planOf({1, 2}), 0.1, plan.next);
-    CHECK(plan.colour.mainMapped);
+    CHECK(plan.colour.mainTableFading);
   }
   plan = colours(planOf({1, 2}), 0.1, plan.next);
   CHECK(plan.colour.mainShare == 1);
-  CHECK_FALSE(plan.colour.mainMapped);
+  CHECK_FALSE(plan.colour.mainTableFading);
 }

@@ -95,7 +95,7 @@ TEST_CASE("the main cell contains the camera, and other cells follow by distance
     CHECK(std::accumulate(cell.view[0].blend.begin(), cell.view[0].blend.end(), 0.0) == Approx(1).epsilon(1e-15));
   }
   CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
-  CHECK(plan.culledByChoice == 0);
+  CHECK(plan.culledByMuting == 0);
 }
 
 TEST_CASE("cells behind the view are culled, cells in view never are") {
@@ -326,8 +326,8 @@ TEST_CASE("holes are not filled in a scene with a mask, and drawn cells stay the
       CHECK(maxTier(preset(name, kind)) == kTierCompleted);
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).cells.size() == filled.cells.size());
   RenderSettings few;
-  few.maxTier = kTierAgrees;
-  CHECK(maxTier(few) == kTierAgrees);
+  few.maxTier = kTierConsistent;
+  CHECK(maxTier(few) == kTierConsistent);
 }
 
 TEST_CASE("order changes fade, except with the paper's colour mapping") {
@@ -355,8 +355,8 @@ TEST_CASE("the hybrid draws at most two cells, and solo cells are drawn without 
   Scene scene = stackedGrid();
   for (const std::uint32_t n : {0u, 4u}) {
     Cell backdrop = cellOf(scene, {n});
-    backdrop.mesh.confirmations.assign(backdrop.mesh.pointCount(), 3);
-    backdrop.mesh.consensus.assign(backdrop.mesh.pointCount(), 0.9f);
+    backdrop.mesh.confirmations.assign(backdrop.mesh.vertexCount(), 3);
+    backdrop.mesh.consensus.assign(backdrop.mesh.vertexCount(), 0.9f);
     scene.nodes[n].depthFile = "depth.ktx2";
     scene.nodes[n].depthScale = 1;
     scene.backdrops.push_back(backdrop);
@@ -401,7 +401,7 @@ TEST_CASE("muted cells and cells outside a solo are not planned, and fade out an
   RenderSettings muted;
   muted.mutedCells = {second};
   const FramePlan without = plan(muted);
-  CHECK(without.culledByChoice == 1);
+  CHECK(without.culledByMuting == 1);
   CHECK(without.cells[1].cell == plan({}).cells[2].cell);
   RenderSettings few = muted;  // muted cells do not count for maxCells
   few.maxCells = 2;

@@ -116,7 +116,7 @@ TEST_CASE("towards a pole a pixel takes more taps, without gaps or steps") {
     const Pixel pixel = pixelAt({0, std::sin(latitude), -std::cos(latitude)}, size);
     const auto footprint = shader::panoramaFootprint(pixel.ray, pixel.dx, pixel.dy, {8192, 4096});
     REQUIRE(footprint.reach >= 0.0f);
-    REQUIRE(footprint.reach <= shader::kLargestPanoramaReach);
+    REQUIRE(footprint.reach <= shader::kMaxPanoramaReach);
     if (latitude < 0.8) REQUIRE(footprint.reach == 0.0f);
     REQUIRE(std::abs(footprint.reach - before) < 0.05f);
     before = footprint.reach;
@@ -124,12 +124,12 @@ TEST_CASE("towards a pole a pixel takes more taps, without gaps or steps") {
     const double covered = (1.5 + 2 * double(footprint.reach)) * double(footprint.spacing) * 8192;
     if (footprint.reach == 0.0f)
       REQUIRE(covered >= width * 0.99);
-    else if (footprint.reach < shader::kLargestPanoramaReach)
+    else if (footprint.reach < shader::kMaxPanoramaReach)
       REQUIRE(covered == Approx(width).epsilon(0.01));
     else
       REQUIRE(covered <= 8192 * 1.11);  // once around the pole
   }
-  CHECK(before == shader::kLargestPanoramaReach);
+  CHECK(before == shader::kMaxPanoramaReach);
   // If texels are larger than pixels, one tap interpolates.
   const Pixel fine = pixelAt({0, 0.5, -1}, 1e-4);
   CHECK(shader::panoramaFootprint(fine.ray, fine.dx, fine.dy, {8192, 4096}).reach == 0.0f);

@@ -54,7 +54,7 @@ Camera viewAt(glm::dvec3 position, double yaw = 0) {
 
 std::map<std::string, double> chosen(const Scene& scene, const Camera& view, std::size_t count = kCount) {
   std::map<std::string, double> weights;
-  for (const PlannedPhotograph& one : choosePhotographs(scene, gatherBounds(scene), {view}, view.pose, count))
+  for (const PlannedPhotograph& one : choosePhotographs(scene, gatherStatistics(scene), {view}, view.pose, count))
     CHECK(weights.emplace(scene.nodes[one.node].name, one.weight).second);
   return weights;
 }
@@ -149,7 +149,7 @@ TEST_CASE("both eyes share photographs chosen for either eye's view") {
   const Scene scene = photographed(6, 5);
   const Camera left = viewAt({1.0, 0.8, 0}, 0.2), right = viewAt({1.1, 0.8, 0}, -0.2);
   const Pose middle{{1.05, 0.8, 0}, glm::dquat(1, 0, 0, 0)};
-  CHECK(choosePhotographs(scene, gatherBounds(scene), {left, right}, middle, kCount).size() == kCount);
+  CHECK(choosePhotographs(scene, gatherStatistics(scene), {left, right}, middle, kCount).size() == kCount);
 }
 
 TEST_CASE("photographs without evidence or without a depth texture are not chosen") {
@@ -181,7 +181,7 @@ TEST_CASE("bounds of the gather are the median spacing, depth and residual") {
   scene.cells = {cell};
   scene.backdrops[0].mesh.confirmations = {0};  // unconfirmed depth does not count
   scene.backdrops[0].mesh.inverseDistance = {1e6f};
-  const GatherBounds bounds = gatherBounds(scene);
+  const GatherStatistics bounds = gatherStatistics(scene);
   CHECK(bounds.spacing == Approx(kSpacing).epsilon(0.2));
   CHECK(bounds.medianInverseDepth == Approx(0.25));
   CHECK(bounds.residualPx == Approx(0.7));

@@ -48,11 +48,11 @@ bool finite(const PlannedCell& cell) {
 bool finite(const FramePlan& plan) {
   bool all = std::isfinite(plan.previousWeight) && finite(plan.exposure) && std::isfinite(plan.nearDistance) &&
              std::isfinite(plan.colour.mainShare) && std::isfinite(plan.colour.share) && plan.colour.maxStep >= 0 &&
-             std::isfinite(plan.next.secondsSinceSwitch) && std::isfinite(plan.next.colourFade) &&
+             std::isfinite(plan.next.secondsSinceSwitch) && std::isfinite(plan.next.colourFadeSecondsLeft) &&
              (!plan.next.exposure || finite(*plan.next.exposure));
   for (const PlannedCell& cell : plan.cells) all = all && finite(cell);
   for (const PlannedCell& cell : plan.previous) all = all && finite(cell);
-  for (const ShownCell& cell : plan.next.cells) all = all && cell.opacity >= 0 && cell.opacity <= 1;
+  for (const DrawOrderEntry& cell : plan.next.cells) all = all && cell.opacity >= 0 && cell.opacity <= 1;
   return all;
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("extreme numbers in a scene are faults or leave its vertices finite", 
         continue;
       }
       ++valid;
-      for (std::size_t p = 0; p < scene.cells[0].mesh.pointCount(); ++p)
+      for (std::size_t p = 0; p < scene.cells[0].mesh.vertexCount(); ++p)
         if (const auto position = vertexPosition(scene, scene.cells[0], p)) CHECK(finite(*position));
       Camera view{pinholeFromFov(64, 48, 1), {}};
       CHECK(finite(planFrame(scene, sceneBounds(scene), {{view}, {}, 0.02})));

@@ -29,42 +29,42 @@ class Device {
     while (loads > 0) {
       const auto step = residency.next();
       if (!step) break;
-      if (step->kind == Step::Kind::makePage) {
-        REQUIRE_FALSE(pages_.contains(step->page));
-        pages_[step->page] = {step->photographClass, 0};
-      } else if (step->kind == Step::Kind::freePage) {
-        REQUIRE(pages_.contains(step->page));
-        REQUIRE(pages_[step->page].lastFrame <= completed);
-        pages_.erase(step->page);
+      if (step->kind == Step::Kind::makeArray) {
+        REQUIRE_FALSE(arrays_.contains(step->array));
+        arrays_[step->array] = {step->photographClass, 0};
+      } else if (step->kind == Step::Kind::freeArray) {
+        REQUIRE(arrays_.contains(step->array));
+        REQUIRE(arrays_[step->array].lastFrame <= completed);
+        arrays_.erase(step->array);
       } else {
-        REQUIRE(pages_.contains(step->page));
-        REQUIRE(step->layer < classes_[pages_[step->page].photographClass].pageLayers);
+        REQUIRE(arrays_.contains(step->array));
+        REQUIRE(step->layer < classes_[arrays_[step->array].photographClass].layersPerArray);
         // No unfinished frame may use the photograph that is in the slot.
-        const std::pair seat{step->page, step->layer};
-        REQUIRE(layerUse_[seat] <= completed);
-        layerUse_[seat] = pages_[step->page].lastFrame = number;
-        residency.arrived(step->photograph);
+        const std::pair slot{step->array, step->layer};
+        REQUIRE(layerUse_[slot] <= completed);
+        layerUse_[slot] = arrays_[step->array].lastFrame = number;
+        residency.finishLoad(step->photograph);
         ++loaded;
         --loads;
       }
       std::uint64_t bytes = 0;
-      for (const auto& [page, of] : pages_) bytes += classes_[of.photographClass].pageBytes;
-      REQUIRE(bytes == residency.pageBytes());
+      for (const auto& [array, of] : arrays_) bytes += classes_[of.photographClass].arrayBytes;
+      REQUIRE(bytes == residency.arrayBytes());
       REQUIRE(bytes <= budget_);
     }
     const Residency::Counts counts = residency.end();
-    std::set<std::pair<std::uint32_t, std::uint32_t>> seats;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> slots;
     std::uint32_t here = 0;
     for (std::size_t i = 0; i < wanted.size(); ++i)
       if (classOf_[wanted[i]] == Residency::kNone)
         here += i < needed;
-      else if (const auto seat = residency.seat(wanted[i])) {
-        REQUIRE(seats.insert({seat->page, seat->layer}).second);
+      else if (const auto slot = residency.slot(wanted[i])) {
+        REQUIRE(slots.insert({slot->array, slot->layer}).second);
         if (i >= needed) continue;
         ++here;
-        layerUse_[{seat->page, seat->layer}] = pages_[seat->page].lastFrame = number;
+        layerUse_[{slot->array, slot->layer}] = arrays_[slot->array].lastFrame = number;
       }
-    CHECK(here + counts.waiting + counts.withoutRoom + counts.failed == needed);
+    CHECK(here + counts.waiting + counts.overBudget + counts.failed == needed);
     return counts;
   }
 
@@ -79,7 +79,7 @@ class Device {
   std::vector<Residency::Class> classes_;
   std::vector<std::uint32_t> classOf_;
   std::uint64_t budget_;
-  std::map<std::uint32_t, PageOf> pages_;
+  std::map<std::uint32_t, PageOf> arrays_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> layerUse_;
 };
 
@@ -99,7 +99,7 @@ TEST_CASE("photographs that fit are loaded and stay") {
   Device device({{100, 4}}, ofOneClass(10), 250);  // two texture arrays of four layers
   CHECK(device.frame(range(0, 8), 3, 1, 0).waiting == 0);
   CHECK(device.loaded == 8);
-  for (std::uint32_t p = 0; p < 8; ++p) CHECK(device.residency.seat(p));
+  for (std::uint32_t p = 0; p < 8; ++p) CHECK(device.residency.slot(p));
   CHECK(device.frame(range(0, 8), 3, 2, 1).waiting == 0);
   CHECK(device.loaded == 8);
 }
@@ -107,18 +107,18 @@ TEST_CASE("photographs that fit are loaded and stay") {
 TEST_CASE("the most urgent photographs are loaded first") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   const auto counts = device.frame({7, 3, 9, 1}, 3, 1, 0, 2);
-  CHECK(device.residency.seat(7));
-  CHECK(device.residency.seat(3));
-  CHECK_FALSE(device.residency.seat(9));
+  CHECK(device.residency.slot(7));
+  CHECK(device.residency.slot(3));
+  CHECK_FALSE(device.residency.slot(9));
   CHECK(counts.waiting == 1);
-  CHECK(counts.withoutRoom == 0);
+  CHECK(counts.overBudget == 0);
 }
 
 TEST_CASE("a shown photograph is not displaced by photographs of lower rank") {
   Device device({{100, 4}}, ofOneClass(10), 100);
   device.frame(range(0, 4), 4, 1, 0);
   const auto counts = device.frame(range(0, 6), 6, 2, 1);
-  CHECK(counts.withoutRoom == 2);  // photographs 4 and 5
+  CHECK(counts.overBudget == 2);  // photographs 4 and 5
   CHECK(device.loaded == 4);
   device.frame(range(0, 8), 4, 3, 2);
   CHECK(device.loaded == 4);
@@ -138,23 +138,23 @@ TEST_CASE("a less urgent photograph is evicted for a more urgent one even if alw
   device.frame({1, 2}, 2, 1, 0);
   // The device is always two frames behind. 0 is more urgent than 1 and 2, which every frame shows as well.
   auto counts = device.frame({0, 1, 2}, 3, 2, 0);
-  CHECK(device.residency.seat(1));
-  CHECK_FALSE(device.residency.seat(2));  // its substitute is shown
+  CHECK(device.residency.slot(1));
+  CHECK_FALSE(device.residency.slot(2));  // its substitute is shown
   CHECK(counts.waiting == 2);
   counts = device.frame({0, 1, 2}, 3, 3, 1);
-  CHECK(device.residency.seat(0));
-  CHECK(device.residency.seat(1));
+  CHECK(device.residency.slot(0));
+  CHECK(device.residency.slot(1));
   CHECK(counts.waiting == 0);
-  CHECK(counts.withoutRoom == 1);
+  CHECK(counts.overBudget == 1);
   for (std::uint64_t frame = 4; frame < 8; ++frame) counts = device.frame({0, 1, 2}, 3, frame, frame - 2);
   CHECK(device.loaded == 3);  // the state is stable
-  CHECK(counts.withoutRoom == 1);
+  CHECK(counts.overBudget == 1);
 
   // A photograph that lost its slot gets the slot back without a load if the more urgent one is not requested.
   device.frame({2, 0, 1}, 3, 8, 6);
-  CHECK_FALSE(device.residency.seat(1));
+  CHECK_FALSE(device.residency.slot(1));
   device.frame({0, 1}, 2, 9, 7);
-  CHECK(device.residency.seat(1));
+  CHECK(device.residency.slot(1));
   CHECK(device.loaded == 3);
 }
 
@@ -163,12 +163,12 @@ TEST_CASE("the least recently shown photograph is evicted first") {
   for (std::uint32_t p = 0; p < 4; ++p) device.frame({p}, 1, p + 1, p);
   device.frame({0}, 1, 5, 4);  // 1 is the least recently used
   device.frame({8}, 1, 6, 5);
-  CHECK(device.residency.seat(0));
-  CHECK_FALSE(device.residency.seat(1));
+  CHECK(device.residency.slot(0));
+  CHECK_FALSE(device.residency.slot(1));
   device.frame({2}, 1, 7, 6);
   device.frame({1}, 1, 8, 7);
-  CHECK_FALSE(device.residency.seat(3));
-  CHECK(device.residency.seat(2));
+  CHECK_FALSE(device.residency.slot(3));
+  CHECK(device.residency.slot(2));
 }
 
 TEST_CASE("memory moves between classes, and no texture array is freed in vain") {
@@ -178,35 +178,35 @@ TEST_CASE("memory moves between classes, and no texture array is freed in vain")
   classOf[12] = 2;
   Device device({{100, 4}, {150, 1}, {1000, 1}}, classOf, 250);
   device.frame(range(0, 8), 8, 1, 0);
-  CHECK(device.residency.pageBytes() == 200);
+  CHECK(device.residency.arrayBytes() == 200);
   CHECK(device.frame({8}, 1, 2, 0).waiting == 1);  // frame 1 may be unfinished
   CHECK(device.frame({8}, 1, 3, 2).waiting == 0);
-  CHECK(device.residency.pageBytes() == 250);  // one small texture array was freed
-  CHECK(device.frame({12}, 1, 4, 3).withoutRoom == 1);
-  CHECK(device.residency.pageBytes() == 250);
-  CHECK(device.frame({8, 9}, 2, 5, 4).withoutRoom == 1);
+  CHECK(device.residency.arrayBytes() == 250);  // one small texture array was freed
+  CHECK(device.frame({12}, 1, 4, 3).overBudget == 1);
+  CHECK(device.residency.arrayBytes() == 250);
+  CHECK(device.frame({8, 9}, 2, 5, 4).overBudget == 1);
   CHECK(device.frame(range(0, 8), 8, 6, 5).waiting == 0);
-  CHECK_FALSE(device.residency.seat(8));
+  CHECK_FALSE(device.residency.slot(8));
 }
 
 TEST_CASE("unstreamed and unreadable photographs and a refused allocation are handled") {
   Residency residency({{100, 2}}, {Residency::kNone, 0, 0, 0, 0}, 1000);
   residency.begin(std::vector<std::uint32_t>{0, 1, 2, 3, 4}, 4, 1, 0);
-  CHECK(residency.next()->kind == Step::Kind::makePage);
+  CHECK(residency.next()->kind == Step::Kind::makeArray);
   auto step = residency.next();
   REQUIRE(step->kind == Step::Kind::load);
   CHECK(step->photograph == 1);
   residency.failed(1);
   step = residency.next();
   CHECK(step->photograph == 2);
-  residency.arrived(2);
+  residency.finishLoad(2);
   step = residency.next();
   CHECK(step->photograph == 3);
-  residency.arrived(3);
+  residency.finishLoad(3);
   step = residency.next();
-  REQUIRE(step->kind == Step::Kind::makePage);
-  residency.pageRefused(step->page);
-  CHECK(residency.pageBytes() == 100);
+  REQUIRE(step->kind == Step::Kind::makeArray);
+  residency.allocationFailed(step->array);
+  CHECK(residency.arrayBytes() == 100);
   CHECK_FALSE(residency.next());
   const auto counts = residency.end();
   CHECK(counts.failed == 1);
@@ -215,7 +215,7 @@ TEST_CASE("unstreamed and unreadable photographs and a refused allocation are ha
   step = residency.next();  // replaces another photograph: the budget is the memory that could be allocated
   REQUIRE(step->kind == Step::Kind::load);
   CHECK(step->photograph == 4);
-  residency.arrived(4);
+  residency.finishLoad(4);
   CHECK(residency.end().failed == 1);
 }
 

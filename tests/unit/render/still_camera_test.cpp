@@ -90,7 +90,7 @@ TEST_CASE("a still camera's plan reaches a fixed point within five times switchS
     settings.alignCells = random() % 5 == 0;
     settings.extrapolationLimit = uniform(random, 0.5, 3);
     const double dt = std::array{1.0 / 90, 1.0 / 30, 0.1}[random() % 3];
-    const int mostFrames = 1 + int(std::ceil(settings.switchSeconds / dt)) * 5;
+    const int maxFrames = 1 + int(std::ceil(settings.switchSeconds / dt)) * 5;
     PlanState walked;
     glm::dvec3 position(1, 0, 1);
     double yaw = 0, pitch = 0;
@@ -108,12 +108,12 @@ TEST_CASE("a still camera's plan reaches a fixed point within five times switchS
       }
       PlanState state = walked;
       int frames = 0;
-      for (PlanState next = planFrom(state); frames < mostFrames && next != state; next = planFrom(state)) {
+      for (PlanState next = planFrom(state); frames < maxFrames && next != state; next = planFrom(state)) {
         state = std::move(next);
         ++frames;
       }
       CAPTURE(seed, place, dt, settings.alignCells, settings.maxCells);
-      CHECK(frames < mostFrames);
+      CHECK(frames < maxFrames);
     }
   }
 }

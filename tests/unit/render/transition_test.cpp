@@ -13,29 +13,29 @@ namespace {
 
 using Order = std::vector<std::uint32_t>;
 
-std::vector<ShownCell> show(const std::vector<ShownCell>& before, const Order& cells, double step, bool hidden = true,
-                            bool visible = true) {
-  return showCells(before, {cells, [=](std::uint32_t) { return hidden; }, [=](std::uint32_t) { return visible; }},
-                   step);
+std::vector<DrawOrderEntry> show(const std::vector<DrawOrderEntry>& before, const Order& cells, double step,
+                                 bool hidden = true, bool visible = true) {
+  return advanceFades(before, {cells, [=](std::uint32_t) { return hidden; }, [=](std::uint32_t) { return visible; }},
+                      step);
 }
 
-Order staying(const std::vector<ShownCell>& shown) {
+Order staying(const std::vector<DrawOrderEntry>& shown) {
   Order order;
-  for (const ShownCell& s : shown)
+  for (const DrawOrderEntry& s : shown)
     if (!s.fadingOut) order.push_back(s.cell);
   return order;
 }
 
-std::size_t leavingCount(const std::vector<ShownCell>& shown) {
+std::size_t leavingCount(const std::vector<DrawOrderEntry>& shown) {
   return shown.size() - staying(shown).size();
 }
 
 // Share of each cell in a pixel that all cells cover, front to back. Copies of a cell use the same noise, so the second
 // copy adds only the difference of the opacities.
-std::map<std::uint32_t, double> shares(const std::vector<ShownCell>& shown) {
+std::map<std::uint32_t, double> shares(const std::vector<DrawOrderEntry>& shown) {
   std::map<std::uint32_t, double> share;
   double covered = 0;  // all cells use one noise: the covered share is the largest opacity so far
-  for (const ShownCell& s : shown) {
+  for (const DrawOrderEntry& s : shown) {
     share[s.cell] += std::max(0.0, s.opacity - covered);
     covered = std::max(covered, s.opacity);
   }
@@ -47,50 +47,50 @@ std::map<std::uint32_t, double> shares(const std::vector<ShownCell>& shown) {
 TEST_CASE("above other content the first cell fades in, and the last cell fades out") {
   const auto hidden = [](std::uint32_t) { return true; };
   const Order one{7}, none;
-  const std::vector<ShownCell> in = showCells({}, {one, hidden, hidden, true}, 0.25);
-  CHECK(in == std::vector<ShownCell>{{7, 0.25, false}});
-  CHECK(showCells({}, {one, hidden, hidden, false}, 0.25) == std::vector<ShownCell>{{7, 1, false}});
-  const std::vector<ShownCell> whole{{7, 1, false}};
-  CHECK(showCells(whole, {none, hidden, hidden, true}, 0.25) == std::vector<ShownCell>{{7, 0.75, true}});
+  const std::vector<DrawOrderEntry> in = advanceFades({}, {one, hidden, hidden, true}, 0.25);
+  CHECK(in == std::vector<DrawOrderEntry>{{7, 0.25, false}});
+  CHECK(advanceFades({}, {one, hidden, hidden, false}, 0.25) == std::vector<DrawOrderEntry>{{7, 1, false}});
+  const std::vector<DrawOrderEntry> whole{{7, 1, false}};
+  CHECK(advanceFades(whole, {none, hidden, hidden, true}, 0.25) == std::vector<DrawOrderEntry>{{7, 0.75, true}});
 }
 
 TEST_CASE("an unchanged order is shown without fading") {
-  const std::vector<ShownCell> first = show({}, {4, 2, 7}, 0.1);
-  CHECK(first == std::vector<ShownCell>{{4, 1, false}, {2, 1, false}, {7, 1, false}});
+  const std::vector<DrawOrderEntry> first = show({}, {4, 2, 7}, 0.1);
+  CHECK(first == std::vector<DrawOrderEntry>{{4, 1, false}, {2, 1, false}, {7, 1, false}});
   CHECK(show(first, {4, 2, 7}, 0.1) == first);
 }
 
 TEST_CASE("a cell that moves back fades out at its old rank and is opaque at its new rank") {
-  std::vector<ShownCell> shown = show({}, {1, 2, 3}, 0.25);
+  std::vector<DrawOrderEntry> shown = show({}, {1, 2, 3}, 0.25);
   shown = show(shown, {2, 3, 1}, 0.25);
-  CHECK(shown == std::vector<ShownCell>{{1, 0.75, true}, {2, 1, false}, {3, 1, false}, {1, 1, false}});
+  CHECK(shown == std::vector<DrawOrderEntry>{{1, 0.75, true}, {2, 1, false}, {3, 1, false}, {1, 1, false}});
   for (int i = 0; i < 3; ++i) shown = show(shown, {2, 3, 1}, 0.25);
-  CHECK(shown == std::vector<ShownCell>{{2, 1, false}, {3, 1, false}, {1, 1, false}});
+  CHECK(shown == std::vector<DrawOrderEntry>{{2, 1, false}, {3, 1, false}, {1, 1, false}});
 }
 
 TEST_CASE("a cell that moves forward fades in, and stays at its old rank until then") {
-  std::vector<ShownCell> shown = show({}, {1, 2, 3, 4, 5}, 0.25);
+  std::vector<DrawOrderEntry> shown = show({}, {1, 2, 3, 4, 5}, 0.25);
   shown = show(shown, {5, 1, 2, 3, 4}, 0.25);
-  CHECK(shown.front() == ShownCell{5, 0.25, false});
-  CHECK(shown.back() == ShownCell{5, 1, true});
+  CHECK(shown.front() == DrawOrderEntry{5, 0.25, false});
+  CHECK(shown.back() == DrawOrderEntry{5, 1, true});
   for (int i = 0; i < 3; ++i) shown = show(shown, {5, 1, 2, 3, 4}, 0.25);
-  CHECK(shown.front() == ShownCell{5, 1, false});
+  CHECK(shown.front() == DrawOrderEntry{5, 1, false});
   CHECK(leavingCount(shown) == 0);
 }
 
 TEST_CASE("with no previous cell in view hidden cells are shown at once") {
-  const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
-  CHECK(show(before, {3, 4}, 0.25, true, false) == std::vector<ShownCell>{{3, 1, false}, {4, 1, false}});
+  const std::vector<DrawOrderEntry> before = show({}, {1, 2}, 0.25);
+  CHECK(show(before, {3, 4}, 0.25, true, false) == std::vector<DrawOrderEntry>{{3, 1, false}, {4, 1, false}});
   CHECK(show(before, {}, 0.25, true, false).empty());
-  CHECK(show(before, {3, 1}, 0.25, true, false) == std::vector<ShownCell>{{3, 0.25, false}, {1, 1, false}});
+  CHECK(show(before, {3, 1}, 0.25, true, false) == std::vector<DrawOrderEntry>{{3, 0.25, false}, {1, 1, false}});
 }
 
 TEST_CASE("omitted cells fade in, cells entering the view show at once, and cells out of view vanish") {
-  const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
-  CHECK(show(before, {1, 3}, 0.25, true) == std::vector<ShownCell>{{1, 1, false}, {2, 1, true}, {3, 0.25, false}});
-  CHECK(show(before, {1, 3}, 0.25, false, false) == std::vector<ShownCell>{{1, 1, false}, {3, 1, false}});
-  CHECK(show(before, {3}, 1.0) == std::vector<ShownCell>{{3, 1, false}});
-  CHECK(show(before, {1}, 0.25) == std::vector<ShownCell>{{1, 1, false}, {2, 0.75, true}});
+  const std::vector<DrawOrderEntry> before = show({}, {1, 2}, 0.25);
+  CHECK(show(before, {1, 3}, 0.25, true) == std::vector<DrawOrderEntry>{{1, 1, false}, {2, 1, true}, {3, 0.25, false}});
+  CHECK(show(before, {1, 3}, 0.25, false, false) == std::vector<DrawOrderEntry>{{1, 1, false}, {3, 1, false}});
+  CHECK(show(before, {3}, 1.0) == std::vector<DrawOrderEntry>{{3, 1, false}});
+  CHECK(show(before, {1}, 0.25) == std::vector<DrawOrderEntry>{{1, 1, false}, {2, 0.75, true}});
   CHECK(show(before, {}, 0.25).size() == 2);
   CHECK(show(before, {3}, 0.0).size() == 3);
 }
@@ -101,10 +101,11 @@ TEST_CASE("random orders of cells are reached without holes, duplicates or jumps
   Order all(12);
   std::iota(all.begin(), all.end(), 0u);
   const bool hurried = GENERATE(false, true);  // orders change before earlier fades have ended
-  std::vector<ShownCell> shown = show({}, {0, 1, 2, 3}, step);
+  std::vector<DrawOrderEntry> shown = show({}, {0, 1, 2, 3}, step);
   for (int frame = 0; frame < 2000; ++frame) {
     Order wanted = staying(shown);
-    const bool quiet = std::ranges::all_of(shown, [](const ShownCell& s) { return s.opacity == 1 && !s.fadingOut; });
+    const bool quiet =
+        std::ranges::all_of(shown, [](const DrawOrderEntry& s) { return s.opacity == 1 && !s.fadingOut; });
     if (random() % 5 == 0 && (hurried || quiet)) {
       std::shuffle(all.begin(), all.end(), random);
       wanted.assign(all.begin(), all.begin() + 1 + random() % 6);
@@ -113,7 +114,7 @@ TEST_CASE("random orders of cells are reached without holes, duplicates or jumps
     shown = show(shown, wanted, step);
     REQUIRE(staying(shown) == wanted);
     REQUIRE(leavingCount(shown) <= kMaxFadingOutCount);
-    for (const ShownCell& s : shown) REQUIRE((s.opacity > 0 && s.opacity <= 1));
+    for (const DrawOrderEntry& s : shown) REQUIRE((s.opacity > 0 && s.opacity <= 1));
     double covered = 0;  // kMaxFadingOutCount is not reached
     auto after = shares(shown);
     for (const auto& [cell, share] : after) covered += share;
@@ -127,7 +128,7 @@ TEST_CASE("random orders of cells are reached without holes, duplicates or jumps
 }
 
 TEST_CASE("at most kMaxFadingOutCount cells fade out at once") {
-  std::vector<ShownCell> shown = show({}, {0}, 0.01);
+  std::vector<DrawOrderEntry> shown = show({}, {0}, 0.01);
   for (std::uint32_t c = 1; c < 40; ++c) {
     shown = show(shown, {c}, 0.01);
     CHECK(leavingCount(shown) <= kMaxFadingOutCount);

@@ -65,12 +65,12 @@ std::set<std::string> kinds(const CaptureAdvice& advice) {
 
 std::vector<std::string> sentences(const CaptureAdvice& advice) {
   std::vector<std::string> list;
-  for (const Advice& one : advice.advice) list.push_back(one.sentence + ' ' + one.remedy);
+  for (const Advice& one : advice.advice) list.push_back(one.problem + ' ' + one.remedy);
   return list;
 }
 
 void checkViews(const Scene& scene, const CaptureAdvice& advice) {
-  CHECK(advice.shownThen >= advice.shown);
+  CHECK(advice.coverageWithViews >= advice.coverage);
   double last = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < advice.views.size(); ++i) {
     const NextView& view = advice.views[i];
@@ -79,7 +79,7 @@ void checkViews(const Scene& scene, const CaptureAdvice& advice) {
     CHECK(view.gain <= last + 1e-9);
     last = view.gain;
     CHECK(!view.where.empty());
-    CHECK(!view.beside.empty());
+    CHECK(!view.referenceNodes.empty());
     CHECK(std::isfinite(glm::length(pose.position)));
     CHECK(std::abs(glm::length(pose.rotation) - 1) < 1e-9);
     CHECK(viewAxis(pose).y > 0.9);  // towards the wall
@@ -96,15 +96,15 @@ TEST_CASE("a good capture gives no advice and ten next-best views") {
   const CaptureAdvice advice = adviseCapture(scene);
   CHECK(sentences(advice).empty());
   CHECK(advice.views.size() == 10);
-  CHECK(advice.shown > 0.85);
+  CHECK(advice.coverage > 0.85);
   checkViews(scene, advice);
   // A view's gain excludes the gains of previous views, so the gains add up to the growth of the shown share.
   const CaptureAdvice first = adviseCapture(scene, {.views = 1});
   REQUIRE(first.views.size() == 1);
   double gains = 0;
   for (const NextView& view : advice.views) gains += view.gain;
-  CHECK((advice.shownThen - advice.shown) / gains ==
-        Approx((first.shownThen - first.shown) / first.views[0].gain).epsilon(1e-4));
+  CHECK((advice.coverageWithViews - advice.coverage) / gains ==
+        Approx((first.coverageWithViews - first.coverage) / first.views[0].gain).epsilon(1e-4));
   CHECK(adviseCapture(scene, {.views = 3}).views.size() == 3);
   CHECK(adviseCapture(scene, {.views = 0}).views.empty());
 }
@@ -118,7 +118,7 @@ TEST_CASE("neighbours too far apart are named, and the next-best view is between
   REQUIRE(advice.advice.size() == 2);
   CHECK_THAT(sentences(advice)[0] + sentences(advice)[1],
              Contains("view1") && Contains("view2") && Contains("view5") && Contains("view6"));
-  CHECK(advice.advice[0].figure < 0.75);
+  CHECK(advice.advice[0].value < 0.75);
   REQUIRE(!advice.views.empty());
   CHECK(advice.views[0].camera.pose.position.x > 0.6);
   CHECK(advice.views[0].camera.pose.position.x < 2.9);
@@ -134,8 +134,8 @@ TEST_CASE("neighbours too far apart are named, and the next-best view is between
     CHECK(kinds(apart) == std::set<std::string>{"apart"});
     REQUIRE(apart.advice.size() == 1);
     CHECK(apart.advice[0].severity == Severity::serious);
-    CHECK(apart.advice[0].figure == 4);
-    CHECK_THAT(apart.advice[0].sentence, Contains("4") && Contains("view"));
+    CHECK(apart.advice[0].value == 4);
+    CHECK_THAT(apart.advice[0].problem, Contains("4") && Contains("view"));
     CHECK(apart.views[0].camera.pose.position.x > 0.6);
   }
   SECTION("neighbours connected through other photographs form a hole") {
@@ -147,7 +147,7 @@ TEST_CASE("neighbours too far apart are named, and the next-best view is between
     CHECK(kinds(hole) == std::set<std::string>{"hole"});
     REQUIRE(hole.advice[0].nodes.size() == 2);
     for (const std::uint32_t node : hole.advice[0].nodes)
-      CHECK_THAT(hole.advice[0].sentence, Contains("view" + std::to_string(node)));
+      CHECK_THAT(hole.advice[0].problem, Contains("view" + std::to_string(node)));
   }
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("a remedy of one or two photographs agrees with the next-best views") 
       if (one.kind != AdviceKind::wide) continue;
       std::size_t thirds = 0, halves = 0;
       for (const NextView& view : advice.views) {
-        const std::set<std::uint32_t> beside(view.beside.begin(), view.beside.end());
+        const std::set<std::uint32_t> beside(view.referenceNodes.begin(), view.referenceNodes.end());
         if (beside != std::set<std::uint32_t>(one.nodes.begin(), one.nodes.end())) continue;
         thirds += view.where.find("third") != std::string::npos;
         halves += view.where.find("halfway") != std::string::npos;
@@ -184,12 +184,12 @@ TEST_CASE("too few photographs, or photographs from one position, are reported")
   Scene turned = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}, {1, 2}}).scene;
   for (Node& node : turned.nodes) node.camera.pose.position = {0, 0, 0};
   CHECK(kinds(adviseCapture(turned)) == std::set<std::string>{"turned"});
-  turned.unused = {{"elsewhere.jpg", "the poses do not know it"}};
+  turned.unusedPhotographs = {{"elsewhere.jpg", "the poses do not know it"}};
   CHECK(kinds(adviseCapture(turned)) == std::set<std::string>{"turned", "unused"});
 
   Scene loose = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}}).scene;
   loose.cells.clear();
-  loose.unused = {{"view1", "it shares nothing"}, {"elsewhere.jpg", "the poses do not know it"}};
+  loose.unusedPhotographs = {{"view1", "it shares nothing"}, {"elsewhere.jpg", "the poses do not know it"}};
   const CaptureAdvice unjoined = adviseCapture(loose);
   CHECK(kinds(unjoined) == std::set<std::string>{"tooFew", "unused"});
   CHECK_THAT(sentences(unjoined)[0], Contains("3"));
@@ -215,16 +215,17 @@ TEST_CASE("a defect of one photograph is reported for this photograph only") {
     INFO(Catch::StringMaker<std::vector<std::string>>::convert(sentences(advice)));
     CHECK(kinds(advice) == std::set<std::string>{kind});
     REQUIRE(advice.advice.size() == 1);
-    CHECK_THAT(advice.advice[0].sentence, Contains(name));
+    CHECK_THAT(advice.advice[0].problem, Contains(name));
     CHECK(!advice.advice[0].remedy.empty());
   };
   SECTION("the photograph is not used") {
-    scene.unused = {{"last.jpg", kNotRegistered}};
+    scene.unusedPhotographs = {{"last.jpg", kNotRegistered}};
     only("unused", "last.jpg");
     only("unused", kNotRegistered);
-    scene.unused = {{"last.heic", "HEIC files are not read: convert them"}};  // the reason contains the remedy
+    scene.unusedPhotographs = {
+        {"last.heic", "HEIC files are not read: convert them"}};  // the reason contains the remedy
     const Advice told = adviseCapture(scene).advice.at(0);
-    CHECK_THAT(told.sentence, Contains("last.heic") && Contains("HEIC files are not read: convert them"));
+    CHECK_THAT(told.problem, Contains("last.heic") && Contains("HEIC files are not read: convert them"));
     CHECK(told.remedy.empty());
   }
   SECTION("the photograph repeats another") {
@@ -267,8 +268,8 @@ TEST_CASE("a viewing direction missing at a capture site is reported with a neig
   CHECK(kinds(advice) == std::set<std::string>{"direction", "row"});
   REQUIRE(advice.advice[0].nodes.size() == 2);
   for (const std::uint32_t node : advice.advice[0].nodes)
-    CHECK_THAT(advice.advice[0].sentence, Contains("view" + std::to_string(node)));
-  CHECK_THAT(advice.advice[0].sentence, Contains("view2"));
+    CHECK_THAT(advice.advice[0].problem, Contains("view" + std::to_string(node)));
+  CHECK_THAT(advice.advice[0].problem, Contains("view2"));
   CHECK(std::ranges::any_of(advice.views, [&](const NextView& v) {
     return v.where.find("view2") != v.where.npos &&
            glm::distance(v.camera.pose.position, cameras[2].pose.position) < 1e-6;
@@ -283,8 +284,8 @@ TEST_CASE("exposure jumps are detected from the gains") {
   const CaptureAdvice advice = adviseCapture(made.scene);
   REQUIRE(advice.advice.size() == 1);
   CHECK(advice.advice[0].kind == AdviceKind::exposure);
-  CHECK_THAT(advice.advice[0].sentence, Contains("view2") && Contains("2.0") && Contains("darker"));
-  CHECK(advice.advice[0].figure == Approx(-2).margin(0.02));
+  CHECK_THAT(advice.advice[0].problem, Contains("view2") && Contains("2.0") && Contains("darker"));
+  CHECK(advice.advice[0].value == Approx(-2).margin(0.02));
   CHECK((advice.advice[0].nodes == std::vector<std::uint32_t>{2}));
   made.scene.nodes[2].gain = glm::dvec3(0.25);
   CHECK_THAT(sentences(adviseCapture(made.scene))[0], Contains("2.0") && Contains("brighter"));
@@ -321,7 +322,7 @@ TEST_CASE("blur is detected from the textures") {
     CHECK(kinds(advice) == std::set<std::string>{"blurred"});
     REQUIRE(advice.advice.size() == 1);
     CHECK_THAT(sentences(advice)[0], Contains("view2"));
-    CHECK(adviseCapture(made.scene, {.pictures = false}).advice.empty());
+    CHECK(adviseCapture(made.scene, {.readTextures = false}).advice.empty());
   }
   SECTION("textures that cannot be read are ignored") {
     writeFile(folder.path() / made.scene.nodes[2].textureFile, std::string_view("no texture"));
@@ -356,7 +357,7 @@ TEST_CASE("advice does not depend on the order of nodes and cells or on the worl
 
   for (const CaptureAdvice& after : {reversed, elsewhere}) {
     CHECK(sentences(after) == sentences(before));
-    CHECK(after.shown == Approx(before.shown).epsilon(1e-3));
+    CHECK(after.coverage == Approx(before.coverage).epsilon(1e-3));
     REQUIRE(after.views.size() == before.views.size());
     for (std::size_t i = 0; i < after.views.size(); ++i)
       CHECK(after.views[i].gain == Approx(before.views[i].gain).epsilon(0.02));
@@ -371,11 +372,11 @@ TEST_CASE("a scene with a fault is refused, a scene at infinity is not") {
 
   Scene far = ofWall(grid(3, 0.5), gridCells(3)).scene;
   for (Cell& cell : far.cells) {
-    cell.mesh.inverseDistance.assign(cell.mesh.pointCount(), 0.0f);
+    cell.mesh.inverseDistance.assign(cell.mesh.vertexCount(), 0.0f);
     for (auto& ratio : cell.mesh.ratio) ratio.assign(ratio.size(), 1.0f);
   }
   const CaptureAdvice advice = adviseCapture(far);
   CHECK(sentences(advice).empty());
-  CHECK(advice.shown == 1);
+  CHECK(advice.coverage == 1);
   CHECK(advice.views.empty());
 }

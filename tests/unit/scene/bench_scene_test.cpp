@@ -91,7 +91,7 @@ TEST_CASE("photographs of a bench scene agree at matches, and are not flat") {
   const MorphMesh& mesh = scene.cells[0].mesh;
   const auto at = [&](const Image8& image, glm::vec2 pixel) { return int(image.pixel(int(pixel.x), int(pixel.y))[1]); };
   double difference = 0, variation = 0;
-  const std::size_t count = mesh.pointCount();
+  const std::size_t count = mesh.vertexCount();
   for (std::size_t p = 0; p < count; ++p) {
     difference += std::abs(at(first[0], mesh.match[0][p]) - at(second[0], mesh.match[1][p]));
     variation += std::abs(at(first[0], mesh.match[0][p]) - at(first[0], mesh.match[0][(p + count / 3) % count]));

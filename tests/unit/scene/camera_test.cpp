@@ -215,8 +215,9 @@ TEST_CASE("rays of a panorama pass through pixel centres", "[N10][T20]") {
 
 TEST_CASE("the exposure of a photograph is positive or unknown", "[N16]") {
   for (const double value : test::kExtremes)
-    for (double CaptureFacts::*field : {&CaptureFacts::exposureTime, &CaptureFacts::fNumber, &CaptureFacts::iso}) {
-      CaptureFacts facts{0.01, 8, 100, 0, 0, "", "", ""};
+    for (double CaptureMetadata::*field :
+         {&CaptureMetadata::exposureTime, &CaptureMetadata::fNumber, &CaptureMetadata::iso}) {
+      CaptureMetadata facts{0.01, 8, 100, 0, 0, "", "", ""};
       facts.*field = value;
       INFO(value);
       const auto exposure = relativeExposure(facts);

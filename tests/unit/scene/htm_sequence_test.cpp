@@ -42,7 +42,7 @@ struct Video {
   }
 };
 
-HtmPicture picture(const HtmModel& model, std::size_t) {
+HtmImage picture(const HtmModel& model, std::size_t) {
   return {Image8(10, 10, 3, std::uint8_t(std::stoi(model.cameras[0].name))), {}};
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("times map to their frames") {
 
 TEST_CASE("frames can be requested in any order") {
   const Video video;
-  HtmSequence sequence(video.folder.path(), picture, {.ahead = 2});
+  HtmSequence sequence(video.folder.path(), picture, {.framesAhead = 2});
   for (const std::size_t k : {0u, 1u, 2u, 5u, 0u, 3u, 3u, 2u, 4u, 1u}) {
     const auto frame = sequence.frame(k);
     CHECK(frame->model.cameras[0].name == std::to_string(k));
@@ -153,17 +153,17 @@ TEST_CASE("frames can be requested in any order") {
 
 TEST_CASE("the next frames are loaded before they are requested") {
   const Video video;
-  HtmSequence sequence(video.folder.path(), picture, {.ahead = 2});
+  HtmSequence sequence(video.folder.path(), picture, {.framesAhead = 2});
   CHECK(sequence.counts().loads == 0);
   sequence.frame(4);
-  waitFor([&] { return sequence.counts().kept == 3; });  // 4, 5 and, after wrapping around, 0
+  waitFor([&] { return sequence.counts().cachedFrames == 3; });  // 4, 5 and, after wrapping around, 0
   for (const std::size_t k : {4u, 5u, 0u}) CHECK(sequence.tryFrame(k) != nullptr);
   waitFor([&] { return sequence.counts().loads == 5; });  // 1 and 2 are loaded too, and no frame twice
-  HtmSequence last(video.folder.path(), picture, {.ahead = 2});
+  HtmSequence last(video.folder.path(), picture, {.framesAhead = 2});
   last.frame(5);
-  waitFor([&] { return last.counts().kept == 3; });
+  waitFor([&] { return last.counts().cachedFrames == 3; });
   CHECK(last.tryFrame(0) != nullptr);
-  HtmSequence once(video.folder.path(), picture, {.ahead = 2, .loop = false});
+  HtmSequence once(video.folder.path(), picture, {.framesAhead = 2, .loop = false});
   once.frame(5);
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   CHECK(once.counts().loads == 1);
@@ -173,7 +173,7 @@ TEST_CASE("memory stays within the budget") {
   const Video video;
   std::uint64_t one = 0;
   {
-    HtmSequence sequence(video.folder.path(), picture, {.ahead = 0});
+    HtmSequence sequence(video.folder.path(), picture, {.framesAhead = 0});
     one = sequence.frame(0)->bytes();
     CHECK(sequence.counts().bytes == one);
     CHECK(one > 300 + 8 * 32);
@@ -185,19 +185,19 @@ TEST_CASE("memory stays within the budget") {
                     roomIsThere = roomIsThere && self->counts().bytes <= one + one / 2;
                     return picture(model, camera);
                   },
-                  {.ahead = 5, .budgetBytes = 2 * one + one / 2});
+                  {.framesAhead = 5, .budgetBytes = 2 * one + one / 2});
   self = &two;
   for (std::size_t k = 0; k < 3 * kFrames; ++k) {
     two.frame(k % kFrames);
     waitFor([&] { return two.counts().loads == k + 2; });  // the next frame; no frame is loaded twice
-    waitFor([&] { return two.counts().kept == 2; });
+    waitFor([&] { return two.counts().cachedFrames == 2; });
     CHECK(two.counts().bytes <= 2 * one + one / 2);
     CHECK(two.tryFrame(k % kFrames) != nullptr);
   }
   CHECK(roomIsThere);
-  HtmSequence none(video.folder.path(), picture, {.ahead = 5, .budgetBytes = 0});
+  HtmSequence none(video.folder.path(), picture, {.framesAhead = 5, .budgetBytes = 0});
   for (std::size_t k = 0; k < kFrames; ++k) CHECK(none.frame(k)->model.cameras[0].name == std::to_string(k));
-  CHECK(none.counts().kept == 1);
+  CHECK(none.counts().cachedFrames == 1);
 }
 
 TEST_CASE("tryFrame does not wait for a slow frame, frame does") {
@@ -210,14 +210,14 @@ TEST_CASE("tryFrame does not wait for a slow frame, frame does") {
                          gate.wait();
                          return picture(model, camera);
                        },
-                       {.ahead = 1});
+                       {.framesAhead = 1});
   CHECK(sequence.tryFrame(2) == nullptr);
   waitFor([&] { return entered.load(); });
   CHECK(sequence.tryFrame(2) == nullptr);
   CHECK(sequence.tryFrame(4) == nullptr);  // seeks while frame 2 is loading
   open.set_value();
   CHECK(sequence.frame(4)->model.cameras[0].name == "4");
-  waitFor([&] { return sequence.counts().kept == 2; });
+  waitFor([&] { return sequence.counts().cachedFrames == 2; });
   CHECK(sequence.tryFrame(5)->model.cameras[0].name == "5");
 }
 
@@ -232,7 +232,7 @@ TEST_CASE("errors of a frame are thrown on use, and a repaired frame loads") {
                          if (pictureFails && m.cameras[0].name == "2") throw Error(ErrorCode::io, "no such picture");
                          return picture(m, camera);
                        },
-                       {.ahead = 3});
+                       {.framesAhead = 3});
   CHECK(sequence.frame(0)->model.cameras[0].name == "0");
   waitFor([&] { return sequence.counts().loads == 4; });
   CHECK(sequence.frame(0)->model.cameras[0].name == "0");
@@ -251,10 +251,10 @@ TEST_CASE("errors of a frame are thrown on use, and a repaired frame loads") {
 TEST_CASE("a sequence may be destroyed while loading, and may be used by several threads") {
   const Video video;
   for (int trial = 0; trial < 20; ++trial) {
-    HtmSequence sequence(video.folder.path(), picture, {.ahead = 5});
+    HtmSequence sequence(video.folder.path(), picture, {.framesAhead = 5});
     sequence.tryFrame(std::size_t(trial) % kFrames);
   }
-  HtmSequence sequence(video.folder.path(), picture, {.ahead = 1});
+  HtmSequence sequence(video.folder.path(), picture, {.framesAhead = 1});
   std::atomic<int> wrong = 0;
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < 3; ++t)

@@ -53,8 +53,8 @@ Scene example(std::uint64_t seed = 1) {
       std::vector<glm::vec2> match;
       std::vector<float> ratio;
       for (std::size_t p = 0; p < points; ++p) {
-        match.emplace_back(storedMatch(float(unit(random) * k.width), k.width),
-                           storedMatch(float(unit(random) * k.height), k.height));
+        match.emplace_back(quantisedMatch(float(unit(random) * k.width), k.width),
+                           quantisedMatch(float(unit(random) * k.height), k.height));
         ratio.push_back(float(0.5 + unit(random)));
       }
       c.mesh.match.push_back(match);
@@ -68,7 +68,7 @@ Scene example(std::uint64_t seed = 1) {
       for (std::size_t p = 0; p < points; ++p) c.mesh.planes.emplace_back(p % 3, p % 3 ? 7 : 0, p % 3 ? 65535 : 0, 0);
     for (std::size_t t = 0; points > 2 && t < 2 * points; ++t) {
       c.mesh.triangles.emplace_back(t % points, (t + 1) % points, (t + 2) % points);
-      c.mesh.tier.push_back(t < points ? kTierAgrees : kTierRejected);
+      c.mesh.tier.push_back(t < points ? kTierConsistent : kTierRejected);
       c.mesh.ecc.push_back(float(2 * unit(random) - 1));
     }
     c.quality.coverage = unit(random);
@@ -77,11 +77,11 @@ Scene example(std::uint64_t seed = 1) {
   scene.cells = {cell({0, 1}, 40), cell({2, 0, 1}, 50), cell({0, 1, 2, 3}, 66000), cell({3, 4}, 2), cell({1, 2}, 0)};
   scene.cells[1].quality.ecc = 0.9;
   scene.cells[1].quality.score = 0.25;
-  scene.unused = {{"somewhere/else.jpg", "its axis is 47° from that of any other"}, {"b", "\"quoted\""}};
+  scene.unusedPhotographs = {{"somewhere/else.jpg", "its axis is 47° from that of any other"}, {"b", "\"quoted\""}};
   scene.cells[0].mesh.tier.assign(scene.cells[0].mesh.triangles.size(), kTierRejected);  // no triangle of tier 0
   scene.backdrops = {cell({2}, 30)};
   for (MorphMesh* mesh : {&scene.backdrops[0].mesh, &scene.cells[1].mesh})
-    for (std::size_t p = 0; p < mesh->pointCount(); ++p) {
+    for (std::size_t p = 0; p < mesh->vertexCount(); ++p) {
       mesh->confirmations.push_back(std::uint8_t(p == 0 ? 255 : p % 11));
       mesh->consensus.push_back(float(unit(random)));
     }
@@ -132,10 +132,10 @@ void compare(const Scene& a, const Scene& b) {
   for (std::size_t c = 0; c < a.backdrops.size(); ++c) compareMeshes(a.backdrops[c].mesh, b.backdrops[c].mesh);
   CHECK(a.acquisition == b.acquisition);
   CHECK(a.settings == b.settings);
-  REQUIRE(a.unused.size() == b.unused.size());
-  for (std::size_t i = 0; i < a.unused.size(); ++i) {
-    CHECK(a.unused[i].name == b.unused[i].name);
-    CHECK(a.unused[i].reason == b.unused[i].reason);
+  REQUIRE(a.unusedPhotographs.size() == b.unusedPhotographs.size());
+  for (std::size_t i = 0; i < a.unusedPhotographs.size(); ++i) {
+    CHECK(a.unusedPhotographs[i].name == b.unusedPhotographs[i].name);
+    CHECK(a.unusedPhotographs[i].reason == b.unusedPhotographs[i].reason);
   }
   REQUIRE(a.origin.has_value() == b.origin.has_value());
   if (a.origin) CHECK(a.origin->longitudeDegrees == b.origin->longitudeDegrees);

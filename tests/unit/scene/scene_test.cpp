@@ -29,7 +29,7 @@ Scene goodScene() {
   backdrop.mesh.inverseDistance = {0.3f, 0.3f, 0.0f};
   backdrop.mesh.uncertainty = {0, 0, 0};
   backdrop.mesh.triangles = {{0, 1, 2}};
-  backdrop.mesh.tier = {kTierAgrees};
+  backdrop.mesh.tier = {kTierConsistent};
   backdrop.mesh.ecc = {1};
   scene.backdrops = {backdrop};
   return scene;
@@ -37,13 +37,13 @@ Scene goodScene() {
 
 std::vector<glm::u16vec4>& planesOf(Scene& scene) {
   MorphMesh& mesh = scene.cells[0].mesh;
-  mesh.planes.assign(mesh.pointCount(), glm::u16vec4(1, 2, 0, 0));
+  mesh.planes.assign(mesh.vertexCount(), glm::u16vec4(1, 2, 0, 0));
   return mesh.planes;
 }
 
 MorphMesh& evidenceOf(MorphMesh& mesh) {
-  mesh.confirmations.assign(mesh.pointCount(), 3);
-  mesh.consensus.assign(mesh.pointCount(), 0.5f);
+  mesh.confirmations.assign(mesh.vertexCount(), 3);
+  mesh.consensus.assign(mesh.vertexCount(), 0.5f);
   return mesh;
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("empty scenes and cells without triangles are valid") {
 TEST_CASE("a vertex lies where its rays meet, or has no position") {
   Scene scene = goodScene();
   Cell& cell = scene.cells[0];
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     const auto position = vertexPosition(scene, cell, p);
     REQUIRE(position);
     CHECK(position->z == Approx(-3).epsilon(1e-6));

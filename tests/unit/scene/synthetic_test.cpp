@@ -56,7 +56,7 @@ TEST_CASE("a synthetic scene is valid and its vertices lie on the planes, near t
   REQUIRE(cell.mesh.triangles.size() > 40);
   std::size_t onPlane[2] = {0, 0};
   std::vector<int> planeOf;
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     const auto position = vertexPosition(made.scene, cell, p);
     REQUIRE(position);
     int nearest = -1;
@@ -82,7 +82,7 @@ TEST_CASE("every member shows the texture at every vertex") {
   for (std::size_t i = 0; i < 3; ++i) {
     const Image8& photograph = made.photographs[i];
     const ImageF depth = renderDepth(made, made.scene.nodes[i].camera);
-    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       const glm::dvec3 position = *vertexPosition(made.scene, cell, p);
       const bool behind = std::abs(position.z + 5) < 1e-5;
       const TexturedPlane& plane = made.planes[behind ? 0 : 1];
@@ -118,8 +118,8 @@ TEST_CASE("at infinity all cameras see the same directions") {
   const SyntheticScene made = makeScene(options);
   CHECK(validate(made.scene).empty());
   const MorphMesh& mesh = made.scene.cells.at(0).mesh;
-  REQUIRE(mesh.pointCount() > 20);
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+  REQUIRE(mesh.vertexCount() > 20);
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
     CHECK(mesh.inverseDistance[p] == 0.0f);
     const Camera& first = made.scene.nodes[0].camera;
     const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, mesh.match[0][p]);
@@ -161,7 +161,7 @@ TEST_CASE("the mesh around panoramas in a room is closed, also at seams and pole
   for (const glm::uvec3& t : cell.mesh.triangles)
     for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
   CHECK(std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 2; }));
-  CHECK(std::ptrdiff_t(cell.mesh.pointCount()) - std::ptrdiff_t(edges.size()) +
+  CHECK(std::ptrdiff_t(cell.mesh.vertexCount()) - std::ptrdiff_t(edges.size()) +
             std::ptrdiff_t(cell.mesh.triangles.size()) ==
         2);
   // Solid angles around each panorama add up to the sphere, and each direction is covered once.
@@ -178,7 +178,7 @@ TEST_CASE("the mesh around panoramas in a room is closed, also at seams and pole
     }
     CHECK(sum == Approx(4 * std::numbers::pi).epsilon(1e-6));
   }
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     const glm::dvec3 position = *vertexPosition(made.scene, cell, p);
     double nearest = 1;
     for (const TexturedPlane& plane : made.planes)
@@ -202,7 +202,7 @@ TEST_CASE("surfaces that a board hides from a member are not in the mesh") {
   CHECK(rest > whole * 9 / 10);
   // Between the members, no part of the board's middle is missing.
   bool board = false;
-  for (std::size_t p = 0; p < made.scene.cells[0].mesh.pointCount(); ++p)
+  for (std::size_t p = 0; p < made.scene.cells[0].mesh.vertexCount(); ++p)
     board |= glm::distance(*vertexPosition(made.scene, made.scene.cells[0], p), glm::dvec3(0.5, 0, -1.5)) < 1e-6;
   CHECK(board);
 }

@@ -34,7 +34,7 @@ class Baselines {
 
   /// Sets the exposure of later images: photographs are multiplied by their gain and `exposure` in linear light
   /// (FramePlan::exposure), as in a renderer. nullopt, the initial value: photographs are unchanged.
-  void expose(const std::optional<glm::dvec3>& exposure);
+  void setExposure(const std::optional<glm::dvec3>& exposure);
 
   /// Warps the photograph nearest to the view by the homography of a plane. Nearest: smallest sum of the distance, over
   /// the scene's median depth, and the angle between the axes. The plane is parallel to the view's image plane, at the

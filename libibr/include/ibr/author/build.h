@@ -32,7 +32,7 @@ enum class MatchMethod : std::uint8_t {
   homographic,  // planes of the scene, found among sparse features ([T]'s reference 25)
   flow,         // optical flow, initialised with sparse matches; needs no poses
 };
-constexpr const char* methodName(MatchMethod matcher) {
+constexpr const char* matchMethodName(MatchMethod matcher) {
   constexpr const char* kNames[] = {"auto", "sweep", "homographic", "flow"};
   return kNames[std::size_t(matcher)];
 }
@@ -58,26 +58,26 @@ enum class TriangleFilter : std::uint8_t {
 
 /// Post-processing hook, called after all cells and backdrops are built and before the scene is saved. The photographs
 /// are already in the scene's folder. The hook may change meshes and qualities of the cells, not their number. Results
-/// cached in the folder `finished` let a stopped build resume (optimiseCells does so).
-using ScenePostProcess = std::function<void(Scene& scene, const std::filesystem::path& finished,
+/// cached in the folder `cacheFolder` let a stopped build resume (optimiseCells does so).
+using ScenePostProcess = std::function<void(Scene& scene, const std::filesystem::path& cacheFolder,
                                             const ProgressCallback& progress, const LogCallback& log)>;
 
 /// Predicted cost of a build. Bytes, s.
 struct BuildPrediction {
   struct Stage {
     std::string name;
-    double seconds = 0, processorSeconds = 0;  // elapsed time; processor time of all threads
+    double seconds = 0, cpuSeconds = 0;  // elapsed time; processor time of all threads
   };
   std::size_t photographs = 0, cells = 0, backdrops = 0;
-  bool posesKnown = true;  // false: poses must be estimated first; the time for this is not included
-  bool cellsKnown = true;  // false: there are no tracks yet, so the number of cells is a guess
-  double megapixels = 0;   // of all photographs at their stored size
-  int threads = 0;         // threads that match cells in parallel
+  bool posesKnown = true;      // false: poses must be estimated first; the time for this is not included
+  bool cellCountKnown = true;  // false: there are no tracks yet, so the number of cells is a guess
+  double megapixels = 0;       // of all photographs at their stored size
+  int threads = 0;             // threads that match cells in parallel
   std::vector<Stage> stages;
-  double seconds = 0, processorSeconds = 0;  // sums over the stages
-  double memory = 0, memoryAllowed = 0;      // peak; limit (BuildOptions::memory)
-  double disk = 0, diskFree = 0;  // size of the scene's folder during the build; free space, plus what the scene's
-                                  // earlier build takes
+  double seconds = 0, cpuSeconds = 0;       // sums over the stages
+  double memory = 0, memoryLimitBytes = 0;  // peak; limit (BuildOptions::memory)
+  double disk = 0, diskFreeBytes = 0;  // size of the scene's folder during the build; free space, plus what the scene's
+                                       // earlier build takes
 };
 
 /// At most one of model, transforms and panoramas may be set. If none is, estimatePoses provides the model.
@@ -98,7 +98,7 @@ struct BuildOptions {
   bool fitVignetting = false;   // vignetting is measured as well, and removed from the stored photographs
   bool refinePoses = false;     // poses are refined where points confirm it (PoseRefinement); the refined model is
                                 // written to ".refined" in the output
-  bool removeMovers = false;    // moving objects are masked where another photograph shows the background
+  bool maskMovingObjects = false;  // moving objects are masked where another photograph shows the background
   bool keepBorder = false;  // undistorted photographs keep all photographed pixels (Border::keep); meshes leave out the
                             // black border
   int dimension = 0;        // maximum of the cells: 1 lines, 2 triangles, 3 tetrahedra; 0: what the cameras span
@@ -107,8 +107,8 @@ struct BuildOptions {
   double thetaDegrees = 0;  // maximum angle between the viewing axes in a cell; 0: half the smaller field of view
   bool backdrops = true;    // photographs get backdrops and depth textures, which Composition::gathered needs
   DepthSearch depth = DepthSearch::refined;
-  bool draft = false;       // preview without cells: uses DepthSearch::fast, and ignores refinePoses, removeMovers,
-                            // fitVignetting and finish; leaves the cache of other builds; needs backdrops
+  bool draft = false;  // preview without cells: uses DepthSearch::fast, and ignores refinePoses, maskMovingObjects,
+                       // fitVignetting and finish; leaves the cache of other builds; needs backdrops
   int backdropSpacing = 2;  // minimum distance of a backdrop's vertices: 2, 4, 8, 16 or 32 px of the photograph scaled
                             // down to 512 px (panoramas: 2048 px)
   std::filesystem::path cacheFolder;  // folder where cells, depth and meshes are cached for later builds, whose results
@@ -125,30 +125,30 @@ struct BuildOptions {
 };
 
 struct BuildReport {
-  struct CellLine {
+  struct CellReport {
     std::vector<std::string> members;
     std::size_t points = 0, triangles = 0, tier0 = 0;  // tier0: triangles of tier 0
     CellQuality quality;
-    double seconds = 0, processorSeconds = 0;
-    bool resumed = false;                      // read from the cache
+    double seconds = 0, cpuSeconds = 0;
+    bool cached = false;                       // read from the cache
     MatchMethod matcher = MatchMethod::sweep;  // method used, never automatic
     double homogeneous = 0;  // share of the tier-0 triangles whose corners share a plane; NaN without planes
   };
-  struct BackdropLine {
+  struct BackdropReport {
     std::string photograph;
     std::size_t points = 0, triangles = 0;
-    double known = 0;  // share of the photograph whose depth was matched; the rest is completed
+    double matchedShare = 0;  // share of the photograph whose depth was matched; the rest is completed
     double seconds = 0;
-    bool resumed = false;  // read from the cache
+    bool cached = false;  // read from the cache
   };
-  struct Dropped {
-    std::string what;    // a cell, by its members' names
+  struct RejectedCell {
+    std::string cell;    // a cell, by its members' names
     std::string reason;  // for people
   };
-  struct MaskLine {
+  struct MaskReport {
     std::string photograph;
-    double given = 0;  // share of the photograph under its given mask
-    double moved = 0;  // further share that was masked as moving
+    double givenShare = 0;   // share of the photograph under its given mask
+    double movingShare = 0;  // further share that was masked as moving
   };
   struct ExposureSummary {
     std::size_t measured = 0;      // photographs that overlap others and were compared with them
@@ -158,14 +158,14 @@ struct BuildReport {
   };
   std::filesystem::path poses;  // file or folder that the poses were read from
   ExposureSummary exposures;
-  PoseRefinement refinement;    // if requested; `moved` is empty if poses are unchanged
-  std::vector<MaskLine> masks;  // of photographs with masked pixels
-  std::vector<CellLine> cells;
-  std::vector<BackdropLine> backdrops;
-  std::vector<Dropped> dropped;          // cells that were refused, or whose members did not match
-  std::vector<UnusedPhotograph> unused;  // as Scene::unused
-  BuildPrediction prediction;            // the last one passed to BuildOptions::predicted
-  double seconds = 0, processorSeconds = 0;
+  PoseRefinement refinement;      // if requested; `poseChanges` is empty if poses are unchanged
+  std::vector<MaskReport> masks;  // of photographs with masked pixels
+  std::vector<CellReport> cells;
+  std::vector<BackdropReport> backdrops;
+  std::vector<RejectedCell> dropped;                // cells that were refused, or whose members did not match
+  std::vector<UnusedPhotograph> unusedPhotographs;  // as Scene::unusedPhotographs
+  BuildPrediction prediction;                       // the last one passed to BuildOptions::onPrediction
+  double seconds = 0, cpuSeconds = 0;
   double memory = 0;  // peak of the process, bytes
 };
 
@@ -183,15 +183,15 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress 
 
 struct RefinedModel {
   PosedModel model;           // with the tracks of the build, own ones included
-  PoseRefinement refinement;  // `moved` is empty if the model's poses are unchanged
+  PoseRefinement refinement;  // `poseChanges` is empty if the model's poses are unchanged
 };
 
 /// Matches the cells of a build with these options, and refines estimated poses by the matches. Poses are unchanged if
 /// the model's points reproject exactly, or if refined poses do not fit held-out points better. To build with the
 /// refined poses, write the model (writeColmapModel) and set BuildOptions::model. Writes only estimated poses and the
 /// cache, which is removed at the end unless cacheFolder is set. Threading and errors as build.
-RefinedModel refinedModel(const BuildOptions& options, const ProgressCallback& progress = {},
-                          const LogCallback& log = {});
+RefinedModel refineModelPoses(const BuildOptions& options, const ProgressCallback& progress = {},
+                              const LogCallback& log = {});
 
 /// The photographs that a build would store, at their stored size. Builds nothing. Const functions are thread-safe.
 class PosedPhotographs {
@@ -205,7 +205,7 @@ class PosedPhotographs {
   const std::vector<PosedImage>& images() const noexcept;
 
   /// RGB, of the camera's size. Throws Error.
-  Image8 picture(std::size_t image) const;
+  Image8 photograph(std::size_t image) const;
 
   /// The photograph's mask from BuildOptions::masks: one channel, 0 or 255; empty if it has none. Throws Error.
   Image8 mask(std::size_t image) const;

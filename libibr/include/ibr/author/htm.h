@@ -51,7 +51,7 @@ struct HtmOptions {
   double rejectCorrelation = 0.2;  // correlation of colours from which cameras agree at any difference
   double softPx = 4;               // width of the falloff of visibility at edges, px
   bool keepSource = true;          // HtmModel::source: the given mesh, for comparisons
-  MakeTemplateSearch search;       // template matcher; empty: processorTemplateSearch
+  TemplateSearchFactory search;    // template matcher; empty: cpuTemplateSearch
   int threads = 0;                 // 0: all cores
 };
 
@@ -61,7 +61,7 @@ bool htmHasMasks(const std::string& settings);
 /// Reads options from HtmModel::settings; missing options, and all options of empty settings, have their defaults.
 /// Throws Error{invalidInput} for settings that are no JSON object, and for a value of a wrong type or an unknown
 /// measure. harmonise() checks ranges.
-HtmOptions htmOptionsOf(const std::string& settings);
+HtmOptions htmOptionsFromJson(const std::string& settings);
 
 /// A camera with its photograph.
 struct HtmPhotograph {
@@ -77,21 +77,21 @@ struct HtmReport {
   };
   struct Round {
     std::size_t vertices = 0, faces = 0;
-    double before = 0, after = 0;  // mean D_f without and with complements
-    double measured = 0;           // share of the matches between two cameras at a vertex that found texture
-    std::size_t divided = 0;       // faces divided for the next round
-    std::size_t divideHidden = 0;  // divided faces that are partly hidden, but not different
+    double unharmonisedDifference = 0, harmonisedDifference = 0;  // mean D_f without and with complements
+    double matchedShare = 0;          // share of the matches between two cameras at a vertex that found texture
+    std::size_t divided = 0;          // faces divided for the next round
+    std::size_t dividedAsHidden = 0;  // divided faces that are partly hidden, but not different
   };
   struct Adjustment {
     double beforePx = 0, afterPx = 0;  // RMS offset of vertices from the cameras' consensus, mean over cameras
-    double moved = 0;                  // mean displacement of vertices, world units
+    double meanDisplacement = 0;       // mean displacement of vertices, world units
   };
   std::vector<Stage> stages;
   std::vector<Adjustment> adjustments;
   std::size_t sourceFaces = 0, reducedFaces = 0;
-  double reducedMean = 0, reducedMost = 0;    // distance from source to reduced mesh: mean, maximum; world units
-  double restoredMean = 0, restoredMost = 0;  // the same from reduced mesh to source
-  std::size_t collapses = 0;                  // of inconsistent faces
+  double reducedMean = 0, reducedMax = 0;    // distance from source to reduced mesh: mean, maximum; world units
+  double restoredMean = 0, restoredMax = 0;  // the same from reduced mesh to source
+  std::size_t collapses = 0;                 // of inconsistent faces
   double reducedDifference = 0, collapsedDifference = 0;  // mean D_f before and after collapses, without complements
   std::vector<Round> rounds;
   double camerasPerVertex = 0;  // mean number of cameras that see a vertex
@@ -132,7 +132,7 @@ struct HtmBuildOptions {
 };
 
 /// Options that change the model, as JSON text: HtmModel::settings.
-std::string htmSettingsText(const HtmBuildOptions& options);
+std::string htmOptionsToJson(const HtmBuildOptions& options);
 
 /// Reads the mesh, photographs and masks. Distorted photographs are undistorted, with their cameras and masks. A mask's
 /// file must have the size of its photograph's file. Throws Error (io, invalidInput, unsupported) that names the file.

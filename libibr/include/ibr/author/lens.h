@@ -32,7 +32,7 @@ enum class LensModel : std::uint8_t {
   radialFisheye,        // f, cx, cy, k1, k2
   thinPrismFisheye,     // fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1
 };
-inline constexpr std::size_t kLensModels = 11;
+inline constexpr std::size_t kLensModelCount = 11;
 
 /// Number of a model's parameters.
 std::size_t parameterCount(LensModel model);
@@ -61,13 +61,13 @@ class Lens {
   /// False for a pinhole, and for a perspective model whose distortion terms are all zero.
   bool distorts() const;
   /// True if m lies in the plane z = −1, false for fisheyes.
-  bool perspective() const;
+  bool isPerspective() const;
   /// Focal lengths and principal point, px; distortion.
   glm::dvec2 focal() const { return focal_; }
   glm::dvec2 centre() const { return centre_; }
   const LensDistortion& distortion() const { return distortion_; }
   /// Maximum |m| before d folds back: at most tan 89.9° for perspective models, and at most π for fisheyes.
-  double limit() const { return limit_; }
+  double maxRadius() const { return maxRadius_; }
 
   /// Pixel at which a direction of any length is seen, also outside the image; nullopt if there is none.
   std::optional<glm::dvec2> project(glm::dvec3 direction) const;
@@ -81,7 +81,7 @@ class Lens {
   int width_, height_;
   glm::dvec2 focal_, centre_;
   LensDistortion distortion_;
-  double limit_;
+  double maxRadius_;
 };
 
 /// Extent of an undistorted image.
@@ -91,10 +91,10 @@ enum class Border : std::uint8_t {
 };
 
 /// Maximum half field of view of an undistorted image, in x and in y, since a pinhole stretches directions beyond it.
-inline constexpr double kWidestHalfAngle = 60.0;  // degrees
+inline constexpr double kMaxHalfFovDegrees = 60.0;  // degrees
 
 /// Returns the pinhole of the undistorted image. Its axis, and the size of its pixels there, are those of the lens.
-/// Throws Error{invalidInput} if the image's centre sees no direction within kWidestHalfAngle.
+/// Throws Error{invalidInput} if the image's centre sees no direction within kMaxHalfFovDegrees.
 Intrinsics undistorted(const Lens& lens, Border border = Border::crop);
 
 /// Resamples a picture that `lens` took as `pinhole` would have taken it. The picture may have another size than

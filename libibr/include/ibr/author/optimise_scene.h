@@ -30,18 +30,18 @@ namespace ibr {
 using Aligner = std::function<AlignmentSummary(Alignment&, const AlignmentOptions&, const ProgressCallback&)>;
 
 struct OptimiseCellsOptions {
-  AlignmentOptions alignment;      // `threads` and `guard` are set for each cell. The guard refuses a move if rays
-                                   // then diverge or miss their point by more than 3 px, and did not before
-  std::vector<std::size_t> cells;  // indices into Scene::cells; empty: all
-  int threads = 0;                 // of the CPU; 0: all cores
-  std::filesystem::path finished;  // folder in which finished cells are cached, so that a stopped run resumes; empty:
-                                   // no cache
+  AlignmentOptions alignment;         // `threads` and `guard` are set for each cell. The guard refuses a move if rays
+                                      // then diverge or miss their point by more than 3 px, and did not before
+  std::vector<std::size_t> cells;     // indices into Scene::cells; empty: all
+  int threads = 0;                    // of the CPU; 0: all cores
+  std::filesystem::path cacheFolder;  // folder in which finished cells are cached, so that a stopped run resumes;
+                                      // empty: no cache
 };
 
 struct OptimiseSceneOptions {
   std::filesystem::path scene;   // folder
   std::filesystem::path output;  // another folder; created if missing
-  OptimiseCellsOptions cells;    // `finished` empty: the cache is in the output until the run ends
+  OptimiseCellsOptions cells;    // `cacheFolder` empty: the cache is in the output until the run ends
 };
 
 struct OptimisedCell {
@@ -49,15 +49,15 @@ struct OptimisedCell {
   std::vector<std::string> members;  // names of the photographs
   int width = 0, height = 0;         // of the first photograph, px
   std::size_t points = 0;            // without inserted ones
-  std::size_t judged = 0;            // triangles whose ECC is optimised; of panoramas, summed over cube faces
-  std::size_t fixed = 0;      // points that must not move: their triangles do not fit the 1/128 px grid or a cube face
-  std::size_t moved = 0;      // points
-  std::size_t flipped = 0;    // triangles with other corners, without those around inserted points
-  std::size_t inserted = 0;   // points
-  std::size_t takenBack = 0;  // points moved back, since an unjudged triangle would turn over
-  AlignmentSummary summary;   // ECCs are NaN if no triangle is judged
+  std::size_t evaluated = 0;         // triangles whose ECC is optimised; of panoramas, summed over cube faces
+  std::size_t fixed = 0;     // points that must not move: their triangles do not fit the 1/128 px grid or a cube face
+  std::size_t moved = 0;     // points
+  std::size_t flipped = 0;   // triangles with other corners, without those around inserted points
+  std::size_t inserted = 0;  // points
+  std::size_t reverted = 0;  // points moved back, since an unevaluated triangle would turn over
+  AlignmentSummary summary;  // ECCs are NaN if no triangle is evaluated
   double seconds = 0;
-  bool resumed = false;  // read from the cache of a stopped run
+  bool cached = false;  // read from the cache of a stopped run
 };
 
 struct OptimiseSceneReport {

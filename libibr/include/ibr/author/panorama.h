@@ -55,7 +55,7 @@ Intrinsics faceIntrinsics(int size, double fovRadians);
 /// faceIntrinsics.
 int faceSize(int panoramaWidth, double fovRadians);
 
-enum class PictureFormat : std::uint8_t { asSource, jpeg, png };  // asSource: JPEG for a JPEG, else PNG
+enum class ImageFileFormat : std::uint8_t { asSource, jpeg, png };  // asSource: JPEG for a JPEG, else PNG
 
 struct SplitOptions {
   std::filesystem::path input;      // a panorama, placed at the origin; with model or panoramas: folder of their images
@@ -66,7 +66,7 @@ struct SplitOptions {
   bool poles = false;               // adds the faces up and down to views around the horizon
   double fovDegrees = 105;          // of a face, in x and in y; above 90, cube faces overlap
   int size = 0;                     // of a face, px; 0: faceSize()
-  PictureFormat format = PictureFormat::asSource;
+  ImageFileFormat format = ImageFileFormat::asSource;
   int threads = 0;  // maximum; 0: all cores; the images do not depend on it
 };
 

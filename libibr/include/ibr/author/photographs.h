@@ -11,32 +11,32 @@
 
 namespace ibr {
 
-struct PictureFolder {
-  struct Unread {
+struct PhotographFolder {
+  struct UnreadableFile {
     std::string name;
     std::string reason;  // for people: the fault, and what to do
   };
-  std::vector<std::string> pictures;  // content and extension of JPEG, PNG or TIFF files
-  std::vector<Unread> unread;         // photographs by name or content in unsupported formats, or damaged
+  std::vector<std::string> pictures;       // content and extension of JPEG, PNG or TIFF files
+  std::vector<UnreadableFile> unreadable;  // photographs by name or content in unsupported formats, or damaged
 };
 
 /// Names are relative to the folder (with '/'), sorted. Subfolders are searched, links to folders are not.
 /// Skipped silently: hidden files and folders (._IMG_1.jpg), scenes, other programs' preview folders, and files
 /// beside an image that differ only in the extension (IMG_1.CR2 beside IMG_1.JPG). Throws
 /// std::filesystem::filesystem_error.
-PictureFolder lookInto(const std::filesystem::path& folder);
+PhotographFolder scanPhotographFolder(const std::filesystem::path& folder);
 
 /// Returns one line that names the files, at most three per reason; "" if there are none.
-std::string unreadText(const std::vector<PictureFolder::Unread>& unread);
+std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& unreadable);
 
 /// File of a photograph's mask in COLMAP's format: of a/b.jpg, a/b.jpg.png or a/b.png below `folder`. nullopt if there
 /// is none.
-std::optional<std::filesystem::path> maskFileOf(const std::filesystem::path& folder, const std::string& photograph);
+std::optional<std::filesystem::path> findMaskFile(const std::filesystem::path& folder, const std::string& photograph);
 
 /// Scales RGB down by area averaging.
-Image8 shrunk(const Image8& picture, int width, int height);
+Image8 downscaled(const Image8& picture, int width, int height);
 
 /// Luma of RGB, one channel.
-Image8 greyOf(const Image8& picture);
+Image8 toGrey(const Image8& picture);
 
 }  // namespace ibr

@@ -8,29 +8,30 @@
 
 namespace ibr {
 
-/// Result of a bundle adjustment over the model's tracks and the matches of all cells. Each step is taken only if
+/// Result of a bundle adjustment over the model's tracks and the matches of all cells. Each step is accepted only if
 /// points held out from it fit better. Position, orientation and scale of the world are restored afterwards. Px refer
 /// to the matched images: photographs scaled down to at most 2 megapixels.
 struct PoseRefinement {
   struct Errors {
     double medianPx = 0, p90Px = 0;  // of reprojections, after each point is triangulated again
   };
-  struct Moved {
+  struct PoseChange {
     std::string photograph;
-    double turnPx = 0;       // angle of rotation × focal length
+    double rotationPx = 0;   // angle of rotation × focal length
     double shift = 0;        // of the position, world units
     double focalFactor = 1;  // new focal length over the old one
   };
   struct Step {
-    std::string by;  // constraints or parameters that this step adds, for people
+    std::string description;  // constraints or parameters that this step adds, for people
     // Better fit of held-out points of the cells and of the model, in standard errors; NaN: too few points.
-    double cellsSurer = 0, modelSurer = 0;
-    bool taken = false;  // neither value is below 3, and not both are NaN
+    double cellsGainSigmas = 0, modelGainSigmas = 0;
+    bool accepted = false;  // neither value is below 3, and not both are NaN
   };
-  std::size_t tracksOfCells = 0, tracksOfModel = 0;
-  std::vector<Step> steps;  // in order; each is compared with the last step taken
-  Errors before, after;
-  std::vector<Moved> moved;  // photographs that share a track; empty if no step was taken: poses are unchanged
+  std::size_t cellTracks = 0, modelTracks = 0;
+  std::vector<Step> steps;  // in order; each is compared with the last step accepted
+  Errors initialErrors, finalErrors;
+  std::vector<PoseChange>
+      poseChanges;  // photographs that share a track; empty if no step was accepted: poses are unchanged
 };
 
 }  // namespace ibr

@@ -82,7 +82,7 @@ struct PoseOptions {
   std::filesystem::path folder;                      // for COLMAP's files only; created if missing, and kept
   std::string program = "colmap";                    // looked up in PATH unless it contains a folder
   int threads = 0;                                   // 0: all cores
-  std::filesystem::path without;                     // photographs below this folder are left out; may be empty
+  std::filesystem::path excludedFolder;              // photographs below this folder are left out; may be empty
   std::vector<std::string> exclude = {};             // names of further photographs to leave out
   Orientation orientation = Orientation::automatic;  // photographs are turned upright by EXIF unless this is `stored`
   std::filesystem::path masks = {};  // folder of 8-bit masks (of a.jpg: a.jpg.png or a.png): pixels with mask 0 get no
@@ -114,7 +114,7 @@ std::optional<Camera> resected(const PosedModel& given, const std::string& name,
 std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
 
 /// x → scale · rotation · x + shift.
-struct Similarity {
+struct SimilarityTransform {
   double scale = 1;
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 shift{0.0};
@@ -123,9 +123,9 @@ struct Similarity {
   Pose operator()(const Pose& pose) const { return {(*this)(pose.position), glm::normalize(rotation * pose.rotation)}; }
 };
 
-/// Similarity that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations together, each
-/// weighted by its residual, so that the more accurate one counts more. Collinear positions take the rotation from the
-/// rotations; coincident positions keep scale 1. No poses: identity.
-Similarity aligned(std::span<const Pose> from, std::span<const Pose> to);
+/// SimilarityTransform that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations
+/// together, each weighted by its residual, so that the more accurate one counts more. Collinear positions take the
+/// rotation from the rotations; coincident positions keep scale 1. No poses: identity.
+SimilarityTransform estimateSimilarity(std::span<const Pose> from, std::span<const Pose> to);
 
 }  // namespace ibr

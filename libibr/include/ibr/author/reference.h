@@ -2,8 +2,6 @@
 // Reference implementations on the CPU, in double precision, to judge scenes and devices by. Needs ibr::author.
 #pragma once
 
-#include <vulkan/vulkan_core.h>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -22,11 +20,11 @@ struct ReferenceView {
 
 /// Composes views as Composition::gathered does, from the scene's files. Keeps the textures of a view's photographs
 /// until the next view. One thread at a time uses it.
-class ReferenceViews {
+class ReferenceRenderer {
  public:
   /// `threads` 0: all cores. Precondition: isGatherable(scene). The scene and its files must outlive this object.
-  ReferenceViews(const Scene& scene, int threads);
-  ~ReferenceViews();
+  ReferenceRenderer(const Scene& scene, int threads);
+  ~ReferenceRenderer();
 
   /// The vote has the view's size; magnified photographs are interpolated by cubic splines. Holes in the depth are
   /// filled from around, and so are colours that no photograph shows. Throws Error for a file that cannot be read, and
@@ -43,17 +41,24 @@ bool isGatherable(const Scene& scene);
 
 /// A device's difference from the reference implementation of the cell pass, over the pixels that show one tier of one
 /// cell with all their neighbours, and lie on no triangle's edge: on other pixels rasterisation may differ.
-struct DeviceError {
+struct ReferenceDifference {
   double compared = 0;    // share of the image's pixels
   double meanLevels = 0;  // over R, G, B, 8-bit levels; NaN if nothing is compared
   double largestLevels = 0;
   double beyondBound = 0;  // share of the values with errors above the bound from the texture filter's precision
 };
 
-/// Error of `picture`, a device's image of the plan's first view with trilinear filters. `textures`: RGBA mip levels of
-/// each node's photograph; `limits`: of the device.
-DeviceError deviceError(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-                        const Image8& picture, const VkPhysicalDeviceLimits& limits);
+/// Fractional bits of a device's rasteriser and texture filter: VkPhysicalDeviceLimits' subPixelPrecisionBits,
+/// subTexelPrecisionBits and mipmapPrecisionBits.
+struct DevicePrecision {
+  unsigned subPixelBits, subTexelBits, mipmapBits;
+};
+
+/// Difference of `picture`, a device's image of the plan's first view with trilinear filters. `textures`: RGBA mip
+/// levels of each node's photograph.
+ReferenceDifference differenceFromReference(const Scene& scene, const std::vector<std::vector<Image8>>& textures,
+                                            const FramePlan& plan, const Image8& picture,
+                                            const DevicePrecision& precision);
 
 /// Colour table of one channel ([T] §2.5.3, eq. 18), as shaders compute it: maps the levels of histogram `from` to
 /// those of `to`. Both count the same, positive number of pixels.

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "author/align/alignment_grid.h"
-#include "author/align/range_again.h"
+#include "author/align/range_solver.h"
 #include "author/geometry/epipolar_direction.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/mesh_signs.h"
@@ -22,7 +22,7 @@ namespace ibr {
 namespace aligning {
 namespace {
 
-constexpr double kMostResidualPx = 3;  // px of stored photographs
+constexpr double kMaxResidualPx = 3;  // px of stored photographs
 
 std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
   std::vector<glm::ivec2> sizes;
@@ -61,7 +61,7 @@ glm::u16vec4 sharedPlanes(const std::vector<glm::u16vec4>& planes, const glm::uv
 }
 
 // Only movable points contribute to the range solve.
-std::vector<std::uint8_t> usedOf(std::vector<std::uint8_t> fixed) {
+std::vector<std::uint8_t> movableFlags(std::vector<std::uint8_t> fixed) {
   for (std::uint8_t& point : fixed) point = !point;
   return fixed;
 }
@@ -92,7 +92,7 @@ std::vector<float> MatchedSize::labels(const Match& stored, std::span<const glm:
     const Intrinsics& k = cameras_[i].intrinsics;
     const Image8& whole = views_[i].picture;
     const bool asIs = k.width == whole.width && k.height == whole.height;
-    pictures.push_back(asIs ? &whole : &small.emplace_back(shrunk(whole, k.width, k.height)));
+    pictures.push_back(asIs ? &whole : &small.emplace_back(downscaled(whole, k.width, k.height)));
     for (glm::vec2& at : member[i]) at = glm::vec2(pixel(i, at));
   }
   return worstPairEcc(pictures, member, triangles);
@@ -103,14 +103,14 @@ PictureAlignment::PictureAlignment(std::span<const MatchView> views, const Morph
     : views_(views),
       mesh_(mesh),
       matched_(views),
-      grid_(ontoGrid(mesh, sizesOf(views), fixed)),
-      ranges_(frame, matched_.cameras(), mesh, matched_.match(mesh.match), widened, usedOf(fixed)) {
+      grid_(toAlignmentGrid(mesh, sizesOf(views), fixed)),
+      ranges_(frame, matched_.cameras(), mesh, matched_.match(mesh.match), widened, movableFlags(fixed)) {
   for (const MatchView& view : views) grid_.alignment.pictures.push_back(&view.picture);
   grid_.alignment.epipolar = epipolarDirections(views, mesh.match, frame.pose.position);
 }
 
 Match PictureAlignment::run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress) {
-  summary_ = nothingJudged(mesh_.pointCount());
+  summary_ = emptySummary(mesh_.vertexCount());
   if (judged() == 0) return mesh_.match;
   AlignmentOptions guarded = options;
   guarded.guard = [this](std::uint32_t point, std::span<const glm::ivec2> position) { return allows(point, position); };
@@ -159,8 +159,8 @@ bool PictureAlignment::allows(std::uint32_t point, std::span<const glm::ivec2> p
   std::vector<glm::dvec2> pixels;
   for (std::size_t i = 0; i < position.size(); ++i)
     pixels.push_back(matched_.pixel(i, glm::dvec2(position[i]) / double(kAlignmentUnitsPerPixel)));
-  const double most = kMostResidualPx * matched_.pixelsPerStored();
-  if (point >= mesh_.pointCount()) {
+  const double most = kMaxResidualPx * matched_.pixelsPerStored();
+  if (point >= mesh_.vertexCount()) {
     const RangeFit inserted = ranges_.solve(pixels);
     return inserted.inverseDistance > 0 && inserted.residualPx <= most;
   }
@@ -169,16 +169,16 @@ bool PictureAlignment::allows(std::uint32_t point, std::span<const glm::ivec2> p
   return now.residualPx <= std::max(most, was.residualPx);
 }
 
-AlignmentSummary nothingJudged(std::size_t points) {
+AlignmentSummary emptySummary(std::size_t points) {
   AlignmentSummary none;
   none.initialEcc = none.finalEcc = none.initialEccPaper = none.finalEccPaper = std::nan("");
-  none.starEccBefore.assign(points, std::nanf(""));
-  none.starEccAfter = none.starEccBefore;
+  none.initialStarEcc.assign(points, std::nanf(""));
+  none.finalStarEcc = none.initialStarEcc;
   return none;
 }
 
-std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs) {
-  std::vector<bool> back(mesh.pointCount(), false);
+std::size_t revertFolded(const MorphMesh& mesh, Match& moved, const Signs& signs) {
+  std::vector<bool> back(mesh.vertexCount(), false);
   for (bool again = true; again;) {
     again = false;
     for (const glm::uvec3& t : mesh.triangles) {
@@ -197,13 +197,13 @@ std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& sig
   return std::size_t(std::ranges::count(back, true));
 }
 
-std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
+std::size_t revertFolded(const MorphMesh& before, MorphMesh& now) {
   const std::vector<std::size_t> changed = changedTriangles(before, now);
   MorphMesh others = before;
   for (const std::size_t t : changed)
     if (t < others.triangles.size()) others.triangles[t] = glm::uvec3(0);  // never positive: blocks no move
   Match match = now.match;
-  std::size_t back = takeBackFolded(others, match, meshSigns);
+  std::size_t back = revertFolded(others, match, meshSigns);
   const bool stand = std::ranges::all_of(changed, [&](std::size_t t) {
     const glm::uvec3 was = before.triangles[t < before.triangles.size() ? t : changed[0]], is = now.triangles[t];
     return meshSigns(match, isUpright(before, was) ? is : turned(is)) == allPositive(match.size());
@@ -211,8 +211,8 @@ std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
   if (!stand) {
     now.triangles = before.triangles;
     match = now.match;
-    for (auto& at : match) at.resize(before.pointCount());
-    back = takeBackFolded(before, match, meshSigns);
+    for (auto& at : match) at.resize(before.vertexCount());
+    back = revertFolded(before, match, meshSigns);
   }
   now.match = std::move(match);
   return back;
@@ -243,8 +243,8 @@ std::vector<std::size_t> changedTriangles(const MorphMesh& before, const MorphMe
   return changed;
 }
 
-void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted) {
-  mesh.tier.resize(mesh.triangles.size(), kTierAgrees);
+void extendLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted) {
+  mesh.tier.resize(mesh.triangles.size(), kTierConsistent);
   mesh.ecc.resize(mesh.triangles.size(), 0.0f);
   for (const InsertedPoint& point : inserted) {
     mesh.inverseDistance.push_back(0.0f);
@@ -255,8 +255,8 @@ void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted) {
 }
 
 void sortByTier(MorphMesh& mesh) {
-  const auto first = std::ranges::find_if(mesh.tier, [](std::uint8_t tier) { return tier != kTierAgrees; });
-  const auto last = std::find(first, mesh.tier.end(), std::uint8_t(kTierAgrees));
+  const auto first = std::ranges::find_if(mesh.tier, [](std::uint8_t tier) { return tier != kTierConsistent; });
+  const auto last = std::find(first, mesh.tier.end(), std::uint8_t(kTierConsistent));
   const auto rotate = [&](auto& list) {
     std::rotate(list.begin() + (first - mesh.tier.begin()), list.begin() + (last - mesh.tier.begin()), list.end());
   };
@@ -265,8 +265,8 @@ void sortByTier(MorphMesh& mesh) {
   std::rotate(first, last, mesh.tier.end());
 }
 
-void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const RangeFit> range,
-                std::span<const double> level) {
+void updateRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const RangeFit> range,
+                  std::span<const double> level) {
   for (std::size_t p = 0; p < moved.size(); ++p) {
     if (!moved[p]) continue;
     mesh.inverseDistance[p] = float(range[p].inverseDistance);
@@ -283,7 +283,7 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<do
                       const std::function<double(const glm::uvec3&)>& area) {
   double covered = 0, weighted = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.tier[t] != kTierAgrees) continue;
+    if (mesh.tier[t] != kTierConsistent) continue;
     const double size = area(mesh.triangles[t]);
     covered += size;
     weighted += size * double(mesh.ecc[t]);
@@ -300,12 +300,12 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<do
 namespace {
 
 // Points of triangles that may contain masked pixels, which would distort the match. Empty if nothing is masked.
-std::vector<std::uint8_t> besideMasks(std::span<const MatchView> views, const MorphMesh& mesh) {
+std::vector<std::uint8_t> nearMasks(std::span<const MatchView> views, const MorphMesh& mesh) {
   std::vector<std::uint8_t> beside;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Image8& mask = views[i].mask;
     if (ignoredShare(mask) == 0) continue;
-    beside.resize(mesh.pointCount(), 0);
+    beside.resize(mesh.vertexCount(), 0);
     for (const glm::uvec3& t : mesh.triangles) {
       const glm::vec2 a = mesh.match[i][t.x], b = mesh.match[i][t.y], c = mesh.match[i][t.z];
       const glm::ivec2 last(mask.width - 1, mask.height - 1);
@@ -337,20 +337,20 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   MorphMesh& mesh = result.mesh;
   const aligning::MatchedSize matched(input.views);
   aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true,
-                                       besideMasks(input.views, before));
+                                       nearMasks(input.views, before));
   mesh.match = alignment.run(options, aligner, progress);
   mesh.triangles = alignment.triangles();
   OptimisedCell& facts = result.facts;
-  facts.points = before.pointCount();
-  facts.judged = alignment.judged();
+  facts.points = before.vertexCount();
+  facts.evaluated = alignment.judged();
   facts.fixed = alignment.fixed();
   facts.summary = alignment.summary();
-  facts.takenBack = aligning::takeBackFolded(before, mesh);
+  facts.reverted = aligning::revertFolded(before, mesh);
   facts.inserted = mesh.match[0].size() - facts.points;
   if (facts.inserted == 0 && facts.summary.insertions > 0) {  // undone, along with all flips
     facts.summary.insertions = facts.summary.flips = 0;
-    facts.summary.starEccBefore.resize(facts.points);
-    facts.summary.starEccAfter.resize(facts.points);
+    facts.summary.initialStarEcc.resize(facts.points);
+    facts.summary.finalStarEcc.resize(facts.points);
   }
   const std::vector<std::size_t> joined = aligning::changedTriangles(before, mesh);
   facts.flipped = std::size_t(std::ranges::count_if(joined, [&](std::size_t t) {
@@ -362,17 +362,17 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   if (facts.moved + joined.size() == 0) return result;
 
   const std::span inserted = std::span(alignment.inserted()).first(facts.inserted);
-  aligning::growLists(mesh, inserted);
+  aligning::extendLists(mesh, inserted);
   std::vector<RangeFit> range;
   std::vector<double> level, residuals;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
     range.push_back(p >= facts.points ? alignment.range(p, mesh.match, range, inserted[p - facts.points])
                     : moved[p]        ? alignment.range(p, mesh.match)
                                       : alignment.before(p));
     level.push_back(alignment.level() * range[p].perInverseDepth);
     residuals.push_back(range[p].residualPx);
   }
-  aligning::takeRanges(mesh, moved, range, level);
+  aligning::updateRanges(mesh, moved, range, level);
   std::vector<std::size_t> changed;
   std::ranges::set_union(aligning::movedTriangles(mesh, moved), joined, std::back_inserter(changed));
   std::vector<glm::uvec3> corners;
@@ -391,8 +391,8 @@ AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options,
   for (const MatchView& view : input.views)
     if ((view.camera.intrinsics.model == CameraModel::equirectangular) != panoramic) {
       AlignedCell as{input.cell.mesh, input.cell.quality, {}};  // no build makes such a cell
-      as.facts.points = input.cell.mesh.pointCount();
-      as.facts.summary = aligning::nothingJudged(as.facts.points);
+      as.facts.points = input.cell.mesh.vertexCount();
+      as.facts.summary = aligning::emptySummary(as.facts.points);
       return as;
     }
   return (panoramic ? alignPanoramas : alignPinholes)(input, options, aligner, progress);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "author/align/alignment_grid.h"
-#include "author/align/range_again.h"
+#include "author/align/range_solver.h"
 #include "author/match/match.h"
 #include "ibr/author/optimise_scene.h"
 
@@ -103,15 +103,15 @@ class PictureAlignment {
 };
 
 /// Summary of an alignment without judged triangles: all ECCs are NaN.
-AlignmentSummary nothingJudged(std::size_t points);
+AlignmentSummary emptySummary(std::size_t points);
 
 /// Moves points back, in all images, where a triangle is folded over that was not before. Returns the number of points.
-std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
+std::size_t revertFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
 
 /// Moves points back as above, for a mesh `now` that has flipped edges and inserted points at the ends of its lists. If
 /// a new triangle would then be folded over in an image or a mean, all flips and insertions are undone first. Uses only
 /// matches and triangles of `now`.
-std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now);
+std::size_t revertFolded(const MorphMesh& before, MorphMesh& now);
 
 /// Flags of the points that moved in any image or were inserted.
 std::vector<bool> movedPoints(const Match& before, const Match& after);
@@ -124,12 +124,12 @@ std::vector<std::size_t> changedTriangles(const MorphMesh& before, const MorphMe
 
 /// Sets ρ, a_i and uncertainty of moved points. `range`: n entries, used for moved points. `level`: n entries, as for
 /// widenUncertainty; empty where uncertainties are not widened.
-void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const RangeFit> range,
-                std::span<const double> level);
+void updateRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const RangeFit> range,
+                  std::span<const double> level);
 
 /// Extends the per-point and per-triangle lists to the mesh's new points and triangles. New triangles get tier 0. New
 /// points get the planes that all their parents share.
-void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted);
+void extendLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted);
 
 /// Moves triangles of tier 0 before all others, and otherwise keeps their order.
 void sortByTier(MorphMesh& mesh);

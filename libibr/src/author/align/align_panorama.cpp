@@ -17,8 +17,8 @@ using aligning::Match;
 using aligning::PictureAlignment;
 
 constexpr unsigned kNone = ~0u;
-constexpr double kInsidePx = 2;      // minimum distance of a point from the border of its face
-constexpr int kLargestFace = 16384;  // px
+constexpr double kMinBorderPx = 2;     // minimum distance of a point from the border of its face
+constexpr int kMaxFaceSizePx = 16384;  // px
 
 glm::dvec3 rayOf(const Camera& camera, glm::vec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, glm::dvec2(pixel));
@@ -32,12 +32,12 @@ class Sphere {
     options_.flipEdges = options_.insertPoints = false;
     for (const MatchView& view : input.views) samplers_.emplace_back(view.picture);
     for (const glm::dquat turn : cubeRotations()) rotations_.push_back(input.views[0].camera.pose.rotation * turn);
-    for (std::size_t p = 0; p < before_.pointCount(); ++p) {
+    for (std::size_t p = 0; p < before_.vertexCount(); ++p) {
       glm::dvec3 mean(0.0);
       for (std::size_t i = 0; i < before_.memberCount(); ++i) mean += rayOf(input.views[i].camera, before_.match[i][p]);
       faceOf_.push_back(nearestFace(mean));
     }
-    trianglesOf_.resize(before_.pointCount());
+    trianglesOf_.resize(before_.vertexCount());
     for (std::size_t t = 0; t < before_.triangles.size(); ++t)
       for (int k = 0; k < 3; ++k) trianglesOf_[before_.triangles[t][k]].push_back(t);
   }
@@ -46,8 +46,8 @@ class Sphere {
     AlignedCell result{before_, input_.cell.quality, {}};
     MorphMesh& mesh = result.mesh;
     OptimisedCell& facts = result.facts;
-    facts.points = before_.pointCount();
-    summary_ = aligning::nothingJudged(facts.points);
+    facts.points = before_.vertexCount();
+    summary_ = aligning::emptySummary(facts.points);
     range_.resize(facts.points);
     for (unsigned f = 0; f < rotations_.size(); ++f) alignFace(f, mesh.match, facts);
     finishSummary();
@@ -56,7 +56,7 @@ class Sphere {
     facts.moved = std::size_t(std::ranges::count(moved, true));
     facts.fixed = facts.points - movable_;
     if (facts.moved == 0) return result;
-    aligning::takeRanges(mesh, moved, range_, {});
+    aligning::updateRanges(mesh, moved, range_, {});
     label(mesh, moved);
     result.quality = aligning::qualityOf(mesh, input_.cell.quality, residuals_, [&](const glm::uvec3& t) {
       std::array<glm::dvec3, 3> corner{};
@@ -84,7 +84,7 @@ class Sphere {
     std::vector<MatchView> views;
     for (std::size_t i = 0; i < input_.views.size(); ++i) {
       const Camera& camera = input_.views[i].camera;
-      const int size = std::min(faceSize(camera.intrinsics.width, kMatchedFaceFov), kLargestFace);
+      const int size = std::min(faceSize(camera.intrinsics.width, kMatchedFaceFov), kMaxFaceSizePx);
       const Intrinsics intrinsics = faceIntrinsics(size, kMatchedFaceFov);
       const glm::dquat turn = glm::conjugate(camera.pose.rotation) * rotations_[f];
       views.push_back({{intrinsics, {camera.pose.position, rotations_[f]}}, samplers_[i].view(intrinsics, turn)});
@@ -93,19 +93,19 @@ class Sphere {
   }
 
   // Points in px of a face, and flags: well inside the face for all members.
-  struct Placed {
+  struct FacePoints {
     Match match;
     std::vector<bool> inside;
   };
-  Placed placed(const std::vector<MatchView>& views, const Match& match) const {
-    Placed result{Match(views.size()), std::vector<bool>(before_.pointCount(), true)};
+  FacePoints facePoints(const std::vector<MatchView>& views, const Match& match) const {
+    FacePoints result{Match(views.size()), std::vector<bool>(before_.vertexCount(), true)};
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Intrinsics& k = views[i].camera.intrinsics;
-      for (std::size_t p = 0; p < before_.pointCount(); ++p) {
+      for (std::size_t p = 0; p < before_.vertexCount(); ++p) {
         const glm::dvec3 ray = rayOf(input_.views[i].camera, match[i][p]);
         const auto at = project(k, glm::conjugate(views[i].camera.pose.rotation) * ray);
-        const bool in = at && at->x >= kInsidePx && at->y >= kInsidePx && at->x <= k.width - kInsidePx &&
-                        at->y <= k.height - kInsidePx;
+        const bool in = at && at->x >= kMinBorderPx && at->y >= kMinBorderPx && at->x <= k.width - kMinBorderPx &&
+                        at->y <= k.height - kMinBorderPx;
         result.match[i].push_back(in ? glm::vec2(*at) : glm::vec2(0.0f));
         if (!in) result.inside[p] = false;
       }
@@ -115,13 +115,13 @@ class Sphere {
 
   void alignFace(unsigned f, Match& match, OptimisedCell& facts) {
     const std::vector<MatchView> views = viewsOf(f);
-    const Placed at = placed(views, match);
+    const FacePoints at = facePoints(views, match);
     const auto within = [&](std::size_t t) {
       const glm::uvec3& corner = before_.triangles[t];
       return at.inside[corner.x] && at.inside[corner.y] && at.inside[corner.z];
     };
     // The part of the mesh around the movable points of this face.
-    std::vector<unsigned> number(before_.pointCount(), kNone), point;
+    std::vector<unsigned> number(before_.vertexCount(), kNone), point;
     std::vector<std::uint8_t> fixed;
     std::vector<bool> taken(before_.triangles.size(), false);
     MorphMesh part;
@@ -133,7 +133,7 @@ class Sphere {
       }
       if (moves) fixed[number[p]] = 0;
     };
-    for (unsigned p = 0; p < before_.pointCount(); ++p) {
+    for (unsigned p = 0; p < before_.vertexCount(); ++p) {
       if (faceOf_[p] != f || !at.inside[p] || !std::ranges::all_of(trianglesOf_[p], within)) continue;
       add(p, true);
       for (const std::size_t t : trianglesOf_[p]) {
@@ -164,15 +164,16 @@ class Sphere {
     const Camera frame = matchedCamera({views[0].camera.intrinsics, {centre, rotations_[f]}});
     PictureAlignment alignment(views, part, frame, false, fixed);
     const Match to = alignment.run(options_, aligner_, [&](const Progress& p) {
-      return !progress_ || progress_({p.stage, p.done + f * kCyclesOfFace, kCyclesOfFace * rotations_.size() + p.done});
+      return !progress_ ||
+             progress_({p.stage, p.done + f * kExpectedCycles, kExpectedCycles * rotations_.size() + p.done});
     });
     for (std::size_t v = 0; v < point.size(); ++v)
       for (std::size_t i = 0; i < views.size(); ++i)
         if (to[i][v] != part.match[i][v])
           match[i][point[v]] = onSphere(views[i].camera, i, to[i][v], match[i][point[v]]);
-    facts.takenBack +=
-        aligning::takeBackFolded(before_, match, [this](const Match& m, const glm::uvec3& t) { return signs(m, t); });
-    facts.judged += alignment.judged();
+    facts.reverted +=
+        aligning::revertFolded(before_, match, [this](const Match& m, const glm::uvec3& t) { return signs(m, t); });
+    facts.evaluated += alignment.judged();
     note(alignment, to, point, fixed);
   }
 
@@ -184,12 +185,12 @@ class Sphere {
 
   // As meshSigns, but for directions: signs in each member, in the mean of each pair, and in the mean of all.
   std::uint32_t signs(const Match& match, const glm::uvec3& t) const {
-    constexpr double kLeast = 1e-13;  // beyond rounding errors of a determinant
+    constexpr double kMinDeterminant = 1e-13;  // beyond rounding errors of a determinant
     std::vector<glm::dmat3> corner;
     glm::dmat3 sum(0.0);
     std::uint32_t signs = 0, bit = 1;
     const auto note = [&](const glm::dmat3& m) {
-      if (glm::determinant(m) > kLeast) signs |= bit;
+      if (glm::determinant(m) > kMinDeterminant) signs |= bit;
       bit <<= 1;
     };
     for (std::size_t i = 0; i < match.size(); ++i) {
@@ -208,13 +209,13 @@ class Sphere {
     const AlignmentSummary& own = alignment.summary();
     double stars = 0;
     for (std::size_t v = 0; v < point.size(); ++v) {
-      if (!std::isnan(own.starEccBefore[v])) ++stars;
+      if (!std::isnan(own.initialStarEcc[v])) ++stars;
       if (fixed[v]) continue;
       ++movable_;
       range_[point[v]] = alignment.range(v, to);
       residuals_.push_back(range_[point[v]].residualPx);
-      summary_.starEccBefore[point[v]] = own.starEccBefore[v];
-      summary_.starEccAfter[point[v]] = own.starEccAfter[v];
+      summary_.initialStarEcc[point[v]] = own.initialStarEcc[v];
+      summary_.finalStarEcc[point[v]] = own.finalStarEcc[v];
     }
     if (std::isnan(own.initialEcc)) return;
     stars_ += stars;
@@ -243,10 +244,10 @@ class Sphere {
     summary_.finalEccPaper = finalPaper_ / stars_;
     for (std::size_t c = 0; c < summary_.cycles.size(); ++c) summary_.cycles[c].ecc /= cycleStars_[c];
     double before = 0, after = 0, count = 0;
-    for (std::size_t p = 0; p < before_.pointCount(); ++p) {
-      if (std::isnan(summary_.starEccBefore[p])) continue;
-      before += double(summary_.starEccBefore[p]);
-      after += double(summary_.starEccAfter[p]);
+    for (std::size_t p = 0; p < before_.vertexCount(); ++p) {
+      if (std::isnan(summary_.initialStarEcc[p])) continue;
+      before += double(summary_.initialStarEcc[p]);
+      after += double(summary_.finalStarEcc[p]);
       ++count;
     }
     if (count == 0) return;
@@ -259,7 +260,7 @@ class Sphere {
     const std::vector<std::size_t> changed = aligning::movedTriangles(mesh, moved);
     for (unsigned f = 0; f < rotations_.size(); ++f) {
       const std::vector<MatchView> views = viewsOf(f);
-      const Placed at = placed(views, mesh.match);
+      const FacePoints at = facePoints(views, mesh.match);
       std::vector<std::size_t> number;
       std::vector<glm::uvec3> corners;
       for (const std::size_t t : changed) {
@@ -274,7 +275,7 @@ class Sphere {
     }
   }
 
-  static constexpr std::size_t kCyclesOfFace = 6;  // estimate, for progress reports only
+  static constexpr std::size_t kExpectedCycles = 6;  // estimate, for progress reports only
 
   const CellToAlign& input_;
   AlignmentOptions options_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/align/aligned_cache.h"
 
-#include "author/jobs/kept_file.h"
-#include "author/jobs/kept_values.h"
+#include "author/jobs/cached_file.h"
+#include "author/jobs/cached_values.h"
 #include "base/hash.h"
 
 namespace ibr {
@@ -42,7 +42,7 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
       hash.add(v);
     hash.add(std::as_bytes(std::span(view.picture.values)));
   }
-  KeptWriter mesh;
+  CacheWriter mesh;
   mesh.mesh(input.cell.mesh);
   hash.add(mesh.take());
   const CellQuality& quality = input.cell.quality;
@@ -51,42 +51,42 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
 }
 
 void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const AlignedCell& cell) {
-  KeptWriter out;
+  CacheWriter out;
   out.mesh(cell.mesh);
   out.value(cell.quality);
   const OptimisedCell& facts = cell.facts;
   for (const std::size_t v :
-       {facts.points, facts.judged, facts.fixed, facts.moved, facts.flipped, facts.inserted, facts.takenBack})
+       {facts.points, facts.evaluated, facts.fixed, facts.moved, facts.flipped, facts.inserted, facts.reverted})
     out.value(std::uint64_t(v));
   const AlignmentSummary& summary = facts.summary;
   for (const double v : {summary.initialEcc, summary.finalEcc, summary.initialEccPaper, summary.finalEccPaper})
     out.value(v);
-  out.list(summary.starEccBefore);
-  out.list(summary.starEccAfter);
+  out.list(summary.initialStarEcc);
+  out.list(summary.finalStarEcc);
   out.list(summary.cycles);
   out.value(std::uint64_t(summary.bestCycle));
   out.value(std::uint64_t(summary.flips));
   out.value(std::uint64_t(summary.insertions));
   out.value(summary.seconds);
-  storeKept(keptFile(folder, key, kKind), out.take());
+  storeCached(cacheFile(folder, key, kKind), out.take());
 }
 
 std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std::uint64_t key) {
-  auto bytes = fetchKept(keptFile(folder, key, kKind));
+  auto bytes = fetchCached(cacheFile(folder, key, kKind));
   if (!bytes) return std::nullopt;
-  KeptReader in(std::move(*bytes));
+  CacheReader in(std::move(*bytes));
   AlignedCell cell;
   cell.mesh = in.mesh();
   cell.quality = in.value<CellQuality>();
   OptimisedCell& facts = cell.facts;
   for (std::size_t* const v :
-       {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.flipped, &facts.inserted, &facts.takenBack})
+       {&facts.points, &facts.evaluated, &facts.fixed, &facts.moved, &facts.flipped, &facts.inserted, &facts.reverted})
     *v = in.value<std::uint64_t>();
   AlignmentSummary& summary = facts.summary;
   for (double* const v : {&summary.initialEcc, &summary.finalEcc, &summary.initialEccPaper, &summary.finalEccPaper})
     *v = in.value<double>();
-  summary.starEccBefore = in.list<float>();
-  summary.starEccAfter = in.list<float>();
+  summary.initialStarEcc = in.list<float>();
+  summary.finalStarEcc = in.list<float>();
   summary.cycles = in.list<AlignmentCycle>();
   summary.bestCycle = in.value<std::uint64_t>();
   summary.flips = in.value<std::uint64_t>();

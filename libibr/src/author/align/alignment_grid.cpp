@@ -21,30 +21,34 @@ glm::vec2 pixels(glm::ivec2 at) {
 class Grid {
  public:
   Grid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size, const std::vector<std::uint8_t>& fixed)
-      : mesh_(mesh), size_(size), all_(allPositive(size.size())), around_(mesh.pointCount()), place_(mesh.match) {
+      : mesh_(mesh),
+        size_(size),
+        all_(allPositive(size.size())),
+        around_(mesh.vertexCount()),
+        gridPosition_(mesh.match) {
     fixed_ = fixed;
-    fixed_.resize(mesh.pointCount(), 0);
+    fixed_.resize(mesh.vertexCount(), 0);
     out_.alignment.position.resize(size.size());
     for (std::size_t i = 0; i < size.size(); ++i)
-      for (std::size_t p = 0; p < mesh.pointCount(); ++p) put(i, p, nearest(i, p));
+      for (std::size_t p = 0; p < mesh.vertexCount(); ++p) put(i, p, nearest(i, p));
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const glm::uvec3 corner = mesh.triangles[t];
       triangles_.push_back((meshSigns(mesh.match, corner) & 1u) ? corner : turned(corner));
-      judged_.push_back(mesh.tier[t] == kTierAgrees && meshSigns(mesh.match, triangles_[t]) == all_);
+      judged_.push_back(mesh.tier[t] == kTierConsistent && meshSigns(mesh.match, triangles_[t]) == all_);
       if (judged_[t])
         for (int k = 0; k < 3; ++k) around_[corner[k]].push_back(t);
     }
   }
 
   AlignmentGrid run() {
-    for (std::size_t p = 0; p < mesh_.pointCount(); ++p)
-      if (outside(p)) giveUp(unsigned(p));
+    for (std::size_t p = 0; p < mesh_.vertexCount(); ++p)
+      if (outside(p)) fixPoint(unsigned(p));
     for (std::size_t t = 0; t < judged_.size(); ++t)
       if (folded(t)) shift(t);
     for (std::size_t t = 0; t < judged_.size(); ++t)
-      if (folded(t)) giveUp(worstCorner(t));
+      if (folded(t)) fixPoint(worstCorner(t));
     for (std::size_t t = 0; t < judged_.size(); ++t) {
-      (judged_[t] ? out_.alignment.triangles : out_.alignment.kept).push_back(triangles_[t]);
+      (judged_[t] ? out_.alignment.triangles : out_.alignment.unevaluated).push_back(triangles_[t]);
       if (judged_[t]) out_.judged.push_back(t);
     }
     out_.alignment.fixed = std::move(fixed_);
@@ -58,9 +62,9 @@ class Grid {
   }
   void put(std::size_t i, std::size_t p, glm::ivec2 at) {
     auto& list = out_.alignment.position[i];
-    if (list.size() <= p) list.resize(mesh_.pointCount());
+    if (list.size() <= p) list.resize(mesh_.vertexCount());
     list[p] = at;
-    place_[i][p] = pixels(at);
+    gridPosition_[i][p] = pixels(at);
   }
   bool outside(std::size_t p) const {
     for (std::size_t i = 0; i < size_.size(); ++i) {
@@ -69,7 +73,7 @@ class Grid {
     }
     return false;
   }
-  bool folded(std::size_t t) const { return judged_[t] && meshSigns(place_, triangles_[t]) != all_; }
+  bool folded(std::size_t t) const { return judged_[t] && meshSigns(gridPosition_, triangles_[t]) != all_; }
   std::size_t folds(unsigned p) const {
     return std::size_t(std::ranges::count_if(around_[p], [&](std::size_t t) { return folded(t); }));
   }
@@ -105,7 +109,7 @@ class Grid {
       if (folds(corner[k]) > folds(worst)) worst = corner[k];
     return worst;
   }
-  void giveUp(unsigned p) {
+  void fixPoint(unsigned p) {
     fixed_[p] = 1;
     ++out_.fixed;
     for (const std::size_t t : around_[p]) judged_[t] = false;
@@ -114,9 +118,9 @@ class Grid {
   const MorphMesh& mesh_;
   const std::vector<glm::ivec2>& size_;
   std::uint32_t all_;
-  std::vector<glm::uvec3> triangles_;             // turned to be positive in the first image
-  std::vector<std::vector<std::size_t>> around_;  // judged triangles around each point
-  std::vector<std::vector<glm::vec2>> place_;     // on the grid, px
+  std::vector<glm::uvec3> triangles_;                 // turned to be positive in the first image
+  std::vector<std::vector<std::size_t>> around_;      // judged triangles around each point
+  std::vector<std::vector<glm::vec2>> gridPosition_;  // on the grid, px
   std::vector<std::uint8_t> fixed_;
   std::vector<bool> judged_;
   AlignmentGrid out_;
@@ -124,8 +128,8 @@ class Grid {
 
 }  // namespace
 
-AlignmentGrid ontoGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
-                       const std::vector<std::uint8_t>& fixed) {
+AlignmentGrid toAlignmentGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
+                              const std::vector<std::uint8_t>& fixed) {
   return Grid(mesh, size, fixed).run();
 }
 

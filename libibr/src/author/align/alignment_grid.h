@@ -20,8 +20,8 @@ struct AlignmentGrid {
 };
 
 /// `size`: of each image, px. `fixed`: n flags or empty: points that must not move.
-AlignmentGrid ontoGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
-                       const std::vector<std::uint8_t>& fixed = {});
+AlignmentGrid toAlignmentGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
+                              const std::vector<std::uint8_t>& fixed = {});
 
 /// Applies the optimiser's result. Points that moved in an image, and points that only `to` has, get the matches of
 /// `to`. All others keep their match in `mesh`, to the bit.

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "author/align/aligned_cache.h"
-#include "author/jobs/kept_file.h"
+#include "author/jobs/cached_file.h"
 #include "author/photographs/masks.h"
 #include "base/check.h"
 #include "base/file.h"
@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kBytesPerPixel = 40;  // memory of a cell, per pixel of all its members
-constexpr double kUsualCycles = 3;     // after this number of cycles, half of a cell counts as done
+constexpr double kTypicalCycles = 3;   // after this number of cycles, half of a cell counts as done
 constexpr const char* kStage = "optimising cells";
 
-bool onProcessor(AlignmentMethod method) {
+bool runsOnCpu(AlignmentMethod method) {
   return method == AlignmentMethod::cpu || method == AlignmentMethod::gradient;
 }
 
@@ -52,23 +52,24 @@ class Optimiser {
     const std::size_t count = cells_.size();
     shareDone_ = std::vector<std::atomic<double>>(count);
     for (const std::size_t c : cells_)
-      work_.push_back(scene.cells[c].mesh.pointCount() * scene.cells[c].members.size());
+      work_.push_back(scene.cells[c].mesh.vertexCount() * scene.cells[c].members.size());
   }
 
   std::vector<AlignedCell> run() {
-    const bool sideBySide = onProcessor(options_.alignment.method);
+    const bool sideBySide = runsOnCpu(options_.alignment.method);
     const int threads = threadsFor(options_.threads, 1), jobs = sideBySide ? threadsFor(threads, bytes()) : 1;
     const int together = std::max(1, std::min(jobs, int(cells_.size())));
-    threadsEach_ = sideBySide ? std::max(1, threads / together) : threads;
+    threadsPerCell_ = sideBySide ? std::max(1, threads / together) : threads;
     std::vector<AlignedCell> done(cells_.size());
     const bool finished = runJobs(
-        cells_.size(), together, [&](std::size_t k) { done[k] = aligned(k); }, [&](std::size_t) { return wanted(); });
+        cells_.size(), together, [&](std::size_t k) { done[k] = aligned(k); },
+        [&](std::size_t) { return reportProgress(); });
     check(finished, ErrorCode::cancelled, "cancelled while {}; the next run continues from there", kStage);
     return done;
   }
 
  private:
-  bool wanted() {
+  bool reportProgress() {
     const std::size_t total = std::accumulate(work_.begin(), work_.end(), std::size_t(0));
     double done = 0;
     for (std::size_t k = 0; k < cells_.size(); ++k) done += shareDone_[k].load() * double(work_[k]);
@@ -90,18 +91,18 @@ class Optimiser {
       if (!node.maskFile.empty()) views.back().mask = readMask(pathInside(scene_.folder, node.maskFile), camera);
     }
     const CellToAlign input{views, cell};
-    const bool keeps = !options_.finished.empty();
+    const bool keeps = !options_.cacheFolder.empty();
     const std::uint64_t key = keeps ? alignmentKey(input, options_.alignment) : 0;
     std::optional<AlignedCell> kept;
-    if (keeps) kept = fetchAligned(options_.finished, key);
-    AlignedCell done = kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
+    if (keeps) kept = fetchAligned(options_.cacheFolder, key);
+    AlignedCell done = kept ? std::move(*kept) : alignCell(input, cellOptions(), aligner_, [&](const Progress& p) {
       // The number of cycles is unknown in advance; about five is typical.
-      shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
+      shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kTypicalCycles);
       return !cancelled_.load();
     });
-    if (!kept && keeps) storeAligned(options_.finished, key, done);
+    if (!kept && keeps) storeAligned(options_.cacheFolder, key, done);
     OptimisedCell& facts = done.facts;
-    facts.resumed = kept.has_value();
+    facts.cached = kept.has_value();
     facts.cell = cells_[k];
     for (const std::uint32_t i : cell.members) facts.members.push_back(scene_.nodes[i].name);
     facts.width = views[0].picture.width;
@@ -111,9 +112,9 @@ class Optimiser {
     return done;
   }
 
-  AlignmentOptions optionsOfEach() const {
+  AlignmentOptions cellOptions() const {
     AlignmentOptions each = options_.alignment;
-    each.threads = threadsEach_;
+    each.threads = threadsPerCell_;
     return each;
   }
 
@@ -136,7 +137,7 @@ class Optimiser {
   std::vector<std::size_t> work_;   // of each cell: points times images
   std::vector<std::atomic<double>> shareDone_;
   std::atomic<bool> cancelled_ = false;
-  int threadsEach_ = 1;
+  int threadsPerCell_ = 1;
 };
 
 // Records in the scene's settings how its cells were optimised.
@@ -173,10 +174,10 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
                                   const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
   check(options.threads >= 0, ErrorCode::invalidInput, "threads is {}, must be 0 or more", options.threads);
-  if (!options.finished.empty()) makeFolders(options.finished);
+  if (!options.cacheFolder.empty()) makeFolders(options.cacheFolder);
   std::vector<AlignedCell> done = Optimiser(scene, options, aligner, progress).run();
   OptimiseSceneReport report;
-  std::size_t takenBack = 0, judged = 0;
+  std::size_t reverted = 0, judged = 0;
   double before = 0, after = 0;
   for (AlignedCell& cell : done) {
     Cell& now = scene.cells[cell.facts.cell];
@@ -184,8 +185,8 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
     now.mesh.confirmations.clear();  // lists belong to the old positions
     now.mesh.consensus.clear();
     now.quality = cell.quality;
-    takenBack += cell.facts.takenBack;
-    if (cell.facts.judged > 0) {
+    reverted += cell.facts.reverted;
+    if (cell.facts.evaluated > 0) {
       ++judged;
       before += cell.facts.summary.initialEcc;
       after += cell.facts.summary.finalEcc;
@@ -196,8 +197,8 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
   if (log && judged > 0)
     log(LogLevel::info, fmt::format("mean ECC of {} cells: {:.3f} before and {:.3f} after optimisation", judged,
                                     before / double(judged), after / double(judged)));
-  if (log && takenBack > 0)
-    log(LogLevel::debug, fmt::format("{} points moved back, because their triangles would have flipped", takenBack));
+  if (log && reverted > 0)
+    log(LogLevel::debug, fmt::format("{} points moved back, because their triangles would have flipped", reverted));
   report.seconds = watch.seconds();
   return report;
 }
@@ -211,10 +212,10 @@ OptimiseSceneReport optimiseScene(const OptimiseSceneOptions& options, const Ali
   check(!fs::equivalent(scene.folder, options.output, ignored), ErrorCode::invalidInput,
         "{}: the output would overwrite the source scene; choose another folder", options.output.string());
   OptimiseCellsOptions cells = options.cells;
-  if (cells.finished.empty()) cells.finished = options.output / ".optimise";
+  if (cells.cacheFolder.empty()) cells.cacheFolder = options.output / ".optimise";
   OptimiseSceneReport report = optimiseCells(scene, cells, aligner, progress, log);
-  shareScene(scene, options.output);
-  if (options.cells.finished.empty()) removeKept(cells.finished);
+  saveSceneWithLinks(scene, options.output);
+  if (options.cells.cacheFolder.empty()) removeCached(cells.cacheFolder);
   report.seconds = watch.seconds();
   return report;
 }

@@ -16,9 +16,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kAffine = 1.0;       // tolerated deviation from linear parallax, px at the step
-constexpr double kStretched = 1.5;    // change of parallax along an edge, relative to its length
-constexpr float kKnownShare = 0.05f;  // standard deviation of known values, relative to the value
+constexpr double kMaxNonlinearPx = 1.0;   // tolerated deviation from linear parallax, px at the step
+constexpr double kMaxStretch = 1.5;       // change of parallax along an edge, relative to its length
+constexpr float kKnownDeviation = 0.05f;  // standard deviation of known values, relative to the value
 
 struct Vertex {
   glm::dvec2 at;     // px of the depth map
@@ -30,7 +30,7 @@ std::vector<Vertex> pickVertices(const ImageF& depth, double parallaxPx, int spa
   ImageF parallax(width, height, 2);
   for (std::size_t at = 0; at < depth.values.size(); ++at)
     parallax.values[2 * at] = float(parallaxPx * double(depth.values[at]));
-  const BlockSizes sizes{.largest = 32, .smallest = spacing, .atEdges = spacing, .affine = kAffine};
+  const BlockSizes sizes{.largest = 32, .smallest = spacing, .atEdges = spacing, .affine = kMaxNonlinearPx};
   std::vector<Vertex> vertices;
   for (const glm::ivec2 pixel : meshVertices(Image8(width, height, 1, 1), {&parallax, 1}, sizes))
     vertices.push_back({glm::dvec2(pixel) + 0.5, pixel});
@@ -46,7 +46,7 @@ std::vector<Vertex> pickVertices(const ImageF& depth, double parallaxPx, int spa
 }
 
 // Makes both ends of a panorama's rows equal, and each pole row constant: these pixels show the same direction.
-ImageF closedAround(ImageF depth) {
+ImageF closedPanorama(ImageF depth) {
   const int right = depth.width - 1;
   for (int y = 0; y < depth.height; ++y)
     depth.pixel(0, y)[0] = depth.pixel(right, y)[0] = 0.5f * (depth.pixel(0, y)[0] + depth.pixel(right, y)[0]);
@@ -81,7 +81,7 @@ class BackdropMesh {
     mesh_.ratio[0].push_back(1.0f);
     const double along = isPanorama_ ? 1.0 : -unproject(stored_, match).z;
     mesh_.inverseDistance.push_back(float(double(depth) * along));
-    mesh_.uncertainty.push_back((isKnown ? kKnownShare : 1.0f) * mesh_.inverseDistance.back());
+    mesh_.uncertainty.push_back((isKnown ? kKnownDeviation : 1.0f) * mesh_.inverseDistance.back());
     points_.push_back({at, depth, isKnown});
     return unsigned(points_.size() - 1);
   }
@@ -108,7 +108,7 @@ class BackdropMesh {
 
   void add(const glm::uvec3& t) {
     mesh_.triangles.push_back(t);
-    mesh_.tier.push_back(kTierAgrees);
+    mesh_.tier.push_back(kTierConsistent);
     mesh_.ecc.push_back(1.0f);
   }
 
@@ -116,14 +116,14 @@ class BackdropMesh {
     for (int i = 0; i < 3; ++i) {
       const Point &a = points_[t[i]], &b = points_[t[(i + 1) % 3]];
       const double change = cutPx_ * std::abs(double(a.depth) - double(b.depth));
-      if (change > kStretched * glm::distance(a.at, b.at)) return true;
+      if (change > kMaxStretch * glm::distance(a.at, b.at)) return true;
     }
     return false;
   }
 
   // Position on the way from a to b at which the depth changes from that of a to that of b.
   glm::dvec2 jump(const Point& a, const Point& b) const {
-    constexpr double kLeast = 0.1;  // min distance from either end, as a share of the edge
+    constexpr double kMinEndShare = 0.1;  // min distance from either end, as a share of the edge
     const int count = int(std::ceil(2 * glm::distance(a.at, b.at)));
     int best = 0, balance = 0, most = 0;  // samples like a minus samples like b, up to the current one
     for (int i = 0; i < count; ++i) {
@@ -132,12 +132,12 @@ class BackdropMesh {
       balance += std::abs(here - a.depth) < std::abs(here - b.depth) ? 1 : -1;
       if (balance > most) most = balance, best = i + 1;
     }
-    return glm::mix(a.at, b.at, std::clamp(double(best) / count, kLeast, 1 - kLeast));
+    return glm::mix(a.at, b.at, std::clamp(double(best) / count, kMinEndShare, 1 - kMinEndShare));
   }
 
   // Point of an edge where one surface ends and the other begins, with the depth of its end `side`.
-  unsigned halfway(unsigned side, unsigned other) {
-    const auto [it, isNew] = halfway_.try_emplace({side, other}, 0u);
+  unsigned splitPoint(unsigned side, unsigned other) {
+    const auto [it, isNew] = splitPoints_.try_emplace({side, other}, 0u);
     const Point &a = points_[std::min(side, other)], &b = points_[std::max(side, other)], &own = points_[side];
     if (isNew) it->second = addPoint(jump(a, b), own.depth, own.isKnown);
     return it->second;
@@ -152,9 +152,9 @@ class BackdropMesh {
     for (const int i : {1, 2})
       if (difference(i) < difference(apart)) apart = i;
     const unsigned a = t[apart], b = t[(apart + 1) % 3], c = t[(apart + 2) % 3];
-    add({a, halfway(a, b), halfway(a, c)});
-    add({halfway(b, a), b, c});
-    add({halfway(b, a), c, halfway(c, a)});
+    add({a, splitPoint(a, b), splitPoint(a, c)});
+    add({splitPoint(b, a), b, c});
+    add({splitPoint(b, a), c, splitPoint(c, a)});
   }
 
   const Intrinsics& stored_;
@@ -164,7 +164,7 @@ class BackdropMesh {
   double parallaxPx_, cutPx_;
   MorphMesh mesh_;
   std::vector<Point> points_;
-  std::map<std::pair<unsigned, unsigned>, unsigned> halfway_;
+  std::map<std::pair<unsigned, unsigned>, unsigned> splitPoints_;
 };
 
 }  // namespace
@@ -183,7 +183,7 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& depth,
                        const BackdropOptions& options) {
   const bool panorama = stored.intrinsics.model == CameraModel::equirectangular;
-  const ImageF completed = panorama ? closedAround(depth) : depth;
+  const ImageF completed = panorama ? closedPanorama(depth) : depth;
   BackdropMesh mesh(stored.intrinsics, completed, options);
   for (const Vertex& vertex : pickVertices(completed, mesh.parallaxPx(), options.spacing))
     mesh.addPoint(vertex.at, completed.pixel(vertex.pixel.x, vertex.pixel.y)[0],

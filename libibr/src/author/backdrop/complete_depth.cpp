@@ -11,9 +11,9 @@
 namespace ibr {
 namespace {
 
-constexpr int kSweeps = 12;    // pairs of forward and backward sweeps per level
-constexpr float kEdge = 6.0f;  // change of colour at which the conductance falls to 1/e, 8-bit levels
-constexpr float kLeastConductance = 1e-3f;
+constexpr int kSweeps = 12;           // pairs of forward and backward sweeps per level
+constexpr float kColourScale = 6.0f;  // change of colour at which the conductance falls to 1/e, 8-bit levels
+constexpr float kMinConductance = 1e-3f;
 
 struct Level {
   int width, height;
@@ -53,7 +53,7 @@ float conductance(const ImageF& colour, std::size_t a, std::size_t b) {
   float change = 0;
   for (std::size_t c = 0; c < 3; ++c)
     change = std::max(change, std::abs(colour.values[3 * a + c] - colour.values[3 * b + c]));
-  return std::max(std::exp(-change / kEdge), kLeastConductance);
+  return std::max(std::exp(-change / kColourScale), kMinConductance);
 }
 
 void relax(Level& level) {
@@ -88,7 +88,7 @@ void relax(Level& level) {
 }
 
 // Clamps each connected region without depth to the range of the known values around it.
-void keepWithinRims(const ImageF& known, ImageF& completed) {
+void clampToRims(const ImageF& known, ImageF& completed) {
   const int width = known.width, height = known.height;
   std::vector<bool> seen(known.values.size(), false);
   std::vector<int> region;
@@ -145,7 +145,7 @@ ImageF completeDepth(const ImageF& inverseDepth, const Image8& colours) {
   }
   for (std::size_t at = 0; at < result.values.size(); ++at)
     result.values[at] = inverseDepth.values[at] >= 0 ? inverseDepth.values[at] : levels[0].value[at];
-  keepWithinRims(inverseDepth, result);
+  clampToRims(inverseDepth, result);
   return result;
 }
 

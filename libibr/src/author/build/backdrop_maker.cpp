@@ -25,7 +25,7 @@ constexpr std::uint64_t kVersion = 7;  // of the algorithm: raise when results c
 
 // Baseline, as a share of the capture spacing, at which stretched depth edges are cut. Tuned: gathered views gain 0.3
 // dB on object_vespasian and lose 0.2 dB on street.
-constexpr double kCut = 0.5;
+constexpr double kCutShare = 0.5;
 
 // Typical distance of a virtual camera from a photograph: median of the longest edges of its cells, or of all cells if
 // the photograph is in none. In a scene without cells, the capture spacing.
@@ -59,12 +59,12 @@ BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& option
   if (!cameras.empty()) spacing_ = captureSpacing(cameras);
 }
 
-MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth& depth) const {
+BackdropResult BackdropMaker::make(std::uint32_t photograph, const PhotographDepth& depth) const {
   const Stopwatch watch;
   const Photograph& photo = input_.photographs[photograph];
   const double step = stepOf(cellsWith_[photograph], sizes_, spacing_);
   const Intrinsics& size = depth.matched.map.camera.intrinsics;
-  const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), size.width, size.height));
+  const CompletedDepth whole = completed(depth, downscaled(loadPhotograph(photo), size.width, size.height));
   const int spacing = std::min(32, options_.backdropSpacing * int(std::bit_floor(unsigned(depth.finer))));
   Hash hash;
   hash.add(kVersion);
@@ -74,15 +74,15 @@ MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth
   addPhotograph(hash, input_, photograph);
   hash.add(std::as_bytes(std::span(whole.kept.values)));
   const std::uint64_t key = hash.value();
-  MadeBackdrop result;
+  BackdropResult result;
   result.made.key = key;
-  if (auto cached = fetchCell(keptFolder(options_), key)) {
+  if (auto cached = fetchCell(buildCacheFolder(options_), key)) {
     result.made.cell = std::move(*cached);
-    result.made.resumed = true;
+    result.made.cached = true;
   } else {
     result.made.cell = buildBackdrop(photo.camera, whole.kept, whole.maps.inverseDepth,
-                                     {.step = step, .cut = kCut * spacing_, .spacing = spacing});
-    storeCell(keptFolder(options_), key, result.made.cell);
+                                     {.step = step, .cut = kCutShare * spacing_, .spacing = spacing});
+    storeCell(buildCacheFolder(options_), key, result.made.cell);
   }
   addEvidence(result.made.cell.mesh, photo.camera.intrinsics, whole);
   const DepthTexture texture = depthTexture(whole.maps, photo.camera.intrinsics.width);
@@ -98,7 +98,8 @@ double BackdropMaker::bytes() const {
   double most = 0;
   for (const Photograph& photo : input_.photographs) {
     const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-    most = std::max(most, kBackdropBytesPerPixel * finerPixels(options_.depth) * size.x * size.y + bytesToLoad(photo));
+    most =
+        std::max(most, kBackdropBytesPerPixel * finePixelFactor(options_.depth) * size.x * size.y + bytesToLoad(photo));
   }
   return most;
 }

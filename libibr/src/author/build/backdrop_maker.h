@@ -17,8 +17,8 @@ inline constexpr double kBackdropBytesPerPixel = 100;  // memory for completing 
 // Memory for a photograph's scaled image and mask, matched depth, sky and evidence.
 inline constexpr double kDepthBytesPerPixel = 10;
 
-struct MadeBackdrop {
-  MadeCell made;                    // with evidence, which is not cached
+struct BackdropResult {
+  CellResult made;                  // with evidence, which is not cached
   std::filesystem::path depthFile;  // relative to the scene's folder
   double depthScale = 0;            // Node::depthScale
 };
@@ -33,7 +33,7 @@ class BackdropMaker {
 
   /// `depth`: the photograph's (depthOfPhotographs). Writes the depth texture into the scene's folder. Thread-safe.
   /// Throws Error.
-  MadeBackdrop make(std::uint32_t photograph, const PhotographDepth& depth) const;
+  BackdropResult make(std::uint32_t photograph, const PhotographDepth& depth) const;
 
   /// Peak memory of one make(), bytes.
   double bytes() const;

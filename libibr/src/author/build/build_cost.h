@@ -21,39 +21,39 @@ struct CellWork {
   std::size_t members = 0;
   double readPixels = 0;    // of the members' files
   double loadingBytes = 0;  // memory while one member is read
-  double beyondPixels = 0;  // of one member: its pixels that exceed the matched size
+  double excessPixels = 0;  // of one member: its pixels that exceed the matched size
   bool swept = true;        // false: matched by flow or homographies, or panoramas
 };
 
 /// Work of a build. Pixels are summed over photographs.
 struct BuildWork {
   std::size_t photographs = 0;
-  double readPixels = 0;         // of the files
-  double storedPixels = 0;       // for which textures are made
-  double encodedPixels = 0;      // of photographs that are encoded again, not copied
-  double featurePixels = 0;      // in which features are searched
-  std::size_t pairs = 0;         // pairs of photographs whose features are matched
-  double judgedSweptPixels = 0;  // of the depth maps by which moving objects are found
-  double judgedPixels = 0,
-         judgePixels = 0;  // compared to find moving objects: of photographs, of their comparison photographs
+  double readPixels = 0;           // of the files
+  double storedPixels = 0;         // for which textures are made
+  double encodedPixels = 0;        // of photographs that are encoded again, not copied
+  double featurePixels = 0;        // in which features are searched
+  std::size_t pairs = 0;           // pairs of photographs whose features are matched
+  double comparedSweptPixels = 0;  // of the depth maps by which moving objects are found
+  double comparedPixels = 0,
+         comparisonPixels = 0;  // compared to find moving objects: of photographs, of their comparison photographs
   std::vector<CellWork> cells;
-  bool exposures = false;  // exposures are compared
-  double refinedBy = 0;    // observations used to refine poses; 0: not refined
+  bool exposures = false;             // exposures are compared
+  double refinementObservations = 0;  // observations used to refine poses; 0: not refined
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
   double sweptPixels = 0;     // of the swept depth maps
   double refinements = 1;     // cost of refinement, in units of DepthSearch::refined's
 };
 
-/// Time of this machine for the same work, relative to the machine of the constants: processor time of one thread, and
+/// Time of this machine for the same work, relative to the machine of the constants: cpu time of one thread, and
 /// elapsed time while `threads` work in parallel.
 struct MachineSpeed {
-  double processor = 1, passing = 1;
+  double cpu = 1, elapsed = 1;
 };
 
 struct StageCost {
   const char* stage;
-  double processorSeconds;  // of all threads
+  double cpuSeconds;  // of all threads
   double seconds;
 };
 
@@ -72,6 +72,6 @@ double bytesToMake(const CellWork& cell);
 double bytesToCompareExposures(const BuildWork& work);
 
 /// Approximate size of a cached cell mesh, bytes, both in memory and on disk.
-double bytesKept(const CellWork& cell);
+double cachedCellBytes(const CellWork& cell);
 
 }  // namespace ibr

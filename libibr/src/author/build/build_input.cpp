@@ -31,7 +31,7 @@ std::string utf8Of(const std::string& name) {
 }
 
 // Files of the photographs' folder that the model lacks. Skips images of the output scene below that folder.
-std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOptions& options) {
+std::vector<UnusedPhotograph> photographsNotInModel(const PosedModel& model, const BuildOptions& options) {
   std::set<std::string> known;
   for (const PosedImage& image : model.images) known.insert(image.name);
   known.insert(options.exclude.begin(), options.exclude.end());
@@ -43,30 +43,30 @@ std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOpti
     if (!known.contains(name) && (inScene.empty() || *inScene.begin() == ".."))
       unknown.push_back({utf8Of(name), reason});
   };
-  const PictureFolder folder = lookInto(options.photographs);
+  const PhotographFolder folder = scanPhotographFolder(options.photographs);
   for (const std::string& name : folder.pictures) add(name, std::string(kNotRegistered));
-  for (const auto& [name, reason] : folder.unread) add(name, reason);
+  for (const auto& [name, reason] : folder.unreadable) add(name, reason);
   std::ranges::sort(unknown, {}, &UnusedPhotograph::name);
   return unknown;
 }
 
 // Lists images of the model that the folder lacks, e.g. "IMG_1.jpg (there it is IMG_1.JPG), …".
 std::string missingText(const std::vector<std::string>& missing, const fs::path& folder) {
-  constexpr std::size_t kNamed = 5;
+  constexpr std::size_t kMaxListed = 5;
   const auto lowered = [](std::string text) {
     for (char& c : text)
       if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
     return text;
   };
   std::map<std::string, std::string> there;
-  for (const std::string& name : lookInto(folder).pictures) there.emplace(lowered(name), name);
+  for (const std::string& name : scanPhotographFolder(folder).pictures) there.emplace(lowered(name), name);
   std::vector<std::string> named;
-  for (std::size_t i = 0; i < std::min(missing.size(), kNamed); ++i) {
+  for (std::size_t i = 0; i < std::min(missing.size(), kMaxListed); ++i) {
     const auto found = there.find(lowered(missing[i]));
     named.push_back(missing[i] + (found == there.end() ? "" : " (the folder has " + found->second + ")"));
   }
   return fmt::format("{}{}", fmt::join(named, ", "),
-                     missing.size() > kNamed ? fmt::format(" and {} more", missing.size() - kNamed) : "");
+                     missing.size() > kMaxListed ? fmt::format(" and {} more", missing.size() - kMaxListed) : "");
 }
 
 // Reports all faults in one error.
@@ -81,7 +81,7 @@ void findPhotographs(BuildInput& input, const BuildOptions& options) {
     try {
       input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
     } catch (const Error& error) {
-      if (!isOfFile(error)) throw;
+      if (!isFileError(error)) throw;
       faults.push_back(error.what());
     }
   }
@@ -94,14 +94,14 @@ void findPhotographs(BuildInput& input, const BuildOptions& options) {
 }
 
 // Decides the orientation of photographs whose shape leaves the choice open: as the other photographs, if they agree.
-void settleOrientations(const PosedModel& model, const BuildOptions& options, std::vector<Photograph>& photographs,
-                        const LogCallback& log) {
+void resolveOrientations(const PosedModel& model, const BuildOptions& options, std::vector<Photograph>& photographs,
+                         const LogCallback& log) {
   if (options.orientation != Orientation::automatic) return;
   std::vector<std::size_t> unsure;
   bool turned = false;
   for (std::size_t i = 0; i < photographs.size(); ++i) {
     turned = turned || photographs[i].applyOrientation;
-    if (photographs[i].turnUnsure) unsure.push_back(i);
+    if (photographs[i].orientationAmbiguous) unsure.push_back(i);
   }
   if (unsure.empty()) return;
   if (turned)
@@ -135,16 +135,16 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
     for (const fs::path& file : {fs::path(name + ".png"), fs::path(name).replace_extension(".png")})
       expected.insert(file.lexically_normal());
   };
-  for (const std::string& name : lookInto(options.photographs).pictures) expect(name);
+  for (const std::string& name : scanPhotographFolder(options.photographs).pictures) expect(name);
   for (Photograph& photo : photographs) {
     expect(photo.name);
-    const std::optional<fs::path> mask = maskFileOf(options.masks, photo.name);
+    const std::optional<fs::path> mask = findMaskFile(options.masks, photo.name);
     if (!mask) continue;
     checkMaskSize(photo, *mask);
     photo.mask = *mask;
   }
   if (!log) return;
-  for (const std::string& name : lookInto(options.masks).pictures)
+  for (const std::string& name : scanPhotographFolder(options.masks).pictures)
     if (!expected.contains(fs::path(name).lexically_normal()))
       log(LogLevel::warning,
           fmt::format("{}: no photograph has the name of this mask", (options.masks / name).string()));
@@ -156,7 +156,7 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
 }
 
 // Names to exclude. A name that only the folder has, not the model, is skipped; a name that neither has is an error.
-std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions& options) {
+std::vector<std::string> excludedNames(const PosedModel& model, const BuildOptions& options) {
   std::vector<std::string> names = options.exclude;
   std::erase_if(names, [&](const std::string& name) {
     return std::ranges::find(model.images, name, &PosedImage::name) == model.images.end() &&
@@ -186,11 +186,11 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   checkOptions(options);
   BuildInput input;
   input.model = readPoses(options, log);
-  input.unknown = unknownTo(input.model, options);
-  removeImages(input.model, toLeaveOut(input.model, options));
+  input.unknown = photographsNotInModel(input.model, options);
+  removeImages(input.model, excludedNames(input.model, options));
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", posesFile(options).string());
   findPhotographs(input, options);
-  settleOrientations(input.model, options, input.photographs, log);
+  resolveOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);
   findMasks(input.photographs, options, log);
   input.tracksOf = tracksOfImages(input.model);
@@ -202,7 +202,7 @@ bool isPanorama(const Photograph& photograph) {
   return photograph.camera.intrinsics.model == CameraModel::equirectangular;
 }
 
-fs::path keptFolder(const BuildOptions& options) {
+fs::path buildCacheFolder(const BuildOptions& options) {
   return options.cacheFolder.empty() ? options.output / ".build" : options.cacheFolder;
 }
 

@@ -31,7 +31,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log);
 bool isPanorama(const Photograph& photograph);
 
 /// Cache folder of finished cells, until the scene is written or for the next build.
-std::filesystem::path keptFolder(const BuildOptions& options);
+std::filesystem::path buildCacheFolder(const BuildOptions& options);
 
 /// Hashes what a cell or a backdrop depends on.
 void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t photograph);

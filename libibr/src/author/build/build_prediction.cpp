@@ -32,11 +32,11 @@ namespace {
 
 constexpr double kTypicalLevels = 100;  // assumed for cells that are not planned yet
 constexpr std::size_t kTypicalMembers = 3;
-constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // bytes per pixel of an encoded image
-constexpr double kFeatureBytes = 3e6;              // bytes of a photograph's cached features
-constexpr double kKeptDepthBytes = 5;              // bytes per pixel of a cached depth map
-constexpr double kSeenInCells = 700;               // observations of dense tracks per photograph
-constexpr double kProgram = 60e6;                  // memory of the program itself, bytes
+constexpr double kPngBytesPerPixel = 2, kJpegBytesPerPixel = 0.8;  // bytes per pixel of an encoded image
+constexpr double kCachedFeatureBytes = 3e6;                        // bytes of a photograph's cached features
+constexpr double kCachedDepthBytesPerPixel = 5;                    // bytes per pixel of a cached depth map
+constexpr double kObservationsPerPhotograph = 700;                 // observations of dense tracks per photograph
+constexpr double kProgramBytes = 60e6;                             // memory of the program itself, bytes
 
 double pixelsOf(const Intrinsics& k) {
   return double(k.width) * k.height;
@@ -50,7 +50,7 @@ double textureBytesOf(TextureFormat format, const Intrinsics& k) {
   }
 }
 
-double freeBelow(fs::path folder) {
+double freeDiskBytes(fs::path folder) {
   std::error_code error;
   folder = fs::absolute(folder, error);
   while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
@@ -60,9 +60,10 @@ double freeBelow(fs::path folder) {
 
 // Bytes that an earlier build of this scene left in the output. This build replaces the files, so these bytes count as
 // free.
-double heldAlready(const BuildOptions& options) {
+double reusableBytes(const BuildOptions& options) {
   double bytes = 0;
-  for (const char* part : {"cells", "images", "textures", "masks", "depth"}) bytes += bytesBelow(options.output / part);
+  for (const char* part : {"cells", "images", "textures", "masks", "depth"})
+    bytes += folderBytes(options.output / part);
   return bytes;
 }
 
@@ -74,27 +75,27 @@ class Predictor {
   BuildPrediction predict() {
     countPhotographs();
     countTracks();
-    if (options_.removeMovers) countMovers();
+    if (options_.maskMovingObjects) countMovers();
     countCells();
     countRefinement();
     work_.exposures = options_.matchExposures || options_.fitVignetting;
     work_.photographs = made_.photographs = input_.photographs.size();
-    made_.memoryAllowed = memoryBudget(options_.memory);
-    made_.diskFree = freeBelow(options_.output) + heldAlready(options_);
-    shareOut();
+    made_.memoryLimitBytes = memoryBudget(options_.memory);
+    made_.diskFreeBytes = freeDiskBytes(options_.output) + reusableBytes(options_);
+    assignThreads();
     return std::move(made_);
   }
 
  private:
   void countDepth(const Photograph& photo) {
     reading_ = std::max(reading_, bytesToReadViews(photo));
-    const double sweptShare = options_.depth == DepthSearch::fast ? kFastSides * kFastSides : 1;
+    const double sweptShare = options_.depth == DepthSearch::fast ? kFastScale * kFastScale : 1;
     for (const DepthView& view : depthViews({&photo.camera, 1})) {
       const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
       const double pixels = sweptShare * swept.x * swept.y;
       work_.sweptPixels += pixels;
-      made_.disk += kKeptDepthBytes * finerPixels(options_.depth) * swept.x * swept.y;
-      depths_ += kHeldBytesPerPixel * pixels;
+      made_.disk += kCachedDepthBytesPerPixel * finePixelFactor(options_.depth) * swept.x * swept.y;
+      depths_ += kViewBytesPerPixel * pixels;
       sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
     }
   }
@@ -108,11 +109,12 @@ class Predictor {
       const double file = double(fs::file_size(photo.source, ignored));
       made_.disk += textureBytesOf(options_.texture, k);
       if (!photo.copied) work_.encodedPixels += pixelsOf(k);
-      made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
+      made_.disk +=
+          photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytesPerPixel : kPngBytesPerPixel) * pixelsOf(k);
       storing_ = std::max(storing_, bytesToStore(photo));
       loading_ = std::max(loading_, bytesToLoad(photo));
       const glm::ivec2 size = backdropSize(k);
-      const double whole = double(size.x) * size.y, finer = finerPixels(options_.depth);
+      const double whole = double(size.x) * size.y, finer = finePixelFactor(options_.depth);
       depths_ += kDepthBytesPerPixel * finer * whole;  // panoramas: the same for all faces together
       countDepth(photo);
       if (!options_.backdrops) continue;
@@ -123,7 +125,7 @@ class Predictor {
       const double completed = (isPanorama(photo) ? 1 : finer) * whole;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * completed);
     }
-    work_.refinements = options_.depth < DepthSearch::refined ? 0 : finerPixels(options_.depth);
+    work_.refinements = options_.depth < DepthSearch::refined ? 0 : finePixelFactor(options_.depth);
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
   }
@@ -140,36 +142,36 @@ class Predictor {
       work_.featurePixels += pixels;
       features_ = std::max(features_, bytesToLoad(photo) + kFeatureBytesPerPixel * std::min(pixels, kFeaturePixels));
     }
-    made_.disk += kFeatureBytes * double(images.size());
+    made_.disk += kCachedFeatureBytes * double(images.size());
   }
 
   // Without tracks the compared photographs are unknown: assumes the maximum number of comparisons.
   void countMovers() {
-    const auto judges = judgesOf(input_);
+    const auto judges = comparisonPhotographs(input_);
     for (std::size_t i = 0; i < judges.size(); ++i) {
       const Photograph& photo = input_.photographs[i];
       if (isPanorama(photo)) continue;
       const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
       const glm::ivec2 swept = sweptSize(photo.camera.intrinsics);
-      work_.judgedSweptPixels += kFastSides * kFastSides * swept.x * swept.y;
-      work_.judgedPixels += pixels;
-      work_.judgePixels += pixels * double(input_.model.tracks.empty() ? kMostJudges : judges[i].size());
-      judging_ = std::max(judging_, bytesToJudge(photo));
-      kept_ += kJudgementBytesPerPixel * pixels;
+      work_.comparedSweptPixels += kFastScale * kFastScale * swept.x * swept.y;
+      work_.comparedPixels += pixels;
+      work_.comparisonPixels += pixels * double(input_.model.tracks.empty() ? kMaxComparisons : judges[i].size());
+      comparingBytes_ = std::max(comparingBytes_, bytesToCompare(photo));
+      retainedBytes_ += kComparisonBytesPerPixel * pixels;
     }
   }
 
   // Exact poses are not refined.
   void countRefinement() {
     if (!options_.refinePoses || !input_.refine) return;
-    work_.refinedBy = kSeenInCells * double(input_.photographs.size());
-    for (const Track& track : input_.model.tracks) work_.refinedBy += double(track.observations.size());
+    work_.refinementObservations = kObservationsPerPhotograph * double(input_.photographs.size());
+    for (const Track& track : input_.model.tracks) work_.refinementObservations += double(track.observations.size());
   }
 
   void countCells() {
-    made_.cellsKnown = plan_ != nullptr;
+    made_.cellCountKnown = plan_ != nullptr;
     if (options_.draft) {
-      made_.cellsKnown = true;
+      made_.cellCountKnown = true;
     } else if (plan_) {
       for (const CellMembers& members : plan_->cells) work_.cells.push_back(maker_.work(members));
     } else {
@@ -181,18 +183,18 @@ class Predictor {
     }
     made_.cells = work_.cells.size();
     for (const CellWork& cell : work_.cells) {
-      kept_ += bytesKept(cell);
+      retainedBytes_ += cachedCellBytes(cell);
       matching_ = std::max(matching_, bytesToMake(cell));
     }
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-      if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
+      if (options_.backdrops) retainedBytes_ += cachedCellBytes({double(size.x) * size.y, 0, 1});
     }
-    made_.disk += 2 * kept_;  // in the scene, and in the cache for the next build
+    made_.disk += 2 * retainedBytes_;  // in the scene, and in the cache for the next build
   }
 
-  void shareOut() {
-    const double held = kProgram + residentMemory(), allowed = made_.memoryAllowed;
+  void assignThreads() {
+    const double held = kProgramBytes + residentMemory(), allowed = made_.memoryLimitBytes;
     double most = 0;
     const auto threads = [&](double bytesEach, double kept, std::size_t jobs) {
       const int side = std::min(threadsFor(options_.threads, bytesEach, std::max(allowed - held - kept, 1.0)),
@@ -204,18 +206,18 @@ class Predictor {
     StageThreads side;
     side.storing = threads(storing_, 0, photographs);
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
-    if (options_.removeMovers) side.movers = threads(judging_, kept_ + depths_, photographs);
-    side.cells = threads(matching_, kept_ + depths_, std::max<std::size_t>(work_.cells.size(), 1));
-    if (work_.exposures) threads(loading_, kept_ + depths_ + bytesToCompareExposures(work_), photographs);
-    threads(reading_, kept_ + depths_, photographs);
-    side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, photographs);
+    if (options_.maskMovingObjects) side.movers = threads(comparingBytes_, retainedBytes_ + depths_, photographs);
+    side.cells = threads(matching_, retainedBytes_ + depths_, std::max<std::size_t>(work_.cells.size(), 1));
+    if (work_.exposures) threads(loading_, retainedBytes_ + depths_ + bytesToCompareExposures(work_), photographs);
+    threads(reading_, retainedBytes_ + depths_, photographs);
+    side.backdrops = threads(std::max(completing_, sweeping_), retainedBytes_ + depths_, photographs);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);
     for (const StageCost& cost : costOf(work_, side, options_.texture, speed)) {
-      made_.stages.push_back({cost.stage, cost.seconds, cost.processorSeconds});
+      made_.stages.push_back({cost.stage, cost.seconds, cost.cpuSeconds});
       made_.seconds += cost.seconds;
-      made_.processorSeconds += cost.processorSeconds;
+      made_.cpuSeconds += cost.cpuSeconds;
     }
   }
 
@@ -225,10 +227,10 @@ class Predictor {
   const CellMaker maker_;
   BuildWork work_;
   // Peak memory of one job, bytes.
-  double storing_ = 0, loading_ = 0, reading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0,
+  double storing_ = 0, loading_ = 0, reading_ = 0, features_ = 0, comparingBytes_ = 0, matching_ = 0, sweeping_ = 0,
          completing_ = 0;
-  double kept_ = 0;    // bytes of all meshes
-  double depths_ = 0;  // bytes of all photographs' depth and evidence, and of the images that depth is found in
+  double retainedBytes_ = 0;  // bytes of all meshes
+  double depths_ = 0;         // bytes of all photographs' depth and evidence, and of the images that depth is found in
   BuildPrediction made_;
 };
 
@@ -241,13 +243,13 @@ BuildPrediction predictBuild(const BuildInput& input, const BuildOptions& option
 BuildPrediction predictWithoutPoses(const BuildOptions& options) {
   BuildInput input;
   std::vector<std::string> faults;
-  for (const std::string& name : lookInto(options.photographs).pictures) {
+  for (const std::string& name : scanPhotographFolder(options.photographs).pictures) {
     if (std::ranges::find(options.exclude, name) != options.exclude.end()) continue;
     ImageFileInfo info;
     try {
       info = probeImage(options.photographs / name);
     } catch (const Error& error) {
-      if (!isOfFile(error)) throw;
+      if (!isFileError(error)) throw;
       faults.push_back(error.what());
       continue;
     }
@@ -264,23 +266,23 @@ BuildPrediction predictWithoutPoses(const BuildOptions& options) {
   return prediction;
 }
 
-void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log) {
+void checkDiskSpace(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log) {
   const auto text = [](double bytes) {
     return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
   };
-  check(prediction.diskFree <= 0 || prediction.disk <= 1.5 * prediction.diskFree, ErrorCode::io,
+  check(prediction.diskFreeBytes <= 0 || prediction.disk <= 1.5 * prediction.diskFreeBytes, ErrorCode::io,
         "{}: the scene needs about {} of disk space, but only {} are free. --texture bc7 stores textures in a quarter "
         "of the space, --max-size makes photographs smaller",
-        options.output.string(), text(prediction.disk), text(prediction.diskFree));
+        options.output.string(), text(prediction.disk), text(prediction.diskFreeBytes));
   if (!log) return;
-  if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
+  if (prediction.diskFreeBytes > 0 && prediction.disk > prediction.diskFreeBytes)
     log(LogLevel::warning, fmt::format("disk space may not suffice: about {} are needed, {} are free",
-                                       text(prediction.disk), text(prediction.diskFree)));
-  if (prediction.memory > prediction.memoryAllowed)
+                                       text(prediction.disk), text(prediction.diskFreeBytes)));
+  if (prediction.memory > prediction.memoryLimitBytes)
     log(LogLevel::warning,
         fmt::format("up to {} of memory are needed even with one job at a time, but only {} are allowed: "
                     "--max-size makes photographs smaller, --memory allows more",
-                    text(prediction.memory), text(prediction.memoryAllowed)));
+                    text(prediction.memory), text(prediction.memoryLimitBytes)));
 }
 
 }  // namespace ibr

@@ -17,6 +17,6 @@ BuildPrediction predictWithoutPoses(const BuildOptions& options);
 
 /// Throws Error{io} if the disk cannot hold even what is certain to be written. Warns if the disk may be too small, and
 /// if one cell takes more memory than allowed.
-void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log);
+void checkDiskSpace(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log);
 
 }  // namespace ibr

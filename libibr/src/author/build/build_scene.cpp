@@ -4,31 +4,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
-#include "author/backdrop/backdrop.h"
 #include "author/build/backdrop_maker.h"
+#include "author/build/build_depths.h"
+#include "author/build/build_exposures.h"
 #include "author/build/build_input.h"
 #include "author/build/build_prediction.h"
 #include "author/build/cell_maker.h"
-#include "author/build/depth_matcher.h"
 #include "author/build/find_movers.h"
 #include "author/build/own_tracks.h"
-#include "author/build/pose_rounds.h"
+#include "author/build/pose_refinement.h"
+#include "author/build/stored_photographs.h"
 #include "author/depth/photograph_depth.h"
-#include "author/exposure/exposure.h"
-#include "author/exposure/vignetting.h"
 #include "author/geometry/posed_model.h"
 #include "author/graph/cells.h"
 #include "author/jobs/build_jobs.h"
-#include "author/jobs/kept_file.h"
+#include "author/jobs/cached_file.h"
 #include "author/match/plane_labels.h"
 #include "author/photographs/border.h"
-#include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
 #include "base/check.h"
 #include "base/file.h"
@@ -36,14 +33,12 @@
 #include "base/usage.h"
 #include "ibr/author/build.h"
 #include "ibr/author/photographs.h"
-#include "io/image_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kLeastCoverage = 0.05;  // min share of the image that a cell must match
-constexpr double kHardlyUsed = 0.9;      // masked share of a photograph above which the mask may be inverted
+constexpr double kMinCoverage = 0.05;  // min share of the image that a cell must match
 
 class Builder {
  public:
@@ -56,11 +51,11 @@ class Builder {
     report_.poses = posesFile(options_);
     const SingleThreadedOpenCv quiet;
     if (!predict()) return std::move(report_);
-    storePhotographs();
+    scene_.nodes = storePhotographs(input_, options_, jobs_);
     const std::size_t known = input_.model.tracks.size();
     addOwnTracks(input_, options_, jobs_, log_);
-    takeMasksFromTracks();
-    if (options_.removeMovers) maskMovers();
+    report_.masks = applyMasksToTracks(input_, log_);
+    if (options_.maskMovingObjects) maskMovers();
     if (!options_.draft) {
       if (!planner_ || input_.model.tracks.size() != known || !report_.masks.empty()) planCells();
       report_.dropped = plan_.dropped;
@@ -68,14 +63,14 @@ class Builder {
     }
     describe();
     if (options_.refinePoses) refineByCells();
-    std::vector<PhotographDepth> depths = findDepths(options_.depth);
+    std::vector<PhotographDepth> depths = findDepths(input_, options_.depth, options_, jobs_);
     makeCells(depths);
     useDepths(std::move(depths));
     listUnused();
     if (options_.postProcess) finish();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    if (options_.cacheFolder.empty() && !options_.draft) removeKeptBefore(keptFolder(options_), begun_);
+    if (options_.cacheFolder.empty() && !options_.draft) removeCachedBefore(buildCacheFolder(options_), startTime_);
     return std::move(report_);
   }
 
@@ -83,15 +78,15 @@ class Builder {
     jobs_.step("reading the model", 0, 1);
     input_ = readInput(options_, log_);
     const SingleThreadedOpenCv quiet;
-    hashPhotographs();
+    hashPhotographs(input_, options_, jobs_);
     addOwnTracks(input_, options_, jobs_, log_);
-    takeMasksFromTracks();
+    report_.masks = applyMasksToTracks(input_, log_);
     if (input_.refine) {
       planCells();
       makeCells({});
       refine();
     }
-    if (options_.cacheFolder.empty()) removeKept(keptFolder(options_));
+    if (options_.cacheFolder.empty()) removeCached(buildCacheFolder(options_));
     return {std::move(input_.model), std::move(report_.refinement)};
   }
 
@@ -103,64 +98,8 @@ class Builder {
     if (!options_.draft && (!found || std::ranges::all_of(input_.photographs, isPanorama))) planCells();
     report_.prediction = predictBuild(input_, options_, planner_ ? &plan_ : nullptr);
     const bool wanted = options_.onPrediction(report_.prediction);
-    checkRoom(report_.prediction, options_, log_);
+    checkDiskSpace(report_.prediction, options_, log_);
     return wanted;
-  }
-
-  // Hashes the photographs and stores their masks at the stored size in the cache: no scene folder exists yet.
-  void hashPhotographs() {
-    makeFolders(keptFolder(options_));
-    input_.hashes.resize(input_.photographs.size());
-    double bytes = 0;
-    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, photo.sourcePixels + bytesToLoad(photo));
-    jobs_.runAll("reading photographs", input_.photographs.size(), bytes, [&](std::size_t i) {
-      Photograph& photo = input_.photographs[i];
-      input_.hashes[i] = hashPhotograph(photo);
-      if (photo.mask.empty()) return;
-      photo.storedMask = keptFile(keptFolder(options_), input_.hashes[i], "png");
-      writeImage(photo.storedMask, loadMask(photo, photo.mask));
-    });
-  }
-
-  void storePhotographs() {
-    makeFolders(keptFolder(options_));
-    input_.hashes.resize(input_.photographs.size());
-    double bytes = 0;
-    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
-    std::vector<std::string> faults(input_.photographs.size());  // all are reported at once
-    jobs_.runAll("storing photographs", input_.photographs.size(), bytes, [&](std::size_t i) {
-      try {
-        input_.hashes[i] = storePhotograph(input_.photographs[i], options_.output, options_.texture);
-      } catch (const Error& error) {
-        if (!isOfFile(error)) throw;
-        faults[i] = error.what();
-      }
-    });
-    checkReadable(std::move(faults));
-    for (const Photograph& photo : input_.photographs)
-      scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile, photo.capture});
-    for (std::size_t n = 0; n < scene_.nodes.size(); ++n)
-      if (const Photograph& photo = input_.photographs[n]; !photo.storedMask.empty())
-        scene_.nodes[n].maskFile = storedMaskFile(photo.name);
-  }
-
-  void takeMasksFromTracks() {
-    report_.masks.clear();
-    for (std::uint32_t i = 0; i < input_.photographs.size(); ++i) {  // one mask is held at a time
-      const Image8 mask = storedMask(input_.photographs[i]);
-      const double share = ignoredShare(mask);
-      if (share > 0) report_.masks.push_back({input_.photographs[i].name, share, 0});
-      if (share > kHardlyUsed && log_)
-        log_(
-            LogLevel::warning,
-            fmt::format("{}: the mask leaves {:.0f} % of the photograph. Pixels of value 0 are ignored, all others are "
-                        "used; check that the mask is not inverted",
-                        input_.photographs[i].name, 100 * (1 - share)));
-      dropIgnored(input_.model, i, input_.tracksOf[i], mask);
-    }
-    if (report_.masks.empty()) return;
-    dropUnseen(input_.model);
-    input_.tracksOf = tracksOfImages(input_.model);
   }
 
   void refine() {
@@ -176,7 +115,7 @@ class Builder {
     if (!input_.refine) return;
     makeCells({});
     refine();
-    if (!report_.refinement.moved.empty()) {
+    if (!report_.refinement.poseChanges.empty()) {
       writeColmapModel(input_.model, folder);
       for (std::size_t n = 0; n < scene_.nodes.size(); ++n) scene_.nodes[n].camera = input_.photographs[n].camera;
       planCells();
@@ -189,32 +128,17 @@ class Builder {
 
   // Finds moving objects with fast depth. Depth is found again later, because the masks change it.
   void maskMovers() {
-    const std::vector<BitMask> moved = findMovers(input_, findDepths(DepthSearch::fast), jobs_);
+    const std::vector<BitMask> moved =
+        findMovers(input_, findDepths(input_, DepthSearch::fast, options_, jobs_), jobs_);
     if (std::ranges::all_of(moved, &BitMask::empty)) return;
-    double bytes = 0;
-    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
-    jobs_.runAll("masking moving objects", moved.size(), bytes, [&](std::size_t i) {
-      if (!moved[i].empty()) addMask(i, moved[i]);
-    });
+    addMasks(input_, scene_.nodes, moved, options_, jobs_);
     std::map<std::string, double> given;
-    for (const BuildReport::MaskLine& line : report_.masks) given[line.photograph] = line.given;
-    takeMasksFromTracks();
-    for (BuildReport::MaskLine& line : report_.masks) {
-      line.moved = line.given - given[line.photograph];
-      line.given -= line.moved;
+    for (const BuildReport::MaskReport& line : report_.masks) given[line.photograph] = line.givenShare;
+    report_.masks = applyMasksToTracks(input_, log_);
+    for (BuildReport::MaskReport& line : report_.masks) {
+      line.movingShare = line.givenShare - given[line.photograph];
+      line.givenShare -= line.movingShare;
     }
-  }
-
-  // Adds `moved` to the photograph's mask, if any, and updates its hash.
-  void addMask(std::size_t i, const BitMask& moved) {
-    Photograph& photo = input_.photographs[i];
-    Image8 mask = maskOf(moved, photo.camera.intrinsics.width, photo.camera.intrinsics.height);
-    if (!photo.storedMask.empty()) mask = bothMasks(mask, storedMask(photo));
-    Hash hash;
-    hash.add(input_.hashes[i]);
-    hash.add(storeMask(photo, mask, loadPhotograph(photo), options_.output, options_.texture));
-    input_.hashes[i] = hash.value();
-    scene_.nodes[i].maskFile = storedMaskFile(photo.name);
   }
 
   void describe() {
@@ -232,12 +156,12 @@ class Builder {
         {"backdropSpacing", options_.backdropSpacing},
         {"tracks", trackSourceName(options_.tracks)},
         {"keepBorder", options_.keepBorder},
-        {"matcher", methodName(options_.matcher)},
+        {"matcher", matchMethodName(options_.matcher)},
         {"triangleFilter", options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous"},
         {"matchExposures", options_.matchExposures},
         {"vignetting", options_.fitVignetting},
         {"refinePoses", options_.refinePoses},
-        {"removeMovers", options_.removeMovers},
+        {"removeMovers", options_.maskMovingObjects},
         {"draft",
          options_.draft}}.dump();
   }
@@ -263,11 +187,11 @@ class Builder {
     const CellMaker maker(input_, options_, depths);
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching replacement cells") {
-      std::vector<MadeCell> made(wanted.size());
+      std::vector<CellResult> made(wanted.size());
       double kept = 0, most = 0;
       for (const CellMembers& members : wanted) {
         const CellWork work = maker.work(members);
-        kept += bytesKept(work) / double(wanted.size());
+        kept += cachedCellBytes(work) / double(wanted.size());
         most = std::max(most, bytesToMake(work));
       }
       jobs_.runAll(
@@ -275,7 +199,7 @@ class Builder {
       std::vector<CellMembers> failed;
       for (std::size_t c = 0; c < wanted.size(); ++c)
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
-      wanted = planner_->standIns(failed, done);
+      wanted = planner_->replacementFaces(failed, done);
     }
   }
 
@@ -293,59 +217,27 @@ class Builder {
   }
 
   // Adds the cell to the scene if its quality suffices.
-  bool take(const CellMembers& members, MadeCell made) {
+  bool take(const CellMembers& members, CellResult made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
     CellQuality& quality = cell.quality;
     if (const BorderCut cut = cutBorder(cell); cut.left != 1) {
       quality.coverage *= cut.left;
       quality.ecc = cut.ecc;
     }
-    if (!(quality.coverage >= kLeastCoverage)) {
+    if (!(quality.coverage >= kMinCoverage)) {
       const std::string names = fmt::format("{}", fmt::join(namesOf(members), ", "));
       const std::string reason = fmt::format("its members agree on {:.1f} % of their pixels, less than {:.0f} %",
-                                             100 * quality.coverage, 100 * kLeastCoverage);
+                                             100 * quality.coverage, 100 * kMinCoverage);
       report_.dropped.push_back({names, reason});
       for (const std::uint32_t i : members) failure_[i] = fmt::format("{}: {}", names, reason);
       return false;
     }
     quality.score = planner_->score(members) * quality.coverage * std::max(quality.ecc, 0.0);
-    report_.cells.push_back({namesOf(members), cell.mesh.pointCount(), cell.mesh.triangles.size(),
-                             cell.mesh.tier0Count(), quality, made.seconds, made.processorSeconds, made.resumed,
-                             made.matcher, homogeneousShare(cell.mesh)});
+    report_.cells.push_back({namesOf(members), cell.mesh.vertexCount(), cell.mesh.triangles.size(),
+                             cell.mesh.tier0Count(), quality, made.seconds, made.cpuSeconds, made.cached, made.matcher,
+                             homogeneousShare(cell.mesh)});
     scene_.cells.push_back(std::move(cell));
     return true;
-  }
-
-  void takeExposures(const std::vector<PhotographDepth>& depths) {
-    if (!options_.matchExposures && !options_.fitVignetting) return;
-    std::vector<ExposureMatch> matches = exposureMatches(input_.photographs, input_.model, depths, jobs_);
-    if (options_.fitVignetting) takeVignetting(matches);
-    if (!options_.matchExposures) return;
-    std::vector<CaptureFacts> exif;
-    for (const Photograph& photo : input_.photographs) exif.push_back(photo.capture);
-    jobs_.step("solving exposures", 0, 1);
-    const Exposures exposures = solveExposures(input_.photographs.size(), matches, exif);
-    for (std::size_t n = 0; n < exposures.gains.size(); ++n) scene_.nodes[n].gain = exposures.gains[n];
-    report_.exposures.measured = exposures.measured;
-    report_.exposures.parts = exposures.parts;
-    report_.exposures.alike = exposures.alike;
-    report_.exposures.text = describedExposures(exposures);
-  }
-
-  // Fits vignetting to `matches` and removes it from the stored photographs.
-  void takeVignetting(std::vector<ExposureMatch>& matches) {
-    const std::vector<std::uint32_t> lenses = lensesOf(input_.photographs);
-    const std::vector<glm::dvec2> vignetting = solveVignetting(input_.photographs.size(), matches, lenses);
-    double bytes = 0;
-    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
-    jobs_.runAll("removing vignetting", vignetting.size(), bytes, [&](std::size_t n) {
-      if (isNegligible(vignetting[n])) return;
-      Photograph& photo = input_.photographs[n];
-      storeInstead(photo, unvignetted(loadPhotograph(photo), photo.camera.intrinsics, vignetting[n]), options_.output,
-                   options_.texture);
-    });
-    matches = withoutVignetting(std::move(matches), vignetting);
-    report_.exposures.vignetting = describedVignetting(vignetting, lenses);
   }
 
   void listUnused() {
@@ -355,79 +247,42 @@ class Builder {
     for (std::uint32_t i = 0; i < used.size(); ++i) {
       if (used[i] || options_.draft) continue;
       const auto failure = failure_.find(i);
-      scene_.unused.push_back(
+      scene_.unusedPhotographs.push_back(
           {input_.photographs[i].name, failure != failure_.end() ? failure->second : planner_->whyUnused(i)});
     }
-    scene_.unused.insert(scene_.unused.end(), input_.unknown.begin(), input_.unknown.end());
-    report_.unused = scene_.unused;
+    scene_.unusedPhotographs.insert(scene_.unusedPhotographs.end(), input_.unknown.begin(), input_.unknown.end());
+    report_.unusedPhotographs = scene_.unusedPhotographs;
   }
 
   // Takes the depth maps by value, so that their memory is freed at the end.
   void useDepths(std::vector<PhotographDepth> depths) {
     if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return;
     const BackdropMaker maker(input_, options_, scene_);
-    takeExposures(depths);
+    report_.exposures = measureExposures(input_, scene_.nodes, depths, options_, jobs_);
     if (options_.backdrops) makeBackdrops(maker, depths);
   }
 
-  // Depth maps in the order of the photographs.
-  std::vector<PhotographDepth> findDepths(DepthSearch search) const {
-    constexpr double kFaceShare = 0.5;  // share of a panorama's pixels: one face and its part of the whole
-    double pixels = 0;
-    for (const Photograph& photo : input_.photographs) {
-      const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finerPixels(search) * size.x * size.y);
-    }
-    const DepthMatcher matcher(input_, search, keptFolder(options_), jobs_);
-    std::size_t run = 0;
-    std::vector<Camera> cameras;
-    for (const Photograph& photo : input_.photographs) cameras.push_back(photo.camera);
-    return depthOfPhotographs(
-        cameras,
-        {.matches = [&](std::size_t view) { return matcher.match(view); },
-         .points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
-         .residualPx = storedResidualPx(),
-         .depths =
-             [&](std::size_t count, const auto& job) {
-               jobs_.runAll("finding depth", count, matcher.bytesToMatch(), job, kDepthBytesPerPixel * pixels);
-             },
-         .evidence =
-             [&](std::size_t count, const auto& job) {
-               constexpr std::array kStages{"choosing depth sources", "confirming depth", "finding contradictions"};
-               static_assert(kStages.size() == kEvidenceRuns);
-               jobs_.runAll(kStages[run++], count, 1, job);
-             }});
-  }
-
-  // Reprojection error of the model's points, px of the stored photographs.
-  double storedResidualPx() const {
-    if (input_.photographs.empty()) return 0;
-    const double scale =
-        double(input_.photographs[0].camera.intrinsics.width) / double(input_.model.images[0].camera.intrinsics.width);
-    return scale * reprojectionError(input_.model);
-  }
-
   void makeBackdrops(const BackdropMaker& maker, const std::vector<PhotographDepth>& depths) {
-    std::vector<MadeBackdrop> made(depths.size());
+    std::vector<BackdropResult> made(depths.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
                  [&](std::size_t b) { made[b] = maker.make(std::uint32_t(b), depths[b]); });
     for (std::uint32_t b = 0; b < made.size(); ++b) {
       Node& node = scene_.nodes[b];
       node.depthFile = made[b].depthFile;
       node.depthScale = made[b].depthScale;
-      MadeCell& making = made[b].made;
+      CellResult& making = made[b].made;
       Cell backdrop{{b}, std::move(making.cell.mesh), making.cell.quality};
       cutBorder(backdrop);  // the share of matched depth is unchanged: the border had none
       const MorphMesh& mesh = backdrop.mesh;
-      report_.backdrops.push_back({input_.photographs[b].name, mesh.pointCount(), mesh.triangles.size(),
-                                   backdrop.quality.coverage, making.seconds, making.resumed});
+      report_.backdrops.push_back({input_.photographs[b].name, mesh.vertexCount(), mesh.triangles.size(),
+                                   backdrop.quality.coverage, making.seconds, making.cached});
       scene_.backdrops.push_back(std::move(backdrop));
     }
   }
 
   void finish() {
     scene_.folder = options_.output;
-    options_.postProcess(scene_, keptFolder(options_), progress_, log_);
+    options_.postProcess(scene_, buildCacheFolder(options_), progress_, log_);
     for (std::size_t c = 0; c < scene_.cells.size(); ++c) report_.cells[c].quality = scene_.cells[c].quality;
   }
 
@@ -435,7 +290,7 @@ class Builder {
   const ProgressCallback& progress_;
   const LogCallback& log_;
   const BuildJobs jobs_;
-  const fs::file_time_type begun_ = fs::file_time_type::clock::now();
+  const fs::file_time_type startTime_ = fs::file_time_type::clock::now();
   BuildInput input_;
   std::optional<CellPlanner> planner_;
   CellPlan plan_;
@@ -451,7 +306,7 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
                                  .folder = options.output / ".poses",
                                  .program = options.colmap,
                                  .threads = options.threads,
-                                 .without = options.output / "images",
+                                 .excludedFolder = options.output / "images",
                                  .exclude = options.exclude,
                                  .orientation = options.orientation,
                                  .masks = options.masks},
@@ -462,10 +317,10 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
 }
 
 // Options of a draft: skips what a preview does not need, and uses fast depth.
-BuildOptions draftOf(BuildOptions options) {
+BuildOptions draftOptions(BuildOptions options) {
   check(options.backdrops, ErrorCode::invalidInput, "a draft needs backdrops, because it has no cells");
   options.depth = DepthSearch::fast;
-  options.refinePoses = options.removeMovers = options.fitVignetting = false;
+  options.refinePoses = options.maskMovingObjects = options.fitVignetting = false;
   options.postProcess = nullptr;
   return options;
 }
@@ -475,10 +330,11 @@ BuildOptions draftOf(BuildOptions options) {
 BuildReport build(const BuildOptions& asked, const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
   checkOptions(asked);
-  const BuildOptions options = asked.draft ? draftOf(asked) : asked;
-  if (const std::string unread = unreadText(lookInto(options.photographs).unread); log && !unread.empty())
-    log(LogLevel::warning, unread);
-  const double before = processorSeconds();
+  const BuildOptions options = asked.draft ? draftOptions(asked) : asked;
+  if (const std::string unreadable = unreadableText(scanPhotographFolder(options.photographs).unreadable);
+      log && !unreadable.empty())
+    log(LogLevel::warning, unreadable);
+  const double before = cpuSeconds();
   if (posesFile(options).empty() && options.onPrediction) {
     const SingleThreadedOpenCv quiet;
     BuildReport told;
@@ -488,12 +344,12 @@ BuildReport build(const BuildOptions& asked, const ProgressCallback& progress, c
   const BuildOptions known = posed(options, progress, log);
   BuildReport report = Builder(known, progress, log).run();
   report.seconds = watch.seconds();
-  report.processorSeconds = processorSeconds() - before;
+  report.cpuSeconds = cpuSeconds() - before;
   report.memory = peakMemory();
   return report;
 }
 
-RefinedModel refinedModel(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+RefinedModel refineModelPoses(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
   checkOptions(options);
   const BuildOptions known = posed(options, progress, log);
   return Builder(known, progress, log).runForPoses();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/build/cell_cache.h"
 
-#include "author/jobs/kept_file.h"
-#include "author/jobs/kept_values.h"
+#include "author/jobs/cached_file.h"
+#include "author/jobs/cached_values.h"
 
 namespace ibr {
 namespace {
@@ -12,18 +12,18 @@ constexpr const char* kKind = "cell";  // of cache files
 }  // namespace
 
 void storeCell(const std::filesystem::path& folder, std::uint64_t key, const CellMesh& cell) {
-  KeptWriter out;
+  CacheWriter out;
   out.mesh(cell.mesh);
   out.value(cell.quality.coverage);
   out.value(cell.quality.ecc);
   out.value(cell.quality.residualPx);
-  storeKept(keptFile(folder, key, kKind), out.take());
+  storeCached(cacheFile(folder, key, kKind), out.take());
 }
 
 std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key) {
-  auto bytes = fetchKept(keptFile(folder, key, kKind));
+  auto bytes = fetchCached(cacheFile(folder, key, kKind));
   if (!bytes) return std::nullopt;
-  KeptReader in(std::move(*bytes));
+  CacheReader in(std::move(*bytes));
   CellMesh cell;
   cell.mesh = in.mesh();
   cell.quality.coverage = in.value<double>();

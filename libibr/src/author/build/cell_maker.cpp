@@ -23,12 +23,12 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 15;  // of the algorithm: raise when cells change
-constexpr double kTolerablePx = 1.0;    // max median reprojection error, px of the matched images
-constexpr std::size_t kEnough = 30;     // min points seen by all members; below it, points seen by two are used
+constexpr std::uint64_t kVersion = 15;        // of the algorithm: raise when cells change
+constexpr double kMaxReprojectionPx = 1.0;    // max median reprojection error, px of the matched images
+constexpr std::size_t kMinSharedPoints = 30;  // min points seen by all members; below it, points seen by two are used
 
 // Method, cameras and points with which a cell is matched.
-struct CellPlanned {
+struct CellMatchPlan {
   std::vector<glm::dvec3> points;  // seen by all members; if these are few, by two or more
   std::vector<Camera> cameras;     // at the matched size, poses adjusted; empty for panoramas
   CellMatchOptions match;
@@ -56,21 +56,21 @@ SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32
     if (seen == members.size()) all.push_back(input.model.tracks[*first].position);
     first = last;
   }
-  shared.points = all.size() >= kEnough ? std::move(all) : std::move(some);
+  shared.points = all.size() >= kMinSharedPoints ? std::move(all) : std::move(some);
   return shared;
 }
 
 std::vector<MemberDepth> depthsOf(std::span<const PhotographDepth> depths, const std::vector<std::uint32_t>& members) {
   std::vector<MemberDepth> result;
   for (const std::uint32_t i : members)
-    result.push_back({depths[i].matched.map.camera, keptDepth(depths[i]), depths[i].matched.step});
+    result.push_back({depths[i].matched.map.camera, filteredDepth(depths[i]), depths[i].matched.step});
   return result;
 }
 
-CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths,
-                        const std::vector<std::uint32_t>& members) {
+CellMatchPlan planCellMatch(const BuildInput& input, const BuildOptions& options,
+                            std::span<const PhotographDepth> depths, const std::vector<std::uint32_t>& members) {
   SharedPoints shared = sharedPoints(input, members);
-  CellPlanned planned;
+  CellMatchPlan planned;
   planned.points = std::move(shared.points);
   planned.match.refine = input.refine;
   planned.match.seed = options.seed;
@@ -78,15 +78,15 @@ CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options, st
   if (!panoramic) {
     planned.cameras = camerasToMatch(input, members);
     const double error = cellReprojectionError(input.model, members, planned.cameras, shared.tracks);
-    planned.match.matcher = chosenMatcher(options.matcher, error);
-    planned.match.posesUsable = error <= kUsablePx;
+    planned.match.matcher = resolveMatcher(options.matcher, error);
+    planned.match.posesUsable = error <= kMaxSweepErrorPx;
   }
   if (!depths.empty() && planned.match.matcher == MatchMethod::sweep) planned.depths = depthsOf(depths, members);
   return planned;
 }
 
 std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
-                    const CellPlanned& planned) {
+                    const CellMatchPlan& planned) {
   Hash hash;
   hash.add(kVersion);
   hash.add(options.seed);
@@ -110,7 +110,7 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
 }
 
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
-                     const CellPlanned& planned) {
+                     const CellMatchPlan& planned) {
   std::vector<MatchView> views;
   std::vector<Camera> stored;
   std::vector<Image8> full(members.size());
@@ -124,14 +124,14 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
   DenseMatch match = matchCell(views, planned.points, matching);
   if (std::ranges::none_of(full, &Image8::empty) && planned.match.matcher == MatchMethod::sweep) {
     match.vertices = matchedVertices(views, match);
-    refineInFull(views, full, match, *match.vertices);
+    refineAtFullSize(views, full, match, *match.vertices);
     full.clear();
   }
   return buildMesh(stored, views, match, options.triangleFilter);
 }
 
 CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_t>& members,
-                         const CellPlanned& planned) {
+                         const CellMatchPlan& planned) {
   std::vector<PanoramaView> views;
   for (const std::uint32_t i : members)
     views.push_back(
@@ -150,7 +150,7 @@ std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<st
   if (!input.refine) return matched;
   const double scale = double(cameras[0].intrinsics.width) / double(matched[0].intrinsics.width);
   const std::vector<Pose> poses =
-      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
+      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kMaxReprojectionPx * scale);
   for (std::size_t i = 0; i < matched.size(); ++i) matched[i].pose = poses[i];
   return matched;
 }
@@ -160,20 +160,20 @@ MatchView viewOf(const Photograph& photograph, Image8* whole) {
   const Intrinsics& k = view.camera.intrinsics;
   view.mask = resizedMask(storedMask(photograph), k.width, k.height);
   if (k.width == view.picture.width && k.height == view.picture.height) return view;
-  if (whole) *whole = greyOf(view.picture);
-  view.picture = shrunk(view.picture, k.width, k.height);
+  if (whole) *whole = toGrey(view.picture);
+  view.picture = downscaled(view.picture, k.width, k.height);
   return view;
 }
 
-MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
+CellResult CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const Stopwatch watch;
   const double before = threadSeconds();
-  const CellPlanned planned = plannedCell(input_, options_, depths_, members);
+  const CellMatchPlan planned = planCellMatch(input_, options_, depths_, members);
   const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
-  if (auto kept = fetchCell(keptFolder(options_), key))
+  if (auto kept = fetchCell(buildCacheFolder(options_), key))
     return {std::move(*kept), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
-  MadeCell made{{}, 0, 0, false, key, planned.match.matcher};
+  CellResult made{{}, 0, 0, false, key, planned.match.matcher};
   try {
     made.cell = panoramic ? cellOfPanoramas(input_, members, planned) : pinholeCell(input_, options_, members, planned);
   } catch (const Error& error) {
@@ -182,9 +182,9 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
     for (const std::uint32_t i : members) names += (names.empty() ? "" : ", ") + input_.photographs[i].name;
     fail(error.code(), "the cell of {}: {}", names, error.what());
   }
-  storeCell(keptFolder(options_), key, made.cell);
+  storeCell(buildCacheFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
-  made.processorSeconds = threadSeconds() - before;
+  made.cpuSeconds = threadSeconds() - before;
   return made;
 }
 
@@ -198,7 +198,7 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
     const double pixels = double(k.width) * k.height;
     work.readPixels += photograph.sourcePixels;
     work.loadingBytes = std::max(work.loadingBytes, bytesToLoad(photograph));
-    work.beyondPixels = std::max(work.beyondPixels, double(stored.width) * stored.height - pixels);
+    work.excessPixels = std::max(work.excessPixels, double(stored.width) * stored.height - pixels);
     work.pixels = std::max(work.pixels, pixels);
     cameras.push_back(camera);
     if (!isPanorama(input_.photographs[i]))

@@ -17,10 +17,10 @@
 
 namespace ibr {
 
-struct MadeCell {
+struct CellResult {
   CellMesh cell;
-  double seconds = 0, processorSeconds = 0;
-  bool resumed = false;   // read from the cache
+  double seconds = 0, cpuSeconds = 0;
+  bool cached = false;    // read from the cache
   std::uint64_t key = 0;  // of the cache file
   MatchMethod matcher = MatchMethod::sweep;
 };
@@ -41,7 +41,7 @@ class CellMaker {
       : input_(input), options_(options), depths_(depths) {}
 
   /// `members`: 2 to 4 photographs, all panoramas or none. Thread-safe. Throws Error.
-  MadeCell make(const std::vector<std::uint32_t>& members) const;
+  CellResult make(const std::vector<std::uint32_t>& members) const;
 
   /// Work of make(), for predictions. Approximate for panoramas and for cells whose points lie behind them.
   CellWork work(const std::vector<std::uint32_t>& members) const;

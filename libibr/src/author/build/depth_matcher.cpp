@@ -14,8 +14,8 @@
 #include "author/depth/refined_depth.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
-#include "author/jobs/kept_file.h"
-#include "author/jobs/kept_values.h"
+#include "author/jobs/cached_file.h"
+#include "author/jobs/cached_values.h"
 #include "author/photographs/masks.h"
 #include "ibr/author/panorama.h"
 #include "ibr/author/photographs.h"
@@ -39,7 +39,7 @@ class LoadedPhotograph {
 
   Image8 colours(const Camera& camera) const {
     const Intrinsics& k = camera.intrinsics;
-    return sphere_ ? sphere_->view(k, turn(camera)) : shrunk(colours_, k.width, k.height);
+    return sphere_ ? sphere_->view(k, turn(camera)) : downscaled(colours_, k.width, k.height);
   }
   Image8 mask(const Camera& camera) const {
     const Intrinsics& k = camera.intrinsics;
@@ -65,18 +65,18 @@ double inverseDepthSeen(const Camera& camera, const glm::dvec3& point) {
 }
 
 void storeDepth(const std::filesystem::path& file, const SweptDepth& depth) {
-  KeptWriter out;
+  CacheWriter out;
   out.value(depth.sky.width);
   out.value(depth.sky.height);
   out.list(depth.inverseDepth.values);
   out.list(depth.sky.values);
-  storeKept(file, out.take());
+  storeCached(file, out.take());
 }
 
 std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
-  auto bytes = fetchKept(file);
+  auto bytes = fetchCached(file);
   if (!bytes) return std::nullopt;
-  KeptReader in(std::move(*bytes));
+  CacheReader in(std::move(*bytes));
   const int width = in.value<int>(), height = in.value<int>();
   SweptDepth depth{ImageF(width, height, 1), Image8(width, height, 1), 0};
   depth.inverseDepth.values = in.list<float>();
@@ -109,7 +109,7 @@ double bytesToReadViews(const Photograph& photograph) {
   return bytesToLoad(photograph) + (isPanorama(photograph) ? kSphereBytes * k.width * k.height : 0);
 }
 
-SweepView DepthMatcher::Picture::view() const {
+SweepView DepthMatcher::ViewImages::view() const {
   SweepView view{camera, ImageF(grey.width, grey.height, 1), mask};
   std::ranges::copy(grey.values, view.grey.values.begin());
   return view;
@@ -117,7 +117,7 @@ SweepView DepthMatcher::Picture::view() const {
 
 DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept,
                            const BuildJobs& jobs)
-    : input_(input), search_(search), kept_(std::move(kept)), model_(input.model) {
+    : input_(input), search_(search), cacheFolder_(std::move(kept)), model_(input.model) {
   std::vector<bool> hasNone;
   for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
   std::vector<Camera> cameras;
@@ -129,8 +129,8 @@ DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::fil
   std::ranges::move(assumedTracks(cameras, hasNone), std::back_inserter(model_.tracks));
   tracksOf_ = tracksOfImages(model_);
   views_ = depthViews(cameras);
-  small_.resize(views_.size());
-  fine_.resize(views_.size());
+  sweptImages_.resize(views_.size());
+  refinedImages_.resize(views_.size());
   std::vector<std::size_t> first;  // first view of each photograph
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].node == first.size()) first.push_back(v);
@@ -146,13 +146,13 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
   for (std::size_t v = first; v < views_.size() && views_[v].node == views_[first].node; ++v) {
     const Camera& stored = views_[v].camera;
     const glm::ivec2 size = sweptSize(stored.intrinsics), whole(stored.intrinsics.width, stored.intrinsics.height);
-    const double share = search_ == DepthSearch::fast ? kFastSides : 1;
-    const auto picture = [&](glm::ivec2 at, int window) -> Picture {
+    const double share = search_ == DepthSearch::fast ? kFastScale : 1;
+    const auto picture = [&](glm::ivec2 at, int window) -> ViewImages {
       const Camera camera{resized(stored.intrinsics, at.x, at.y), stored.pose};
-      return {camera, greyOf(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
+      return {camera, toGrey(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
     };
-    small_[v] = picture(glm::max(glm::ivec2(share * glm::dvec2(size)), 1), kSweptWindow);
-    if (isRefined()) fine_[v] = picture(glm::min(kFinerSides * size, whole), kRefinedWindow);
+    sweptImages_[v] = picture(glm::max(glm::ivec2(share * glm::dvec2(size)), 1), kSweptWindow);
+    if (isRefined()) refinedImages_[v] = picture(glm::min(kFineScale * size, whole), kRefinedWindow);
   }
 }
 
@@ -172,7 +172,7 @@ std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint3
   return hash.value();
 }
 
-std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<Picture>& pictures,
+std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<ViewImages>& pictures,
                                              std::span<const std::uint32_t> which) {
   std::vector<SweepView> views;
   for (const std::uint32_t j : which) views.push_back(pictures[j].view());
@@ -192,23 +192,23 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const SweepRange range = sweepRange(std::move(tracks), fromInfinity_);
-  const std::filesystem::path file = keptFile(kept_, keyOf(view, sources, range), kKind);
+  const std::filesystem::path file = cacheFile(cacheFolder_, keyOf(view, sources, range), kKind);
   if (auto kept = fetchDepth(file)) return kept;
-  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), range);
-  const Image8& fine = fine_[view].grey;
+  SweptDepth depth = sweptDepth(sweptImages_[view].view(), viewsOf(sweptImages_, sources), range);
+  const Image8& fine = refinedImages_[view].grey;
   if (search_ == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
   if (search_ == DepthSearch::fast) {
     const glm::ivec2 size = sweptSize(views_[view].camera.intrinsics);
     depth = enlarged(depth, size.x, size.y);
   }
-  if (isRefined()) refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources));
+  if (isRefined()) refineDepth(depth, refinedImages_[view].view(), viewsOf(refinedImages_, sources));
   storeDepth(file, depth);
   return depth;
 }
 
 double DepthMatcher::bytesToMatch() const {
   double most = 0;
-  for (const Picture& small : small_) most = std::max(most, double(small.grey.values.size()));
+  for (const ViewImages& small : sweptImages_) most = std::max(most, double(small.grey.values.size()));
   return kSweptBytesPerPixel * most;
 }
 

@@ -21,15 +21,15 @@ namespace ibr {
 /// Size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
 glm::ivec2 sweptSize(const Intrinsics& stored);
 /// Sides of the images that DepthSearch::fast sweeps, relative to sweptSize.
-inline constexpr double kFastSides = 0.5;
+inline constexpr double kFastScale = 0.5;
 /// Sides of the images that refine depth, relative to sweptSize, if the photograph is that large.
-inline constexpr int kFinerSides = 2;
+inline constexpr int kFineScale = 2;
 /// Max number of depth pixels per swept pixel.
-inline int finerPixels(DepthSearch depth) {
-  return depth == DepthSearch::fine ? kFinerSides * kFinerSides : 1;
+inline int finePixelFactor(DepthSearch depth) {
+  return depth == DepthSearch::fine ? kFineScale * kFineScale : 1;
 }
 /// Max memory held for a view, bytes per pixel of that size: grey images and masks.
-inline constexpr double kHeldBytesPerPixel = 10;
+inline constexpr double kViewBytesPerPixel = 10;
 
 /// Peak memory of reading the images of a photograph's views, bytes.
 double bytesToReadViews(const Photograph& photograph);
@@ -40,7 +40,7 @@ class DepthMatcher {
   /// loadPhotograph and BuildJobs::runAll do.
   DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept, const BuildJobs& jobs);
 
-  /// Depth of one of the photographs' depthViews(), at sweptSize() (DepthSearch::fine: kFinerSides times that). Returns
+  /// Depth of one of the photographs' depthViews(), at sweptSize() (DepthSearch::fine: kFineScale times that). Returns
   /// nullopt if no other view overlaps. Cached as cells are. Thread-safe.
   std::optional<SweptDepth> match(std::size_t view) const;
 
@@ -48,7 +48,7 @@ class DepthMatcher {
   double bytesToMatch() const;
 
  private:
-  struct Picture {
+  struct ViewImages {
     Camera camera;
     Image8 grey, mask;  // mask: empty if there is none
 
@@ -59,17 +59,17 @@ class DepthMatcher {
   // Inverse depths of the tracks that a view sees, along its axis.
   std::vector<double> tracksSeenBy(std::size_t view) const;
   bool isRefined() const { return search_ >= DepthSearch::refined; }
-  static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
+  static std::vector<SweepView> viewsOf(const std::vector<ViewImages>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const;
 
   const BuildInput& input_;
   DepthSearch search_;
-  std::filesystem::path kept_;
+  std::filesystem::path cacheFolder_;
   PosedModel model_;  // the input's model; photographs without tracks get assumed ones
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
-  bool fromInfinity_ = false;          // most views reach infinity: then views of roofs see the sky too
-  std::vector<Picture> small_, fine_;  // of the views: to sweep, and to refine (if isRefined)
+  bool fromInfinity_ = false;  // most views reach infinity: then views of roofs see the sky too
+  std::vector<ViewImages> sweptImages_, refinedImages_;  // of the views: to sweep, and to refine (if isRefined)
 };
 
 }  // namespace ibr

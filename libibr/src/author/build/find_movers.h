@@ -16,16 +16,16 @@
 namespace ibr {
 
 /// Max number of photographs that one is compared with.
-inline constexpr std::size_t kMostJudges = 3;
+inline constexpr std::size_t kMaxComparisons = 3;
 
-/// For each photograph those that share the most tracks, at most kMostJudges, best first; pinholes only.
-std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input);
+/// For each photograph those that share the most tracks, at most kMaxComparisons, best first; pinholes only.
+std::vector<std::vector<std::uint32_t>> comparisonPhotographs(const BuildInput& input);
 
 /// Peak memory of comparing one photograph, bytes.
-double bytesToJudge(const Photograph& photograph);
+double bytesToCompare(const Photograph& photograph);
 
 /// Memory held of all comparisons at once, bytes per matched pixel, if a quarter of a photograph differs.
-inline constexpr double kJudgementBytesPerPixel = 0.7;
+inline constexpr double kComparisonBytesPerPixel = 0.7;
 
 /// Masks of moving objects, at half the matched size (settle_movers.h). A mask is empty if nothing moved or the
 /// photograph cannot be compared. `depths`: of all photographs, in their order. The photographs must be stored. Holds

@@ -14,9 +14,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kReferenceSeconds = 0.0143;  // s of processor time for one match, on the machine of the constants
-constexpr double kLongEnough = 0.25;          // min duration, s
-constexpr std::size_t kLeast = 2;             // min matches per thread; the first one also warms the caches
+constexpr double kReferenceSeconds = 0.0143;  // s of cpu time for one match, on the machine of the constants
+constexpr double kMinSeconds = 0.25;          // min duration, s
+constexpr std::size_t kMinMatches = 2;        // min matches per thread; the first one also warms the caches
 
 struct Pair {
   std::vector<MatchView> views;
@@ -63,32 +63,32 @@ Pair generatedPair() {
 
 MachineSpeed measureSpeed(int threads) {
   const Pair pair = generatedPair();
-  struct Taken {
-    double processor = 0, passing = 0;
+  struct MeasuredSeconds {
+    double cpu = 0, elapsed = 0;
     std::size_t matches = 0;
   };
-  std::vector<Taken> taken(std::size_t(std::max(threads, 1)));
+  std::vector<MeasuredSeconds> taken(std::size_t(std::max(threads, 1)));
   runJobs(
       taken.size(), int(taken.size()),
       [&](std::size_t t) {
         matchViews(pair.views, pair.points);
         const Stopwatch watch;
         const double before = threadSeconds();
-        while (taken[t].matches < kLeast || watch.seconds() < kLongEnough) {
+        while (taken[t].matches < kMinMatches || watch.seconds() < kMinSeconds) {
           matchViews(pair.views, pair.points);
           ++taken[t].matches;
         }
-        taken[t].processor = threadSeconds() - before;
-        taken[t].passing = watch.seconds();
+        taken[t].cpu = threadSeconds() - before;
+        taken[t].elapsed = watch.seconds();
       },
       [](std::size_t) { return true; });
-  Taken all;
-  for (const Taken& t : taken) {
-    all.processor += t.processor / double(t.matches);
-    all.passing += t.passing / double(t.matches);
+  MeasuredSeconds all;
+  for (const MeasuredSeconds& t : taken) {
+    all.cpu += t.cpu / double(t.matches);
+    all.elapsed += t.elapsed / double(t.matches);
   }
   const double count = double(taken.size()) * kReferenceSeconds;
-  return {all.processor / count, all.passing / count};
+  return {all.cpu / count, all.elapsed / count};
 }
 
 }  // namespace ibr

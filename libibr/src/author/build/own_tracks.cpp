@@ -36,7 +36,7 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   const std::vector<ImagePair> pairs = pairsForTracks(input.model, options.tracks);
   if (pairs.empty()) return;
   OwnTracksInput own;
-  own.keep = keptFolder(options);
+  own.cacheFolder = buildCacheFolder(options);
   own.view = [&](std::size_t i) { return viewOf(input.photographs[i]); };
   for (std::uint32_t i = 0; i < input.photographs.size(); ++i) {
     own.cameras.push_back(matchedCamera(input.photographs[i].camera));

@@ -26,7 +26,7 @@ const std::vector<PosedImage>& PosedPhotographs::images() const noexcept {
   return state_->images;
 }
 
-Image8 PosedPhotographs::picture(std::size_t image) const {
+Image8 PosedPhotographs::photograph(std::size_t image) const {
   return loadPhotograph(state_->photographs.at(image));
 }
 

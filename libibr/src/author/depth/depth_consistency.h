@@ -31,7 +31,7 @@ struct ConsistentDepth {
 /// Counts by pixel, 0 to 255; one channel, of the map's size.
 struct DepthEvidence {
   Image8 confirmations, contradictions;
-  Image8 witnesses;  // photographs with enough parallax at the point, or with a different depth there
+  Image8 usableSources;  // photographs with enough parallax at the point, or with a different depth there
 };
 
 /// Evidence for each map, from at most `sources` other photographs, chosen by overlap at parallaxes near 6°. The result

@@ -12,9 +12,9 @@ namespace ibr {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kGrid = 10;            // cells per side, over the image
-constexpr double kUnobserved = 0.3;  // weight of a track that only one of the two observes
-constexpr double kLeastGain = 1e-9;
+constexpr int kGrid = 10;                  // cells per side, over the image
+constexpr double kUnobservedWeight = 0.3;  // weight of a track that only one of the two observes
+constexpr double kMinGain = 1e-9;
 // Weight of a parallax: 1 at `best`, a Gaussian with different standard deviations below and above. Radians.
 struct Parallax {
   double best, below, above;
@@ -26,7 +26,7 @@ struct Parallax {
 constexpr Parallax kNear{6 * kDegree, 3 * kDegree, 12 * kDegree};
 constexpr Parallax kWide{18 * kDegree, 6 * kDegree, 7 * kDegree};
 
-struct Place {
+struct TrackPoint {
   glm::dvec3 position;
   std::uint32_t track;
   double share;  // weight of the track after equalisation over the grid
@@ -39,10 +39,11 @@ std::optional<glm::dvec2> pixelOf(const Camera& camera, const glm::dvec3& point)
   return inside ? at : std::nullopt;
 }
 
-std::vector<Place> placesOf(const PosedModel& model, const Camera& camera, const std::vector<std::uint32_t>& tracks) {
+std::vector<TrackPoint> trackPoints(const PosedModel& model, const Camera& camera,
+                                    const std::vector<std::uint32_t>& tracks) {
   std::array<int, kGrid * kGrid> count{};
   std::vector<std::size_t> cell;
-  std::vector<Place> places;
+  std::vector<TrackPoint> places;
   for (const std::uint32_t t : tracks) {
     const glm::dvec3& position = model.tracks[t].position;
     const auto at = pixelOf(camera, position);
@@ -60,7 +61,7 @@ std::vector<Place> placesOf(const PosedModel& model, const Camera& camera, const
 
 std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const DepthView> views,
                                         std::span<const std::vector<std::uint32_t>> tracksOf, std::uint32_t view) {
-  const std::vector<Place> places = placesOf(model, views[view].camera, tracksOf[views[view].node]);
+  const std::vector<TrackPoint> places = trackPoints(model, views[view].camera, tracksOf[views[view].node]);
   const glm::dvec3 own = views[view].camera.pose.position;
   std::vector<std::vector<float>> near(views.size()), wide(views.size());  // weights of the tracks' points
   for (std::uint32_t j = 0; j < views.size(); ++j) {
@@ -70,13 +71,13 @@ std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const
     near[j].assign(places.size(), 0);
     wide[j].assign(places.size(), 0);
     for (std::size_t p = 0; p < places.size(); ++p) {
-      const Place& place = places[p];
+      const TrackPoint& place = places[p];
       if (!pixelOf(camera, place.position)) continue;
       const glm::dvec3 a = own - place.position, b = other - place.position;
       const double ra = glm::length(a), rb = glm::length(b);
       const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
       const bool observed = std::ranges::binary_search(tracksOf[views[j].node], place.track);
-      const double weight = std::min(ra / rb, rb / ra) * (observed ? 1.0 : kUnobserved);
+      const double weight = std::min(ra / rb, rb / ra) * (observed ? 1.0 : kUnobservedWeight);
       near[j][p] = float(weight * kNear.weight(angle));
       wide[j][p] = float(weight * kWide.weight(angle));
     }
@@ -85,7 +86,7 @@ std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const
   const auto choose = [&](const std::vector<std::vector<float>>& weights, std::size_t most) {
     std::vector<float> sum(places.size(), 0);
     for (std::size_t round = 0; round < most; ++round) {
-      double best = kLeastGain;
+      double best = kMinGain;
       std::uint32_t which = 0;
       bool found = false;
       for (std::uint32_t j = 0; j < weights.size(); ++j) {

@@ -16,13 +16,13 @@ namespace {
 constexpr double kFaceFov = 96 * std::numbers::pi / 180;  // a little more than the 90° of a cube's face
 
 // The face that sees a direction farthest from its edges.
-struct Sighting {
+struct FaceSample {
   std::size_t face;
   glm::dvec3 direction;  // in the face's axes
 };
 
-Sighting sightingOf(const std::vector<glm::dquat>& toFaces, glm::dvec3 direction) {
-  Sighting best{};
+FaceSample faceSampleAt(const std::vector<glm::dquat>& toFaces, glm::dvec3 direction) {
+  FaceSample best{};
   for (std::size_t f = 0; f < toFaces.size(); ++f)
     if (const glm::dvec3 seen = toFaces[f] * direction; seen.z < best.direction.z) best = {f, seen};
   return best;
@@ -60,7 +60,7 @@ MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> face
   result.matched.map = {panorama, ImageF(k.width, k.height, 1, kUnknownDepth)};
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Sighting seen = sightingOf(toFaces, unproject(k, {x + 0.5, y + 0.5}));
+      const FaceSample seen = faceSampleAt(toFaces, unproject(k, {x + 0.5, y + 0.5}));
       const MatchedDepth& face = faces[seen.face];
       const glm::ivec2 at = pixelOf(face.matched.map.camera.intrinsics, seen.direction);
       const float inverse = face.matched.map.inverseDepth.pixel(at.x, at.y)[0];
@@ -71,7 +71,7 @@ MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> face
       };
       copy(&DepthEvidence::confirmations);
       copy(&DepthEvidence::contradictions);
-      copy(&DepthEvidence::witnesses);
+      copy(&DepthEvidence::usableSources);
     }
   return result;
 }

@@ -11,8 +11,8 @@
 namespace ibr {
 namespace {
 
-constexpr float kColour = 25;  // difference at which a sample's weight falls to 1/e, 8-bit levels
-constexpr float kNoise = 4;    // variance below which a patch counts as noise
+constexpr float kColourScale = 25;   // difference at which a sample's weight falls to 1/e, 8-bit levels
+constexpr float kNoiseVariance = 4;  // variance below which a patch counts as noise
 
 // Sample positions of a patch relative to its middle, in sample distances. Padding samples lie at the middle.
 constexpr std::array<float, kPaddedSamples> offsets(bool down) {
@@ -40,11 +40,11 @@ constexpr std::array<float, kPaddedSamples> kAcross = offsets(false), kDown = of
   float middle[3], right[3], down[3];
   for (int c = 0; c < 3; ++c) {
     middle[c] = a[0][c] * patch->middle.x + a[1][c] * patch->middle.y + a[2][c] + inverseDepth * b[c];
-    right[c] = float(kPatchApart) * (a[0][c] + plane->slope.x * b[c]);
-    down[c] = float(kPatchApart) * (a[1][c] + plane->slope.y * b[c]);
+    right[c] = float(kPatchSpacing) * (a[0][c] + plane->slope.x * b[c]);
+    down[c] = float(kPatchSpacing) * (a[1][c] + plane->slope.y * b[c]);
   }
   constexpr float kHalf = kPatchSide / 2;
-  if (!(middle[2] > kHalf * (std::abs(right[2]) + std::abs(down[2])))) return kUnseenPatch;
+  if (!(middle[2] > kHalf * (std::abs(right[2]) + std::abs(down[2])))) return kUnseenPatchCost;
   const ImageF& grey = source->view->grey;
   alignas(32) float u[kPaddedSamples], v[kPaddedSamples];
   for (std::size_t k = 0; k < kPaddedSamples; ++k) {
@@ -55,10 +55,10 @@ constexpr std::array<float, kPaddedSamples> kAcross = offsets(false), kDown = of
   const float wide = float(grey.width - 1), high = float(grey.height - 1);
   for (const std::size_t corner :
        {std::size_t(0), std::size_t(kPatchSide - 1), kPatchSamples - kPatchSide, kPatchSamples - 1})
-    if (!(u[corner] >= 0 && v[corner] >= 0 && u[corner] < wide && v[corner] < high)) return kUnseenPatch;
+    if (!(u[corner] >= 0 && v[corner] >= 0 && u[corner] < wide && v[corner] < high)) return kUnseenPatchCost;
   const Image8& mask = source->view->mask;
   constexpr std::size_t kMiddle = kPatchSamples / 2;
-  if (!mask.empty() && !mask.pixel(int(u[kMiddle] + 0.5f), int(v[kMiddle] + 0.5f))[0]) return kUnseenPatch;
+  if (!mask.empty() && !mask.pixel(int(u[kMiddle] + 0.5f), int(v[kMiddle] + 0.5f))[0]) return kUnseenPatchCost;
   const float* __restrict const pixels = grey.values.data();
   const int row = grey.width;
   alignas(32) float value[kPaddedSamples], square[kPaddedSamples], product[kPaddedSamples];
@@ -78,7 +78,7 @@ constexpr std::array<float, kPaddedSamples> kAcross = offsets(false), kDown = of
     value[k] = weighted;
   }
   const float mean = total(value), spread = total(square) - mean * mean;
-  return 1 - total(product) / std::sqrt(patch->variance * ((spread > 0 ? spread : 0) + kNoise));
+  return 1 - total(product) / std::sqrt(patch->variance * ((spread > 0 ? spread : 0) + kNoiseVariance));
 }
 
 }  // namespace
@@ -91,17 +91,17 @@ Patch patchAt(const ImageF& grey, glm::vec2 point) {
   std::array<float, kPatchSamples> value;
   float sum = 0, mean = 0;
   for (std::size_t k = 0; k < kPatchSamples; ++k) {
-    const int u = nearest.x + kPatchApart * (int(k % kPatchSide) - kPatchSide / 2),
-              v = nearest.y + kPatchApart * (int(k / kPatchSide) - kPatchSide / 2);
+    const int u = nearest.x + kPatchSpacing * (int(k % kPatchSide) - kPatchSide / 2),
+              v = nearest.y + kPatchSpacing * (int(k / kPatchSide) - kPatchSide / 2);
     value[k] = grey.pixel(std::clamp(u, 0, grey.width - 1), std::clamp(v, 0, grey.height - 1))[0];
   }
   for (std::size_t k = 0; k < kPatchSamples; ++k) {
-    patch.weight[k] = std::exp(-std::abs(value[k] - value[kPatchSamples / 2]) / kColour);
+    patch.weight[k] = std::exp(-std::abs(value[k] - value[kPatchSamples / 2]) / kColourScale);
     sum += patch.weight[k];
     mean += patch.weight[k] * value[k];
   }
   mean /= sum;
-  patch.variance = kNoise;
+  patch.variance = kNoiseVariance;
   for (std::size_t k = 0; k < kPatchSamples; ++k) {
     patch.weight[k] /= sum;
     patch.from[k] = patch.weight[k] * (value[k] - mean);
@@ -120,7 +120,7 @@ std::vector<PatchSource> patchSources(const Camera& photograph, std::span<const 
 }
 
 float patchCost(const PatchSource& source, const Patch& patch, const DepthPlane& plane) {
-  return runWide<costOfPatch>(&source, &patch, &plane);
+  return runVectorised<costOfPatch>(&source, &patch, &plane);
 }
 
 }  // namespace ibr

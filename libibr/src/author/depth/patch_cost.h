@@ -16,10 +16,10 @@
 
 namespace ibr {
 
-inline constexpr int kPatchSide = 5, kPatchApart = 2;  // samples per side, and their distance in px
+inline constexpr int kPatchSide = 5, kPatchSpacing = 2;  // samples per side, and their distance in px
 inline constexpr std::size_t kPatchSamples = std::size_t(kPatchSide) * kPatchSide;
 inline constexpr std::size_t kLanes = 8, kPaddedSamples = (kPatchSamples + kLanes - 1) / kLanes * kLanes;
-inline constexpr float kUnseenPatch = 2;  // cost where a source does not see the whole patch
+inline constexpr float kUnseenPatchCost = 2;  // cost where a source does not see the whole patch
 
 struct DepthPlane {
   float inverseDepth;  // at a point of the image, 1 / world unit

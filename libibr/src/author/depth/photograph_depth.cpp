@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kStepPx = 2;  // px of a photograph: 1 px at half its size
 
-void runInTurn(std::size_t count, const std::function<void(std::size_t)>& job) {
+void runSerially(std::size_t count, const std::function<void(std::size_t)>& job) {
   for (std::size_t i = 0; i < count; ++i) job(i);
 }
 
@@ -30,18 +30,18 @@ bool isSky(const PhotographDepth& depth, std::size_t pixel) {
 
 }  // namespace
 
-ImageF keptDepth(const PhotographDepth& depth) {
+ImageF filteredDepth(const PhotographDepth& depth) {
   constexpr float kSurfaceSteps = 2;  // max depth step between neighbours of one surface
   ImageF kept = depth.matched.map.inverseDepth;
   const DepthEvidence& evidence = depth.evidence;
   for (std::size_t p = 0; p < kept.values.size(); ++p) {
     const int c = evidence.confirmations.values[p], v = evidence.contradictions.values[p];
-    const bool believed = c >= 2 || (c == 1 && v == 0) || evidence.witnesses.values[p] == 0 || isSky(depth, p);
+    const bool believed = c >= 2 || (c == 1 && v == 0) || evidence.usableSources.values[p] == 0 || isSky(depth, p);
     if (!believed) kept.values[p] = kUnknownDepth;
   }
   if (depth.sparse) return kept;
   const std::vector<bool> speckle =
-      speckles(kept, kSurfaceSteps * float(depth.matched.step), kLeastSurface * depth.finer * depth.finer);
+      speckles(kept, kSurfaceSteps * float(depth.matched.step), kMinSurfacePx * depth.finer * depth.finer);
   for (std::size_t p = 0; p < kept.values.size(); ++p)
     if (speckle[p]) kept.values[p] = kUnknownDepth;
   return kept;
@@ -60,7 +60,7 @@ bool isPanorama(const Camera& camera) {
   return isPanorama(camera.intrinsics);
 }
 
-double pxARadian(const Intrinsics& k) {
+double pxPerRadian(const Intrinsics& k) {
   return k.model == CameraModel::equirectangular ? k.width / (2 * std::numbers::pi) : k.fx;
 }
 
@@ -131,11 +131,11 @@ std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> cameras,
   const double spacing = captureSpacing(cameras);
   std::vector<FoundDepth> found(views.size());
   std::vector<ConsistentDepth> matched(views.size());
-  const JobRunner runDepths = options.depths ? options.depths : runInTurn,
-                  runEvidence = options.evidence ? options.evidence : runInTurn;
+  const JobRunner runDepths = options.depths ? options.depths : runSerially,
+                  runEvidence = options.evidence ? options.evidence : runSerially;
   runDepths(views.size(), [&](std::size_t i) {
     found[i] = depthOf(cameras, views[i], i, options);
-    const double storedFocal = pxARadian(cameras[views[i].node].intrinsics);
+    const double storedFocal = pxPerRadian(cameras[views[i].node].intrinsics);
     const double scale = found[i].map.camera.intrinsics.fx / storedFocal;
     matched[i] = {std::move(found[i].map), kStepPx / (storedFocal * spacing), options.residualPx * scale};
   });
@@ -162,7 +162,7 @@ std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> cameras,
 
 CompletedDepth completed(const PhotographDepth& depth, const Image8& colours) {
   constexpr int kSkyConfirmations = 2;
-  ImageF kept = keptDepth(depth);
+  ImageF kept = filteredDepth(depth);
   const int width = kept.width, height = kept.height;
   CompletedDepth result{
       {isPanorama(depth.matched.map.camera) ? completedAround(kept, colours) : completeDepth(kept, colours),
@@ -188,7 +188,7 @@ void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth
   const glm::dvec2 scale(double(map.width) / stored.width, double(map.height) / stored.height);
   mesh.confirmations.clear();
   mesh.consensus.clear();
-  for (std::size_t i = 0; i < mesh.pointCount(); ++i) {
+  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
     const glm::dvec2 match = mesh.match[0][i];
     const double along = isPanorama(stored) ? 1.0 : -unproject(stored, match).z;
     const glm::ivec2 pixel = pixelOfDepth(map, match * scale, double(mesh.inverseDistance[i]) / along);

@@ -5,7 +5,7 @@
 //   depth     as matched (photograph_sweep.h); of an unmatched photograph: its points
 //   evidence  confirmations c and contradictions v (depth_consistency.h)
 //   kept      c >= 2, or c >= 1 and c > v, or no other photograph could have confirmed the depth, or sky. Kept surfaces
-//             have kLeastSurface px at least; depth of points is exempt
+//             have kMinSurfacePx px at least; depth of points is exempt
 //   completed elsewhere, from around (complete_depth.h), so that depth is known everywhere; consensus
 //             a = (c + 0.25) / (c + v + 0.5), with c = 2 in the sky; where depth was completed, c is 0 and a is 0.1
 #pragma once
@@ -25,7 +25,7 @@
 namespace ibr {
 
 inline constexpr float kCompletedConsensus = 0.1f;
-inline constexpr int kLeastSurface = 30;          // px of a depth map at backdropSize
+inline constexpr int kMinSurfacePx = 30;          // px of a depth map at backdropSize
 inline constexpr std::size_t kDepthSources = 10;  // photographs compared with one photograph's depth
 
 /// A photograph's matched depth, and its evidence.
@@ -54,7 +54,7 @@ std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> photogra
                                                 const PhotographDepthOptions& options);
 
 /// The depth that passes the rule above; kUnknownDepth elsewhere.
-ImageF keptDepth(const PhotographDepth& depth);
+ImageF filteredDepth(const PhotographDepth& depth);
 
 /// Depth that is known everywhere. All maps have the same size.
 struct CompletedDepth {

@@ -19,23 +19,23 @@ namespace {
 constexpr int kRadius = 2;  // px, of the correlation window
 constexpr float kShare = 1.0f / float((2 * kRadius + 1) * (2 * kRadius + 1));
 constexpr float kUnits = WarpedView::kUnits;
-constexpr float kNoise = 2.0f * kUnits * kUnits;  // variance below which a window counts as noise
-constexpr float kCostOfOne = 127.5f;              // c = 1 in units of the cost volume
-constexpr float kAloneShare = 0.5f, kAloneMore = 0.35f, kUnseen = 0.78f;
-constexpr int kBetter = 5;  // max number of sources averaged
-constexpr int kBlock = 16;  // levels computed before they are transposed to lie side by side for each pixel
-constexpr double kLeastLevels = 48, kMostLevels = 160;
-constexpr double kMostMotion = 1.5;  // px per level; sources that move more are halved …
-constexpr int kLeastSide = 64;       // … down to this side, px
-constexpr double kBefore = 1.3;      // near end of the range, times the nearest tracks' inverse depth
-constexpr double kInfinity = 0.3;    // the range starts at infinity if far / near of the tracks is below this
-constexpr double kBehind = 0.7;      // else at this share of the farthest tracks' inverse depth
+constexpr float kNoiseVariance = 2.0f * kUnits * kUnits;  // variance below which a window counts as noise
+constexpr float kCostScale = 127.5f;                      // c = 1 in units of the cost volume
+constexpr float kSingleSourceScale = 0.5f, kSingleSourceOffset = 0.35f, kNoSourceCost = 0.78f;
+constexpr int kMaxAveragedSources = 5;  // max number of sources averaged
+constexpr int kBlock = 16;              // levels computed before they are transposed to lie side by side for each pixel
+constexpr double kMinLevels = 48, kMaxLevels = 160;
+constexpr double kMaxMotionPx = 1.5;    // px per level; sources that move more are halved …
+constexpr int kMinSidePx = 64;          // … down to this side, px
+constexpr double kNearFactor = 1.3;     // near end of the range, times the nearest tracks' inverse depth
+constexpr double kInfinityRatio = 0.3;  // the range starts at infinity if far / near of the tracks is below this
+constexpr double kFarFactor = 0.7;      // else at this share of the farthest tracks' inverse depth
 
-constexpr float kDearest = 3.0f;  // above any cost
+constexpr float kWorstCost = 3.0f;  // above any cost
 
-// The kBetter smallest costs of a row's pixels, ascending.
-struct LeastCosts {
-  float* row[kBetter];
+// The kMaxAveragedSources smallest costs of a row's pixels, ascending.
+struct BestCosts {
+  float* row[kMaxAveragedSources];
 };
 
 // By value: the references of std::max would prevent vectorisation of the loops below.
@@ -111,19 +111,19 @@ struct WindowRow {
 
 // Inserts the costs of pixels first to last into the smallest costs.
 [[gnu::always_inline]] inline void putCosts(WindowRow row, const std::uint8_t* ignored, int first, int last,
-                                            float* __restrict count, LeastCosts least) {
+                                            float* __restrict count, BestCosts least) {
   const float* __restrict const sa = row.value, * __restrict const sb = row.square, * __restrict const sc = row.product;
   const float* __restrict const mean = row.mean, * __restrict const variance = row.variance;
   float* __restrict const b0 = least.row[0], * __restrict const b1 = least.row[1], * __restrict const b2 = least.row[2],
                           * __restrict const b3 = least.row[3], * __restrict const b4 = least.row[4];
   for (int x = first; x <= last; ++x) {
     const float other = sa[x] * kShare;
-    const float spread = larger(sb[x] * kShare - other * other, 0.0f) + kNoise;
+    const float spread = larger(sb[x] * kShare - other * other, 0.0f) + kNoiseVariance;
     const float covariance = sc[x] * kShare - mean[x] * other;
     const float correlation = covariance / std::sqrt(variance[x] * spread);
     const bool seen = !ignored || !ignored[x];
     // Unseen pixels cost more than any seen one.
-    float c = seen ? 1.0f - smaller(larger(correlation, -1.0f), 1.0f) : kDearest;
+    float c = seen ? 1.0f - smaller(larger(correlation, -1.0f), 1.0f) : kWorstCost;
     count[x] += seen ? 1.0f : 0.0f;
     for (float* const place : {&b0[x], &b1[x], &b2[x], &b3[x], &b4[x]}) {
       const float before = *place;
@@ -134,17 +134,17 @@ struct WindowRow {
 }
 
 // Mean of the better half, in units of the cost volume.
-[[gnu::always_inline]] inline void meanCosts(const float* __restrict count, LeastCosts least,
+[[gnu::always_inline]] inline void meanCosts(const float* __restrict count, BestCosts least,
                                              std::uint8_t* __restrict out, int width) {
   for (int x = 0; x < width; ++x) {
     const float n = count[x], half = float(int(0.5f * n + 0.5f));
-    const float taken = smaller(half, float(kBetter));
+    const float taken = smaller(half, float(kMaxAveragedSources));
     float sum = least.row[0][x];
-    for (int k = 1; k < kBetter; ++k) sum += taken > float(k) ? least.row[k][x] : 0.0f;
+    for (int k = 1; k < kMaxAveragedSources; ++k) sum += taken > float(k) ? least.row[k][x] : 0.0f;
     float c = sum / larger(taken, 1.0f);
-    c = n == 1.0f ? kAloneShare * c + kAloneMore : c;
-    c = n == 0.0f ? kUnseen : c;
-    out[x] = std::uint8_t(int(smaller(c * kCostOfOne + 0.5f, 255.0f)));
+    c = n == 1.0f ? kSingleSourceScale * c + kSingleSourceOffset : c;
+    c = n == 0.0f ? kNoSourceCost : c;
+    out[x] = std::uint8_t(int(smaller(c * kCostScale + 0.5f, 255.0f)));
   }
 }
 
@@ -154,10 +154,10 @@ class Columns {
   explicit Columns(int width) : width_(width), values_(std::size_t(width + 2 * kRadius), 0.0f) {}
   float* data() { return values_.data() + kRadius; }
   void clear() { std::fill(values_.begin(), values_.end(), 0.0f); }
-  void sumSideways(float* __restrict out) {
+  void sumHorizontally(float* __restrict out) {
     float* __restrict const c = data();
     for (int r = 1; r <= kRadius; ++r) c[-r] = c[0], c[width_ - 1 + r] = c[width_ - 1];
-    runWide<windowSums>(static_cast<const float*>(c), out, width_);
+    runVectorised<windowSums>(static_cast<const float*>(c), out, width_);
   }
 
  private:
@@ -188,7 +188,7 @@ class SourceCorrelation {
     for (auto* row : {&sumA_, &sumB_, &sumC_, &count_}) row->resize(std::size_t(width_));
     for (auto& row : best_) row.resize(std::size_t(width_));
     zero_.assign(std::size_t(width_), 0.0f);
-    takeOwn();
+    computeOwnSums();
   }
 
   /// `cost`: height × width.
@@ -200,7 +200,7 @@ class SourceCorrelation {
       for (int y = -kRadius - 1; y < kRadius; ++y) move(warped[s], s, y, false);
     }
     for (int y = 0; y < height_; ++y) {
-      for (auto& row : best_) std::fill(row.begin(), row.end(), kDearest);
+      for (auto& row : best_) std::fill(row.begin(), row.end(), kWorstCost);
       std::fill(count_.begin(), count_.end(), 0.0f);
       for (std::size_t s = 0; s < warped.size(); ++s) {
         move(warped[s], s, y + kRadius, true);
@@ -211,7 +211,7 @@ class SourceCorrelation {
   }
 
  private:
-  void takeOwn() {
+  void computeOwnSums() {
     Columns value(width_), square(width_);
     const auto add = [&](int y, float sign) {
       const float* const a = rowOf(own_, y);
@@ -221,12 +221,12 @@ class SourceCorrelation {
     for (int y = 0; y < height_; ++y) {
       add(y + kRadius, 1);
       add(y - kRadius - 1, -1);
-      value.sumSideways(sumA_.data());
-      square.sumSideways(sumB_.data());
+      value.sumHorizontally(sumA_.data());
+      square.sumHorizontally(sumB_.data());
       for (int x = 0; x < width_; ++x) {
         const float mean = sumA_[std::size_t(x)] * kShare;
         mean_.pixel(x, y)[0] = mean;
-        variance_.pixel(x, y)[0] = larger(sumB_[std::size_t(x)] * kShare - mean * mean, 0.0f) + kNoise;
+        variance_.pixel(x, y)[0] = larger(sumB_[std::size_t(x)] * kShare - mean * mean, 0.0f) + kNoiseVariance;
       }
     }
   }
@@ -238,27 +238,29 @@ class SourceCorrelation {
     const float* const c = takes ? rowOf(own_, in - 2 * kRadius - 1) : none;
     const float* const d = takes ? rowOf(view.grey, in - 2 * kRadius - 1) : none;
     const ColumnSums sums{value_[s].data(), square_[s].data(), product_[s].data()};
-    runWide<moveRows>(a, b, c, d, sums, width_);
+    runVectorised<moveRows>(a, b, c, d, sums, width_);
   }
 
   // Inserts the source's costs into the smallest costs of the row.
   void correlate(const WarpedView& view, std::size_t s, int y) {
     const int first = view.first[std::size_t(y)], last = view.last[std::size_t(y)];
     if (first > last) return;
-    value_[s].sumSideways(sumA_.data());
-    square_[s].sumSideways(sumB_.data());
-    product_[s].sumSideways(sumC_.data());
+    value_[s].sumHorizontally(sumA_.data());
+    square_[s].sumHorizontally(sumB_.data());
+    product_[s].sumHorizontally(sumC_.data());
     const WindowRow row{sumA_.data(), sumB_.data(), sumC_.data(), rowOf(mean_, y), rowOf(variance_, y)};
     const std::uint8_t* const ignored =
         view.ignored.empty() ? nullptr : &view.ignored[std::size_t(y) * std::size_t(width_)];
-    runWide<putCosts>(row, ignored, first, last, count_.data(), least());
+    runVectorised<putCosts>(row, ignored, first, last, count_.data(), least());
   }
 
-  void costs(std::uint8_t* out) { runWide<meanCosts>(static_cast<const float*>(count_.data()), least(), out, width_); }
+  void costs(std::uint8_t* out) {
+    runVectorised<meanCosts>(static_cast<const float*>(count_.data()), least(), out, width_);
+  }
 
-  LeastCosts least() {
-    LeastCosts result;
-    for (int k = 0; k < kBetter; ++k) result.row[k] = best_[std::size_t(k)].data();
+  BestCosts least() {
+    BestCosts result;
+    for (int k = 0; k < kMaxAveragedSources; ++k) result.row[k] = best_[std::size_t(k)].data();
     return result;
   }
 
@@ -266,7 +268,7 @@ class SourceCorrelation {
   ImageF own_, mean_, variance_;                   // of the photograph
   std::vector<Columns> value_, square_, product_;  // by source
   std::vector<float> sumA_, sumB_, sumC_, count_, zero_;
-  std::array<std::vector<float>, kBetter> best_;  // the row's smallest costs, ascending
+  std::array<std::vector<float>, kMaxAveragedSources> best_;  // the row's smallest costs, ascending
 };
 
 struct Levels {
@@ -278,7 +280,7 @@ struct Levels {
 // 0.5 % and 99.5 % quantiles of inverse depths, robust against outliers.
 struct DepthQuantiles {
   double far, near;
-  bool reachInfinity() const { return far < kInfinity * near; }
+  bool reachInfinity() const { return far < kInfinityRatio * near; }
 };
 
 DepthQuantiles quantilesOf(std::vector<double> tracks) {
@@ -293,8 +295,8 @@ Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources,
   for (const SweepView& source : sources)
     if (const double m = motionOf(photograph.camera, source.camera, 0.5 * (first + near)); m > 0) motion.push_back(m);
   std::sort(motion.begin(), motion.end());
-  const double px = motion.empty() ? kLeastLevels : motion[motion.size() / 2] * (near - first);
-  const int count = int(std::clamp(std::ceil(px), kLeastLevels, kMostLevels)) + 1;
+  const double px = motion.empty() ? kMinLevels : motion[motion.size() / 2] * (near - first);
+  const int count = int(std::clamp(std::ceil(px), kMinLevels, kMaxLevels)) + 1;
   return {first, (near - first) / (count - 1), count};
 }
 
@@ -305,7 +307,7 @@ CostVolume costsOf(const SweepView& photograph, std::span<const SweepView> sourc
   std::vector<FrameToMember> maps;
   for (SweepView& view : views) {
     double motion = motionOf(photograph.camera, view.camera, levels.at(0.5 * (levels.count - 1))) * levels.step;
-    for (; motion > kMostMotion && std::min(view.grey.width, view.grey.height) > kLeastSide; motion /= 2)
+    for (; motion > kMaxMotionPx && std::min(view.grey.width, view.grey.height) > kMinSidePx; motion /= 2)
       view = halved(view);
     maps.push_back(frameToMember(photograph.camera, view.camera));
   }
@@ -344,9 +346,9 @@ SweepRange sweepRange(std::vector<double> trackInverseDepths, bool fromInfinity)
   constexpr double kStepsPerOctave = 8;
   const DepthQuantiles tracks = quantilesOf(std::move(trackInverseDepths));
   const auto octaves = [](double x) { return kStepsPerOctave * std::log2(x); };
-  const double near = std::exp2(std::ceil(octaves(kBefore * tracks.near)) / kStepsPerOctave);
+  const double near = std::exp2(std::ceil(octaves(kNearFactor * tracks.near)) / kStepsPerOctave);
   if (fromInfinity || tracks.reachInfinity()) return {0, near};
-  return {std::exp2(std::floor(octaves(kBehind * tracks.far)) / kStepsPerOctave), near};
+  return {std::exp2(std::floor(octaves(kFarFactor * tracks.far)) / kStepsPerOctave), near};
 }
 
 SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range) {
@@ -361,7 +363,7 @@ SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> so
     const double level = std::clamp(double(match.level.values[p]), 0.0, double(levels.count - 1));
     const bool masked = !photograph.mask.empty() && !photograph.mask.values[p];
     cost.values[p] = volume.cost[p * std::size_t(levels.count) + std::size_t(std::lround(level))];
-    const bool known = !masked && cost.values[p] < std::uint8_t(kUnseen * kCostOfOne);
+    const bool known = !masked && cost.values[p] < std::uint8_t(kNoSourceCost * kCostScale);
     result.inverseDepth.values[p] = known ? float(levels.at(level)) : kUnknownDepth;
   }
   if (levels.first > 0) return result;

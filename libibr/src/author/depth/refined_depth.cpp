@@ -14,17 +14,17 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kAgreeing = 5;
-constexpr float kUnlike = 1;                       // cost from which a source counts as not agreeing
-constexpr std::array kMoves{0.35f, 0.18f, 0.09f};  // of a level, by scan
-constexpr float kTurn = 0.25f;                     // max change of slope per fine px, relative to the scan's move
-constexpr float kSurface = 1.5f;                   // max levels between neighbours of one surface
-constexpr float kSame = 0.02f;                     // levels; planes that differ by less are treated as equal
-constexpr float kLeastGain = 0.004f, kMostCost = 0.42f;
+constexpr std::size_t kMaxAgreeingSources = 5;
+constexpr float kMaxAgreeingCost = 1;                     // cost from which a source counts as not agreeing
+constexpr std::array kLevelOffsets{0.35f, 0.18f, 0.09f};  // of a level, by scan
+constexpr float kMaxSlopeChange = 0.25f;      // max change of slope per fine px, relative to the scan's move
+constexpr float kMaxSurfaceStep = 1.5f;       // max levels between neighbours of one surface
+constexpr float kMinPlaneDifference = 0.02f;  // levels; planes that differ by less are treated as equal
+constexpr float kMinGain = 0.004f, kMaxCost = 0.42f;
 constexpr int kCostRadius = 2;
 
-struct Agreeing {
-  std::array<std::uint8_t, kAgreeing> who{};
+struct AgreeingSources {
+  std::array<std::uint8_t, kMaxAgreeingSources> source{};
   std::uint8_t count = 0;
 };
 
@@ -56,7 +56,7 @@ class Refiner {
   }
 
   ImageF run() {
-    for (std::size_t scan = 0; scan < kMoves.size(); ++scan) {
+    for (std::size_t scan = 0; scan < kLevelOffsets.size(); ++scan) {
       const bool forward = scan % 2 == 0;
       const int before = forward ? -1 : 1;
       for (int j = 0; j < swept_.height; ++j)
@@ -68,7 +68,7 @@ class Refiner {
     ImageF result = swept_;
     for (int y = 0; y < swept_.height; ++y)
       for (int x = 0; x < swept_.width; ++x)
-        if (isRefined(x, y) && meanCost(x, y) <= kMostCost) result.pixel(x, y)[0] = planes_[at(x, y)].inverseDepth;
+        if (isRefined(x, y) && meanCost(x, y) <= kMaxCost) result.pixel(x, y)[0] = planes_[at(x, y)].inverseDepth;
     return result;
   }
 
@@ -87,7 +87,7 @@ class Refiner {
       const int u = x + side * along.x, v = y + side * along.y;
       if (!isInside(u, v)) continue;
       const float there = swept_.values[at(u, v)];
-      if (there < 0 || std::abs(there - here) > kSurface * level_) continue;
+      if (there < 0 || std::abs(there - here) > kMaxSurfaceStep * level_) continue;
       sum += float(side) * (there - here);
       ++count;
     }
@@ -99,20 +99,21 @@ class Refiner {
     const Patch patch = patchAt(grey_, middleOf(x, y));
     std::vector<std::pair<float, std::uint8_t>> costs;
     for (std::size_t s = 0; s < sources_.size(); ++s)
-      if (const float cost = patchCost(sources_[s], patch, planes_[p]); cost < kUnlike) costs.emplace_back(cost, s);
+      if (const float cost = patchCost(sources_[s], patch, planes_[p]); cost < kMaxAgreeingCost)
+        costs.emplace_back(cost, s);
     std::sort(costs.begin(), costs.end());
-    Agreeing& agreeing = agreeing_[p];
-    agreeing.count = std::uint8_t(std::min(costs.size(), kAgreeing));
-    for (std::size_t k = 0; k < agreeing.count; ++k) agreeing.who[k] = costs[k].second;
+    AgreeingSources& agreeing = agreeing_[p];
+    agreeing.count = std::uint8_t(std::min(costs.size(), kMaxAgreeingSources));
+    for (std::size_t k = 0; k < agreeing.count; ++k) agreeing.source[k] = costs[k].second;
     if (agreeing.count > 0) cost_[p] = costOf(agreeing, patch, planes_[p], std::numeric_limits<float>::infinity());
   }
 
   // Stops early once the cost certainly exceeds `most`, and then returns a lower bound above `most`.
-  float costOf(const Agreeing& agreeing, const Patch& patch, const DepthPlane& plane, float most) const {
+  float costOf(const AgreeingSources& agreeing, const Patch& patch, const DepthPlane& plane, float most) const {
     const std::size_t better = (2 * std::size_t(agreeing.count) + 2) / 3, left = agreeing.count - better;
-    std::array<float, kAgreeing> ascending{};
+    std::array<float, kMaxAgreeingSources> ascending{};
     for (std::size_t k = 0; k < agreeing.count; ++k) {
-      float cost = patchCost(sources_[agreeing.who[k]], patch, plane);
+      float cost = patchCost(sources_[agreeing.source[k]], patch, plane);
       for (std::size_t i = 0; i < k; ++i)
         if (cost < ascending[i]) std::swap(cost, ascending[i]);
       ascending[k] = cost;
@@ -130,7 +131,7 @@ class Refiner {
     const Patch patch = patchAt(grey_, middleOf(x, y));
     const auto attempt = [&](const DepthPlane& plane) {
       if (!(plane.inverseDepth >= 0)) return;
-      const float most = cost_[p] - kLeastGain, cost = costOf(agreeing_[p], patch, plane, most);
+      const float most = cost_[p] - kMinGain, cost = costOf(agreeing_[p], patch, plane, most);
       if (!(cost < most)) return;
       cost_[p] = cost;
       planes_[p] = plane;
@@ -143,15 +144,15 @@ class Refiner {
     };
     continued(x + before, y);
     continued(x, y + before);
-    const float move = kMoves[scan] * level_;
+    const float move = kLevelOffsets[scan] * level_;
     for (const float way : {-move, move}) attempt({planes_[p].inverseDepth + way, planes_[p].slope});
-    attempt(
-        {planes_[p].inverseDepth, planes_[p].slope + kTurn * move * glm::vec2(noise(p, scan, 0), noise(p, scan, 1))});
+    attempt({planes_[p].inverseDepth,
+             planes_[p].slope + kMaxSlopeChange * move * glm::vec2(noise(p, scan, 0), noise(p, scan, 1))});
   }
 
   bool isSame(const DepthPlane& a, const DepthPlane& b) const {
-    const float turned = float(kPatchApart) * (std::abs(a.slope.x - b.slope.x) + std::abs(a.slope.y - b.slope.y));
-    return std::abs(a.inverseDepth - b.inverseDepth) + turned < kSame * level_;
+    const float turned = float(kPatchSpacing) * (std::abs(a.slope.x - b.slope.x) + std::abs(a.slope.y - b.slope.y));
+    return std::abs(a.inverseDepth - b.inverseDepth) + turned < kMinPlaneDifference * level_;
   }
 
   float meanCost(int x, int y) const {
@@ -172,7 +173,7 @@ class Refiner {
   std::vector<PatchSource> sources_;
   std::vector<DepthPlane> planes_;
   std::vector<float> cost_;
-  std::vector<Agreeing> agreeing_;
+  std::vector<AgreeingSources> agreeing_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 // those that agree best with the swept depth.
 // Three scans, forward and backward in turn, try at each pixel: the planes of the two neighbours visited before; the
 // own plane moved by ± 0.35, 0.18, 0.09 of a level; a random slope. A plane is taken if its cost is lower by
-// kLeastGain. Where the mean cost of 5×5 pixels stays above kMostCost, the swept depth is kept.
+// kMinGain. Where the mean cost of 5×5 pixels stays above kMaxCost, the swept depth is kept.
 #pragma once
 
 #include <span>

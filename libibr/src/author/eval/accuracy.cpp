@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares a cell's triangles with the true positions, in the other members, of the surface that the first member sees.
-#include "ibr/author/accuracy.h"
+#include "ibr/lab/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kRightPx = 1.5;
-constexpr double kRightShare = 0.8;
+constexpr double kCorrectPx = 1.5;
+constexpr double kMinCorrectShare = 0.8;
 
 double area(const std::vector<glm::vec2>& at, const glm::uvec3& t) {
   const glm::dvec2 a = glm::dvec2(at[t.y]) - glm::dvec2(at[t.x]), b = glm::dvec2(at[t.z]) - glm::dvec2(at[t.x]);
@@ -93,7 +93,7 @@ class CellAccuracy {
     const ExactSurface& first = *surfaces_[0];
     const std::vector<std::uint32_t> map = triangleMap(mesh_, first.width(), first.height());
     struct Count {
-      double known = 0, right = 0;
+      double known = 0, correct = 0;
     };
     std::vector<Count> counts(mesh_.triangles.size());
     for (int y = 0; y < first.height(); ++y)
@@ -105,20 +105,21 @@ class CellAccuracy {
         const std::uint32_t t = map[std::size_t(y) * std::size_t(first.width()) + std::size_t(x)];
         result_.coVisible += coVisible;
         if (t == kNone) continue;
-        result_.kept += coVisible && mesh_.tier[t] == kTierAgrees;
+        result_.coVisibleTier0 += coVisible && mesh_.tier[t] == kTierConsistent;
         ++counts[t].known;
-        counts[t].right += coVisible && error(mesh_.triangles[t], *sample) <= kRightPx;
+        counts[t].correct += coVisible && error(mesh_.triangles[t], *sample) <= kCorrectPx;
       }
     for (std::size_t t = 0; t < counts.size(); ++t) {
-      const bool agrees = mesh_.tier[t] == kTierAgrees, right = counts[t].right >= kRightShare * counts[t].known;
+      const bool agrees = mesh_.tier[t] == kTierConsistent,
+                 correct = counts[t].correct >= kMinCorrectShare * counts[t].known;
       if (agrees) result_.tier0 += counts[t].known;
-      if (agrees && right) result_.rightTier0 += counts[t].known;
-      if (right) result_.right += counts[t].known;
+      if (agrees && correct) result_.correctTier0 += counts[t].known;
+      if (correct) result_.correct += counts[t].known;
     }
   }
 
   void vertices() {
-    std::vector<bool> used(mesh_.pointCount(), false);
+    std::vector<bool> used(mesh_.vertexCount(), false);
     for (std::size_t t = 0; t < mesh_.tier0Count(); ++t)
       for (int k = 0; k < 3; ++k) used[mesh_.triangles[t][k]] = true;
     for (std::size_t v = 0; v < used.size(); ++v) {
@@ -132,7 +133,7 @@ class CellAccuracy {
                                      : std::numeric_limits<double>::infinity());
         distance += glm::length(glm::dvec3(*point) - point->w * surfaces_[i]->camera().pose.position);
       }
-      result_.vertexError.push_back(worst);
+      result_.vertexErrorsPx.push_back(worst);
       const double rho = point->w * double(surfaces_.size()) / distance;
       result_.deviation.push_back(std::abs(double(mesh_.inverseDistance[v]) - rho) /
                                   std::max(double(mesh_.uncertainty[v]), 1e-12));
@@ -147,13 +148,13 @@ class CellAccuracy {
 }  // namespace
 
 MatchAccuracy& MatchAccuracy::operator+=(const MatchAccuracy& other) {
-  vertexError.insert(vertexError.end(), other.vertexError.begin(), other.vertexError.end());
+  vertexErrorsPx.insert(vertexErrorsPx.end(), other.vertexErrorsPx.begin(), other.vertexErrorsPx.end());
   deviation.insert(deviation.end(), other.deviation.begin(), other.deviation.end());
   coVisible += other.coVisible;
-  kept += other.kept;
+  coVisibleTier0 += other.coVisibleTier0;
   tier0 += other.tier0;
-  rightTier0 += other.rightTier0;
-  right += other.right;
+  correctTier0 += other.correctTier0;
+  correct += other.correct;
   folded += other.folded;
   return *this;
 }

@@ -26,9 +26,9 @@ namespace {
 
 constexpr int kProxySide = 1024;            // px, longest side of a view's proxy
 constexpr std::size_t kProxyMaps = 8;       // photographs whose depth maps make the proxy
-constexpr std::size_t kPhotographs = 24;    // candidate photographs per view
-constexpr std::size_t kVotes = 6;           // photographs that each part of the view votes for
-constexpr float kMatchedConsensus = 0.15f;  // of depth; completed depth has less (author/depth/photograph_depth.h)
+constexpr std::size_t kMaxCandidates = 24;  // candidate photographs per view
+constexpr std::size_t kVotesPerPart = 6;    // photographs that each part of the view votes for
+constexpr float kMinConsensus = 0.15f;      // of depth; completed depth has less (author/depth/photograph_depth.h)
 
 Camera scaledCamera(Camera camera, glm::ivec2 size) {
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
@@ -90,7 +90,7 @@ struct Baselines::State {
   // The photograph with its exposure correction.
   Image8 shown(std::uint32_t node) {
     const Image8& picture = photographs.picture(node);
-    return exposure ? exposedPicture(picture, *exposure * scene.nodes[node].gain) : picture;
+    return exposure ? applyGain(picture, *exposure * scene.nodes[node].gain) : picture;
   }
 
   // Matched depth, and matched depth with completed pixels. At infinity if the scene has no depth.
@@ -110,7 +110,7 @@ struct Baselines::State {
     const Camera camera = scaledCamera(node.camera, {maps.inverseDepth.width, maps.inverseDepth.height});
     NodeDepth depth{{camera, maps.inverseDepth}, {camera, std::move(maps.inverseDepth)}};
     for (std::size_t p = 0; p < maps.consensus.values.size(); ++p)
-      if (maps.consensus.values[p] < kMatchedConsensus) depth.matched.inverseDepth.values[p] = kUnknownDepth;
+      if (maps.consensus.values[p] < kMinConsensus) depth.matched.inverseDepth.values[p] = kUnknownDepth;
     return depths.emplace(n, std::move(depth)).first->second;
   }
 
@@ -207,13 +207,13 @@ struct Baselines::State {
                           i);
       }
       std::sort(seen.begin(), seen.end());
-      for (std::size_t k = 0; k < std::min(seen.size(), kVotes); ++k) ++votes[seen[k].second];
+      for (std::size_t k = 0; k < std::min(seen.size(), kVotesPerPart); ++k) ++votes[seen[k].second];
     }
     std::vector<std::uint32_t> order;
     for (std::uint32_t i = 0; i < votes.size(); ++i)
       if (votes[i] > 0) order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return votes[a] > votes[b]; });
-    order.resize(std::min(order.size(), kPhotographs));
+    order.resize(std::min(order.size(), kMaxCandidates));
     return order;
   }
 
@@ -224,8 +224,8 @@ struct Baselines::State {
     const double scale = std::min(1.0, double(kProxySide) / std::max(view.intrinsics.width, view.intrinsics.height));
     const Camera small = scaledCamera(
         view, {std::max(1, int(view.intrinsics.width * scale)), std::max(1, int(view.intrinsics.height * scale))});
-    LumigraphPicture picture(view, proxyDepth(small, std::span(maps).first(std::min(maps.size(), kProxyMaps)), threads),
-                             {.threads = threads});
+    LumigraphImage picture(view, proxyDepth(small, std::span(maps).first(std::min(maps.size(), kProxyMaps)), threads),
+                           {.threads = threads});
     for (std::size_t i = 0; i < chosen.size(); ++i)
       picture.add(scene.nodes[chosen[i]].camera, shown(chosen[i]), *maps[i]);
     return picture.picture();
@@ -244,7 +244,7 @@ Baselines::Baselines(const Scene& scene, const BaselineOptions& options)
 Baselines::Baselines(Baselines&&) noexcept = default;
 Baselines::~Baselines() = default;
 
-void Baselines::expose(const std::optional<glm::dvec3>& exposure) {
+void Baselines::setExposure(const std::optional<glm::dvec3>& exposure) {
   state_->exposure = exposure;
 }
 
@@ -259,7 +259,7 @@ Image8 Baselines::lumigraph(const Camera& view) {
 
 Image8 Baselines::crossFade(const Camera& view, const Cell& cell, std::span<const double> weights) {
   std::vector<glm::dvec4> points;
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p)
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p)
     if (const auto position = vertexPosition(state_->scene, cell, p)) points.emplace_back(*position, 1.0);
   std::vector<std::pair<std::uint32_t, double>> members;
   for (std::size_t i = 0; i < cell.members.size(); ++i) members.emplace_back(cell.members[i], weights[i]);

@@ -17,9 +17,9 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "base/raster.h"
-#include "ibr/author/accuracy.h"
-#include "ibr/author/matchers.h"
 #include "ibr/author/photographs.h"
+#include "ibr/lab/accuracy.h"
+#include "ibr/lab/matchers.h"
 #include "io/image_file.h"
 
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ Image8 readSmall(const fs::path& file, int maxSize) {
       rgb.values[3 * p + c] = picture.values[std::size_t(picture.channels) * p + (picture.channels >= 3 ? c : 0)];
   const int longest = std::max(rgb.width, rgb.height);
   if (maxSize == 0 || longest <= maxSize) return rgb;
-  return shrunk(rgb, std::max(1, rgb.width * maxSize / longest), std::max(1, rgb.height * maxSize / longest));
+  return downscaled(rgb, std::max(1, rgb.width * maxSize / longest), std::max(1, rgb.height * maxSize / longest));
 }
 
 std::vector<DepthView> depthViews(const MatchCase& which) {
@@ -156,7 +156,7 @@ class PairTruth {
 };
 
 std::vector<double> pairErrors(const PairTruth& truth, const MorphMesh& mesh) {
-  std::vector<bool> used(mesh.pointCount(), false);
+  std::vector<bool> used(mesh.vertexCount(), false);
   for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
     for (int k = 0; k < 3; ++k) used[mesh.triangles[t][k]] = true;
   std::vector<double> errors;
@@ -179,7 +179,7 @@ Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
   for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
     const glm::uvec3& v = mesh.triangles[t];
     const std::vector<glm::vec2>& at = mesh.match[0];
-    forPixelsIn(at[v.x], at[v.y], at[v.z], first.width, first.height, [&](int x, int y, const glm::dvec3& w) {
+    forTrianglePixels(at[v.x], at[v.y], at[v.z], first.width, first.height, [&](int x, int y, const glm::dvec3& w) {
       const std::size_t pixel = std::size_t(y) * std::size_t(first.width) + std::size_t(x);
       if (done[pixel]) return;
       done[pixel] = true;
@@ -222,11 +222,11 @@ MatchScore scoreOf(const MatchCase& which, const Subject& subject, const PairTru
   MatchScore score;
   score.name = which.name;
   const MorphMesh& mesh = cell.mesh;
-  std::vector<bool> used(mesh.pointCount(), false);
+  std::vector<bool> used(mesh.vertexCount(), false);
   for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
     for (int k = 0; k < 3; ++k) used[mesh.triangles[t][k]] = true;
   score.vertices = std::size_t(std::ranges::count(used, true));
-  score.kept = score.precision = kNan;
+  score.completeness = score.precision = kNan;
   std::vector<double> errors;
   if (!subject.depth.empty()) {
     Scene scene;
@@ -236,9 +236,9 @@ MatchScore scoreOf(const MatchCase& which, const Subject& subject, const PairTru
     std::iota(members.begin(), members.end(), 0u);
     scene.cells.push_back({members, mesh, cell.quality});
     const MatchAccuracy accuracy = matchAccuracy(scene, subject.depth, 1)[0];
-    errors = accuracy.vertexError;
-    score.kept = accuracy.kept / accuracy.coVisible;
-    score.precision = accuracy.rightTier0 / accuracy.tier0;
+    errors = accuracy.vertexErrorsPx;
+    score.completeness = accuracy.coVisibleTier0 / accuracy.coVisible;
+    score.precision = accuracy.correctTier0 / accuracy.tier0;
   } else if (subject.views.size() == 2) {
     errors = pairErrors(truth, mesh);
   }
@@ -268,7 +268,7 @@ MatchScore scoreOf(const MatchCase& which, const Subject& subject, const PairTru
 
 }  // namespace
 
-std::vector<MatchScore> compareMethods(const MatchCase& which, std::uint64_t seed) {
+std::vector<MatchScore> compareMatchMethods(const MatchCase& which, std::uint64_t seed) {
   const SingleThreadedOpenCv quiet;
   const Subject subject = subjectOf(which);
   const PairTruth truth(which, subject);
@@ -276,7 +276,7 @@ std::vector<MatchScore> compareMethods(const MatchCase& which, std::uint64_t see
   for (const MatchMethod method : {MatchMethod::sweep, MatchMethod::flow, MatchMethod::homographic}) {
     if (method == MatchMethod::sweep && !subject.posed) continue;
     const double start = cpuSeconds();
-    const CellMatchOptions options{method, subject.posed && subject.reprojectionPx <= kUsablePx,
+    const CellMatchOptions options{method, subject.posed && subject.reprojectionPx <= kMaxSweepErrorPx,
                                    subject.reprojectionPx > kExactPx, seed};
     const DenseMatch match = matchCell(subject.views, subject.points, options);
     const double matched = cpuSeconds() - start;

@@ -13,7 +13,7 @@
 #include "author/geometry/mesh_signs.h"
 #include "author/match/ranges.h"
 #include "base/check.h"
-#include "ibr/author/accuracy.h"
+#include "ibr/lab/accuracy.h"
 
 namespace ibr {
 namespace {
@@ -30,7 +30,7 @@ class ExactCell {
  public:
   ExactCell(const MorphMesh& mesh, std::span<const ExactSurface* const> surfaces, const ExactMatchOptions& options,
             std::size_t cell)
-      : mesh_(mesh), surfaces_(surfaces), options_(options), around_(mesh.pointCount()) {
+      : mesh_(mesh), surfaces_(surfaces), options_(options), around_(mesh.vertexCount()) {
     std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32), std::uint32_t(cell)};
     random_.seed(seeds);
     for (const ExactSurface* surface : surfaces) cameras_.push_back(surface->camera());
@@ -42,7 +42,7 @@ class ExactCell {
   }
 
   std::size_t run() {
-    std::vector<bool> agrees(mesh_.pointCount(), false);
+    std::vector<bool> agrees(mesh_.vertexCount(), false);
     for (std::size_t t = 0; t < mesh_.tier0Count(); ++t)
       for (int k = 0; k < 3; ++k) agrees[mesh_.triangles[t][k]] = true;
     for (std::size_t p = 0; p < agrees.size(); ++p)
@@ -76,7 +76,7 @@ class ExactCell {
     std::vector<double> distance;  // times the point's w; ρ and a_i do not depend on this factor
     for (std::size_t i = 0; i < surfaces_.size(); ++i) {
       const auto seen = surfaces_[i]->seen(*point);
-      if (!seen || glm::distance(*seen, glm::dvec2(mesh_.match[i][p])) > options_.withinPx) return std::nullopt;
+      if (!seen || glm::distance(*seen, glm::dvec2(mesh_.match[i][p])) > options_.maxErrorPx) return std::nullopt;
       exact.at.push_back(*seen);
       distance.push_back(glm::length(glm::dvec3(*point) - point->w * surfaces_[i]->camera().pose.position));
     }
@@ -84,12 +84,12 @@ class ExactCell {
     exact.inverseDistance = float(point->w / mean);
     for (const double d : distance) exact.ratio.push_back(float(d / mean));
     exact.uncertainty = mesh_.uncertainty[p];
-    if (options_.noisePx > 0) disturb(exact);
+    if (options_.noisePx > 0) addNoise(exact);
     return exact;
   }
 
   // Adds noise to the matches, then solves ρ, a_i and uncertainty from the noisy matches alone.
-  void disturb(PointMatch& match) {
+  void addNoise(PointMatch& match) {
     std::vector<glm::dvec2> pixels{match.at[0]};
     for (std::size_t i = 1; i < match.at.size(); ++i) {
       const double x = noise(), y = noise();
@@ -142,7 +142,7 @@ std::string settingsWith(const std::string& settings, const ExactMatchOptions& o
   using Json = nlohmann::ordered_json;
   Json json = Json::parse(settings, nullptr, false);
   if (!json.is_object()) json = Json::object();
-  json["exactMatches"] = {{"within", options.withinPx}, {"noise", options.noisePx}, {"seed", options.seed}};
+  json["exactMatches"] = {{"within", options.maxErrorPx}, {"noise", options.noisePx}, {"seed", options.seed}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -150,7 +150,7 @@ std::string settingsWith(const std::string& settings, const ExactMatchOptions& o
 
 std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
                             int threads, const ProgressCallback& progress) {
-  check(options.withinPx > 0, ErrorCode::invalidInput, "withinPx is {} px, must be above 0", options.withinPx);
+  check(options.maxErrorPx > 0, ErrorCode::invalidInput, "maxErrorPx is {} px, must be above 0", options.maxErrorPx);
   check(options.noisePx >= 0 && options.noisePx <= 64, ErrorCode::invalidInput, "noisePx is {} px, must be 0 to 64",
         options.noisePx);
   const auto surfaces = exactSurfaces(scene, truth, threads, progress);

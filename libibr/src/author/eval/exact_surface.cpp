@@ -64,7 +64,7 @@ Homogeneous ExactSurface::point(glm::dvec2 pixel, double inverseDepth) const {
 }
 
 template <class Visit>
-void ExactSurface::forAround(int x, int y, Visit&& visit) const {
+void ExactSurface::forNeighbours(int x, int y, Visit&& visit) const {
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u) visit(pixels_[index(u, v)]);
 }
@@ -72,7 +72,7 @@ void ExactSurface::forAround(int x, int y, Visit&& visit) const {
 // Compares with the nearest surface of 3×3 pixels: depth views may have missed the pixel itself.
 bool ExactSurface::hidden(int x, int y, double inverseDepth) const {
   double nearest = 0;
-  forAround(x, y, [&](const Pixel& p) { nearest = std::max(nearest, double(p.inverseDepth)); });
+  forNeighbours(x, y, [&](const Pixel& p) { nearest = std::max(nearest, double(p.inverseDepth)); });
   return nearest > inverseDepth + tolerance(inverseDepth);
 }
 
@@ -81,7 +81,7 @@ std::optional<Homogeneous> ExactSurface::between(glm::dvec2 pixel) const {
   const double here = double(pixels_[index(int(pixel.x), int(pixel.y))].inverseDepth);
   glm::dmat3 normal(0.0);
   glm::dvec3 side(0.0);
-  forAround(int(pixel.x), int(pixel.y), [&](const Pixel& p) {
+  forNeighbours(int(pixel.x), int(pixel.y), [&](const Pixel& p) {
     const double off = double(p.inverseDepth) - here;
     if (!p.known() || std::abs(off) > tolerance(here)) return;
     const glm::dvec3 row(1.0, glm::dvec2(p.where) - pixel);

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "ibr/author/accuracy.h"
 #include "ibr/camera.h"
+#include "ibr/lab/accuracy.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 
@@ -66,7 +66,7 @@ class ExactSurface {
   double tolerance(double inverseDepth) const;
   Homogeneous point(glm::dvec2 pixel, double inverseDepth) const;
   template <class Visit>
-  void forAround(int x, int y, Visit&& visit) const;
+  void forNeighbours(int x, int y, Visit&& visit) const;
   bool hidden(int x, int y, double inverseDepth) const;
   void add(const DepthView& view);
 

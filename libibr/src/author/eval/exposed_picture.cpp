@@ -9,7 +9,7 @@
 
 namespace ibr {
 
-Image8 exposedPicture(Image8 picture, glm::dvec3 gain) {
+Image8 applyGain(Image8 picture, glm::dvec3 gain) {
   const shader::vec3 gains(gain), slopes(glm::pow(gain, glm::dvec3(1 / 2.4)));
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {

@@ -10,6 +10,6 @@ namespace ibr {
 
 /// The image as a renderer shows it with this gain: R, G, B factors of linear light, > 0 (shared/cell.h). Further
 /// channels are unchanged. Precondition: 3 channels or more.
-Image8 exposedPicture(Image8 picture, glm::dvec3 gain);
+Image8 applyGain(Image8 picture, glm::dvec3 gain);
 
 }  // namespace ibr

@@ -17,12 +17,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kLongestStretch = 4;      // max size of a map's pixel in the view, over its size without parallax
+constexpr double kMaxStretch = 4;          // max size of a map's pixel in the view, over its size without parallax
 constexpr double kSameDepth = 0.04;        // relative inverse depth within which two maps see the same surface; or …
 constexpr double kSameFar = 0.02;          // … relative to the view's median inverse depth
-constexpr double kHidden = 100;            // added to the penalty of occluded photographs, radians
+constexpr double kHiddenPenalty = 100;     // added to the penalty of occluded photographs, radians
 constexpr double kHiddenParallax = 0.006;  // relative to the photograph's width
-constexpr double kBorder = 0.03;           // width of the fade at the border, relative to the photograph's width
+constexpr double kBorderShare = 0.03;      // width of the fade at the border, relative to the photograph's width
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 void inBands(int height, int threads, const std::function<void(int row)>& job) {
@@ -88,7 +88,7 @@ ImageF warpedDepth(const Camera& view, const DepthMap& map) {
       vertices[std::size_t(y) * std::size_t(from.width) + std::size_t(x)] = {towards.pixel(direction),
                                                                              w / -direction.z};
     }
-  const double longest = kLongestStretch * std::max(view.intrinsics.fx / map.camera.intrinsics.fx, 1.0);
+  const double longest = kMaxStretch * std::max(view.intrinsics.fx / map.camera.intrinsics.fx, 1.0);
   ImageF depth(view.intrinsics.width, view.intrinsics.height, 1, kUnknownDepth);
   const auto draw = [&](const Vertex& a, const Vertex& b, const Vertex& c) {
     if (a.inverseDepth < 0 || b.inverseDepth < 0 || c.inverseDepth < 0) return;
@@ -96,10 +96,11 @@ ImageF warpedDepth(const Camera& view, const DepthMap& map) {
       return std::abs(p.pixel.x - q.pixel.x) > longest || std::abs(p.pixel.y - q.pixel.y) > longest;
     };
     if (tooLong(a, b) || tooLong(b, c) || tooLong(c, a)) return;
-    forPixelsIn(a.pixel, b.pixel, c.pixel, depth.width, depth.height, [&](int x, int y, const glm::dvec3& weights) {
-      const double w = weights.x * a.inverseDepth + weights.y * b.inverseDepth + weights.z * c.inverseDepth;
-      depth.pixel(x, y)[0] = std::max(depth.pixel(x, y)[0], float(w));
-    });
+    forTrianglePixels(
+        a.pixel, b.pixel, c.pixel, depth.width, depth.height, [&](int x, int y, const glm::dvec3& weights) {
+          const double w = weights.x * a.inverseDepth + weights.y * b.inverseDepth + weights.z * c.inverseDepth;
+          depth.pixel(x, y)[0] = std::max(depth.pixel(x, y)[0], float(w));
+        });
   };
   for (int y = 0; y + 1 < from.height; ++y)
     for (int x = 0; x + 1 < from.width; ++x) {
@@ -132,17 +133,17 @@ ImageF proxyDepth(const Camera& view, std::span<const DepthMap* const> maps, int
   return proxy;
 }
 
-LumigraphPicture::LumigraphPicture(const Camera& view, ImageF proxy, const LumigraphOptions& options)
+LumigraphImage::LumigraphImage(const Camera& view, ImageF proxy, const LumigraphOptions& options)
     : view_(view), proxy_(std::move(proxy)), options_(options) {
   const auto pixels = std::size_t(view.intrinsics.width) * std::size_t(view.intrinsics.height);
   candidates_.resize(pixels * std::size_t(options.best + 1), Candidate{kNone, {}});
 }
 
-void LumigraphPicture::add(const Camera& photograph, const Image8& picture, const DepthMap& depth) {
+void LumigraphImage::add(const Camera& photograph, const Image8& picture, const DepthMap& depth) {
   inBands(view_.intrinsics.height, options_.threads, [&](int y) { addRow(y, photograph, picture, depth); });
 }
 
-void LumigraphPicture::addRow(int y, const Camera& photograph, const Image8& picture, const DepthMap& depth) {
+void LumigraphImage::addRow(int y, const Camera& photograph, const Image8& picture, const DepthMap& depth) {
   const Reprojection towards(view_, photograph);
   const Intrinsics &from = view_.intrinsics, &to = photograph.intrinsics;
   const double baseline = glm::length(towards.shift());
@@ -160,10 +161,11 @@ void LumigraphPicture::addRow(int y, const Camera& photograph, const Image8& pic
     double penalty = angle < 1e-7 ? 0 : angle;
     if (penalty > 0) penalty += options_.resolutionWeight * std::max(coarser, 0.0);
     const double border = std::min(std::min(pixel.x, to.width - pixel.x), std::min(pixel.y, to.height - pixel.y));
-    penalty /= std::clamp(border / (kBorder * to.width), 1e-6, 1.0);
+    penalty /= std::clamp(border / (kBorderShare * to.width), 1e-6, 1.0);
     const glm::ivec2 own(std::clamp(int(pixel.x * mapScale), 0, depth.inverseDepth.width - 1),
                          std::clamp(int(pixel.y * mapScale), 0, depth.inverseDepth.height - 1));
-    if (double(depth.inverseDepth.pixel(own.x, own.y)[0]) - w / -direction.z > hiddenInverseDepth) penalty += kHidden;
+    if (double(depth.inverseDepth.pixel(own.x, own.y)[0]) - w / -direction.z > hiddenInverseDepth)
+      penalty += kHiddenPenalty;
 
     Candidate* const list =
         &candidates_[(std::size_t(y) * std::size_t(from.width) + std::size_t(x)) * std::size_t(options_.best + 1)];
@@ -176,20 +178,21 @@ void LumigraphPicture::addRow(int y, const Camera& photograph, const Image8& pic
   }
 }
 
-Image8 LumigraphPicture::picture() const {
+Image8 LumigraphImage::picture() const {
   Image8 result(view_.intrinsics.width, view_.intrinsics.height, 4, 0);
   const auto count = std::size_t(options_.best);
   for (std::size_t at = 0; at * (count + 1) < candidates_.size(); ++at) {
     const std::span<const Candidate> list(&candidates_[at * (count + 1)], count + 1);
     if (list[0].penalty == kNone) continue;
     const auto found = std::size_t(std::ranges::find(list, kNone, &Candidate::penalty) - list.begin());
-    constexpr double kLeast = 1e-7;  // penalty of a photograph at the view's position, radians
-    const double limit = found > count ? double(list[count].penalty) : 1.5 * double(list[found - 1].penalty) + kLeast;
+    constexpr double kMinPenalty = 1e-7;  // penalty of a photograph at the view's position, radians
+    const double limit =
+        found > count ? double(list[count].penalty) : 1.5 * double(list[found - 1].penalty) + kMinPenalty;
     double sum = 0;
     glm::dvec3 colour(0.0);
     for (std::size_t i = 0; i < std::min(found, count); ++i) {
       const double penalty = double(list[i].penalty);
-      const double weight = (1 - penalty / limit) / std::max(penalty, kLeast);
+      const double weight = (1 - penalty / limit) / std::max(penalty, kMinPenalty);
       sum += weight;
       for (int c = 0; c < 3; ++c) colour[c] += weight * list[i].colour[c];
     }

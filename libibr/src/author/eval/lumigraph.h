@@ -36,10 +36,10 @@ struct LumigraphOptions {
 
 /// Renders a view from photographs that are added one by one, so only one need be in memory. Their order matters only
 /// for ties. Takes 8 (best + 1) bytes per pixel.
-class LumigraphPicture {
+class LumigraphImage {
  public:
   /// `proxy`: of the view's aspect, may be smaller.
-  LumigraphPicture(const Camera& view, ImageF proxy, const LumigraphOptions& options = {});
+  LumigraphImage(const Camera& view, ImageF proxy, const LumigraphOptions& options = {});
 
   /// `depth`: the photograph's own.
   void add(const Camera& photograph, const Image8& picture, const DepthMap& depth);

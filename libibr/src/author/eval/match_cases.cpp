@@ -4,7 +4,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "ibr/author/matchers.h"
+#include "ibr/lab/matchers.h"
 
 namespace fs = std::filesystem;
 

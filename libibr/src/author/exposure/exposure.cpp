@@ -24,14 +24,14 @@ namespace ibr {
 namespace {
 
 constexpr int kAbsoluteRounds = 30, kTukeyRounds = 30;
-constexpr double kSettled = 1e-7;          // change of all logs below which iteration stops
-constexpr double kTukey = 4.685;           // standard deviations; residuals beyond have weight 0
-constexpr double kLeastDeviation = 0.005;  // of residuals, relative to the matches' own deviations
-constexpr double kExifDeviation = 0.2;     // of log exposure: thirds of a stop, and shutters' tolerance
-constexpr double kLensDeviation = 1;       // prior of a lens's coefficients around 0
-constexpr double kRidge = 1e-10;           // regularises unconstrained unknowns, relative to the mean weight
-constexpr std::size_t kEnough = 8;         // matches needed to connect two photographs
-constexpr double kAlike = 0.01;            // gains this near to 1 change no value by more than one 8-bit level
+constexpr double kConvergedChange = 1e-7;      // change of all logs below which iteration stops
+constexpr double kTukeyConstant = 4.685;       // standard deviations; residuals beyond have weight 0
+constexpr double kMinDeviation = 0.005;        // of residuals, relative to the matches' own deviations
+constexpr double kExifDeviation = 0.2;         // of log exposure: thirds of a stop, and shutters' tolerance
+constexpr double kLensDeviation = 1;           // prior of a lens's coefficients around 0
+constexpr double kRidge = 1e-10;               // regularises unconstrained unknowns, relative to the mean weight
+constexpr std::size_t kMinPairMatches = 8;     // matches needed to connect two photographs
+constexpr double kMaxNeutralDeviation = 0.01;  // gains this near to 1 change no value by more than one 8-bit level
 
 // Linear equation: Σ factor·x[at] = difference, over the first `terms` entries.
 struct Relation {
@@ -77,7 +77,7 @@ Logs solved(const std::vector<Relation>& relations, const std::vector<double>& w
   return logs;
 }
 
-double largestChange(const Logs& a, const Logs& b) {
+double maxChange(const Logs& a, const Logs& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, glm::length(a[i] - b[i]));
   return most;
@@ -92,22 +92,22 @@ Logs robustlySolved(const std::vector<Relation>& relations, std::size_t count) {
     for (int round = 0; round < most; ++round) {
       for (std::size_t k = 0; k < relations.size(); ++k) residuals[k] = residualOf(relations[k], x);
       std::vector<double> sorted = residuals;
-      const double scale = std::max(kLeastDeviation, 1.4826 * median(sorted));
+      const double scale = std::max(kMinDeviation, 1.4826 * median(sorted));
       for (std::size_t k = 0; k < relations.size(); ++k) weights[k] = plain[k] * weightOf(residuals[k], scale);
       const Logs before = std::exchange(x, solved(relations, weights, count));
-      if (largestChange(before, x) < kSettled) return;
+      if (maxChange(before, x) < kConvergedChange) return;
     }
   };
-  rounds(kAbsoluteRounds, [](double r, double) { return 1 / std::max(r, 0.1 * kLeastDeviation); });
+  rounds(kAbsoluteRounds, [](double r, double) { return 1 / std::max(r, 0.1 * kMinDeviation); });
   rounds(kTukeyRounds, [](double r, double scale) {
-    const double share = r / (kTukey * scale);
+    const double share = r / (kTukeyConstant * scale);
     return share < 1 ? (1 - share * share) * (1 - share * share) : 0.0;
   });
   return x;
 }
 
-// Indices of usable matches: finite ones, of pairs of photographs with at least kEnough matches.
-std::vector<std::uint32_t> matchesThatCount(const std::vector<ExposureMatch>& matches) {
+// Indices of usable matches: finite ones, of pairs of photographs with at least kMinPairMatches matches.
+std::vector<std::uint32_t> usableMatches(const std::vector<ExposureMatch>& matches) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> count;
   const auto pairOf = [](const ExposureMatch& m) { return std::minmax(m.first, m.second); };
   const auto isUsable = [](const ExposureMatch& m) {
@@ -116,7 +116,7 @@ std::vector<std::uint32_t> matchesThatCount(const std::vector<ExposureMatch>& ma
   for (const ExposureMatch& m : matches) count[pairOf(m)] += isUsable(m);
   std::vector<std::uint32_t> counting;
   for (std::uint32_t k = 0; k < matches.size(); ++k)
-    if (isUsable(matches[k]) && count[pairOf(matches[k])] >= kEnough) counting.push_back(k);
+    if (isUsable(matches[k]) && count[pairOf(matches[k])] >= kMinPairMatches) counting.push_back(k);
   return counting;
 }
 
@@ -129,12 +129,12 @@ Relation relationOf(const ExposureMatch& m) {
   return r;
 }
 
-std::string cameraOf(const CaptureFacts& exif) {
+std::string cameraOf(const CaptureMetadata& exif) {
   return exif.maker + '\n' + exif.model;
 }
 
 // Sets unmeasured gains from EXIF data: log gain + log exposure is the same for all photographs of a camera.
-void completeByExif(const std::vector<CaptureFacts>& exif, const std::vector<bool>& known, Logs& x) {
+void completeByExif(const std::vector<CaptureMetadata>& exif, const std::vector<bool>& known, Logs& x) {
   std::map<std::string, std::pair<glm::dvec3, double>> sums;
   for (std::size_t n = 0; n < exif.size(); ++n)
     if (const auto exposure = relativeExposure(exif[n]); exposure && known[n]) {
@@ -152,7 +152,7 @@ void completeByExif(const std::vector<CaptureFacts>& exif, const std::vector<boo
 
 }  // namespace
 
-std::string describedExposures(const Exposures& exposures) {
+std::string describeExposures(const Exposures& exposures) {
   if (exposures.measured == 0) return "exposures were not measured: no usable matches between photographs";
   double least = 1, most = 1, tint = 1;
   for (const glm::dvec3& g : exposures.gains) {
@@ -162,9 +162,10 @@ std::string describedExposures(const Exposures& exposures) {
   }
   std::string text =
       fmt::format("exposures of {} of {} photographs measured: ", exposures.measured, exposures.gains.size());
-  text += exposures.alike ? fmt::format("all are alike within {:.0f} %, so no gains are stored", 100 * kAlike)
-                          : fmt::format("{:.2f} stops apart, white balance within {:.1f} %", std::log2(most / least),
-                                        100 * (tint - 1));
+  text +=
+      exposures.alike
+          ? fmt::format("all are alike within {:.0f} %, so no gains are stored", 100 * kMaxNeutralDeviation)
+          : fmt::format("{:.2f} stops apart, white balance within {:.1f} %", std::log2(most / least), 100 * (tint - 1));
   if (exposures.parts > 1)
     text += fmt::format("; {} parts without common matches, each keeps its mean brightness", exposures.parts);
   return text;
@@ -173,7 +174,7 @@ std::string describedExposures(const Exposures& exposures) {
 std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                                         const std::vector<std::uint32_t>& lenses) {
   std::vector<glm::dvec2> vignetting(photographs, glm::dvec2(0.0));
-  const std::vector<std::uint32_t> counting = matchesThatCount(matches);
+  const std::vector<std::uint32_t> counting = usableMatches(matches);
   if (counting.empty()) return vignetting;
   const auto unknown = [&](std::uint32_t photograph, std::size_t k) {
     return photographs + 2 * lenses[photograph] + k;
@@ -212,11 +213,11 @@ std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
 }
 
 Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
-                         const std::vector<CaptureFacts>& exif) {
+                         const std::vector<CaptureMetadata>& exif) {
   std::vector<Relation> relations;
   DisjointSets parts(photographs);
   std::vector<bool> known(photographs, false);
-  for (const std::uint32_t k : matchesThatCount(matches)) {
+  for (const std::uint32_t k : usableMatches(matches)) {
     const ExposureMatch& m = matches[k];
     relations.push_back(relationOf(m));
     parts.unite(m.first, m.second);
@@ -255,8 +256,9 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
     exposures.measured += known[n];
   }
   if (exif.size() == photographs) completeByExif(exif, known, x);
-  exposures.alike = std::ranges::all_of(
-      x, [](const glm::dvec3& log) { return glm::all(glm::lessThan(glm::abs(log), glm::dvec3(kAlike))); });
+  exposures.alike = std::ranges::all_of(x, [](const glm::dvec3& log) {
+    return glm::all(glm::lessThan(glm::abs(log), glm::dvec3(kMaxNeutralDeviation)));
+  });
   for (std::size_t n = 0; n < photographs; ++n)
     exposures.gains.push_back(
         exposures.alike ? glm::dvec3(1.0) : glm::clamp(glm::exp(x[n]), glm::dvec3(1 / kMaxGain), glm::dvec3(kMaxGain)));

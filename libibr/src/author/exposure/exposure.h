@@ -50,10 +50,10 @@ struct Exposures {
 /// Solves all gains. EXIF data of every photograph helps where matches are few; its exposures are accurate to about a
 /// third of a stop. Values of matches or EXIF data that are not finite are ignored.
 Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
-                         const std::vector<CaptureFacts>& exif = {});
+                         const std::vector<CaptureMetadata>& exif = {});
 
 /// Describes how far the exposures are apart, for people.
-std::string describedExposures(const Exposures& exposures);
+std::string describeExposures(const Exposures& exposures);
 
 /// Vignetting coefficients of each photograph (author/exposure/vignetting.h), from the same matches; one result for all
 /// colours. `lenses`: index of each photograph's lens, from 0.

@@ -18,15 +18,15 @@
 namespace ibr {
 namespace {
 
-constexpr int kDarkest = 4, kBrightest = 250;  // 8-bit levels; beyond: clipped, or noise
-constexpr double kLeastMean = 0.003;           // linear light
+constexpr int kMinLevel = 4, kMaxLevel = 250;  // 8-bit levels; beyond: clipped, or noise
+constexpr double kMinMean = 0.003;             // linear light
 constexpr double kLevelDeviation = 0.7 / 255;  // standard deviation of an encoded mean: rounding, compression
 constexpr double kTextureShare = 0.5;          // share of a window's own variation: two windows never match exactly
-constexpr std::size_t kMostPartners = 12;      // per photograph in a track
+constexpr std::size_t kMaxPartners = 12;       // per photograph in a track
 constexpr double kTrackDeviation = 0.02;       // of a log ratio, from a track …
 constexpr double kTurnDeviation = 0.5;         // … plus this per radian between the two rays to the point
 constexpr double kOverlapDeviation = 0.005;    // of a log ratio, from an overlap: JPEG errors
-constexpr double kMostScale = 4;               // max ratio of window sizes
+constexpr double kMaxSizeRatio = 4;            // max ratio of window sizes
 
 // Mean linear light of a window around a point.
 struct Colour {
@@ -56,7 +56,7 @@ struct Sample {
 };
 
 // Bilinear linear light; nullopt if one of the four pixels is clipped or noise.
-std::optional<glm::dvec3> lightAt(const Image8& picture, glm::vec2 at) {
+std::optional<glm::dvec3> linearLightAt(const Image8& picture, glm::vec2 at) {
   const std::array<double, 256>& linear = linearLight();
   const double u = double(at.x) - 0.5, v = double(at.y) - 0.5;
   const int x = int(std::floor(u)), y = int(std::floor(v));
@@ -68,7 +68,7 @@ std::optional<glm::dvec3> lightAt(const Image8& picture, glm::vec2 at) {
       const auto pixel = picture.pixel(x + i, y + j);
       for (int c = 0; c < 3; ++c) {
         const std::uint8_t level = pixel[std::size_t(c)];
-        if (level < kDarkest || level > kBrightest) return std::nullopt;
+        if (level < kMinLevel || level > kMaxLevel) return std::nullopt;
         light[c] += weight * linear[level];
       }
     }
@@ -81,7 +81,7 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
   for (int j = -radius; j <= radius; ++j)
     for (int i = -radius; i <= radius; ++i) {
       const glm::vec2 at = sample.at + float(i) * sample.right + float(j) * sample.down;
-      const auto light = lightAt(picture, at);
+      const auto light = linearLightAt(picture, at);
       if (!light || isIgnored(mask, at)) return {};
       sum += *light;
       squares += *light * *light;
@@ -90,7 +90,7 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
   Colour colour{glm::vec3(0.0f), 0, 0, 0};
   for (int c = 0; c < 3; ++c) {
     const double mean = sum[c] / count;
-    if (mean < kLeastMean) return {};
+    if (mean < kMinMean) return {};
     const double slope = 2.4 / (linearToSrgb(mean) + 0.055);  // of the log with respect to the encoded value
     colour.logs[c] = float(std::log(mean));
     colour.noise += float(slope * slope * kLevelDeviation * kLevelDeviation / 3);
@@ -189,13 +189,13 @@ void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, cons
   std::vector<std::size_t> colours(views.size());
   std::vector<bool> used(views.size(), false);
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (used[i] = least > 0 && views[i].size() <= kMostScale * least; used[i])
+    if (used[i] = least > 0 && views[i].size() <= kMaxSizeRatio * least; used[i])
       colours[i] = samples.add(seen[i], views[i].at, views[i].right / least, views[i].down / least);
   const auto ray = [&](std::uint32_t n) {
     return glm::normalize(patch.centre.w * photographs[n].camera.pose.position - glm::dvec3(patch.centre));
   };
   for (std::size_t i = 0; i < seen.size(); ++i)
-    for (std::size_t j = i + 1; j < std::min(seen.size(), i + 1 + kMostPartners); ++j)
+    for (std::size_t j = i + 1; j < std::min(seen.size(), i + 1 + kMaxPartners); ++j)
       if (used[i] && used[j] && seen[i] != seen[j] && (!parts || parts->find(seen[i]) != parts->find(seen[j])))
         pairs.push_back({seen[i], seen[j], colours[i], colours[j],
                          deviation + kTurnDeviation * glm::distance(ray(seen[i]), ray(seen[j])), kTextureShare});

@@ -26,7 +26,7 @@ struct OverlapPoint {
 };
 
 /// Approximate max number of points for this number of photographs.
-std::size_t mostOverlapPoints(std::size_t photographs);
+std::size_t maxOverlapPoints(std::size_t photographs);
 
 /// At most 1200 points per pair (fewer for more than 29 photographs). Pairs: each photograph with its 20 nearest
 /// neighbours that share enough points. `model` and `depths`: of these photographs, in their order. Throws

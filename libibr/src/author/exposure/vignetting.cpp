@@ -16,16 +16,17 @@
 namespace ibr {
 namespace {
 
-constexpr double kNegligible = 0.01;
-constexpr double kLeastShare = 1.0 / 8;  // min share of light; down to it the gain curve holds (shared/cell.h)
-constexpr std::size_t kSteps = 4096;     // of r²; so fine that a step changes no 8-bit level
+constexpr double kMaxNegligibleChange = 0.01;
+constexpr double kMinTransmission = 1.0 / 8;  // min share of light; down to it the gain curve holds (shared/cell.h)
+constexpr std::size_t kSteps = 4096;          // of r²; so fine that a step changes no 8-bit level
 
 // Gains, and gains to the power of 1/2.4, for kSteps + 1 values of r² from 0 to 1.
 std::vector<std::pair<float, float>> gainsByRadius(glm::dvec2 vignetting) {
   std::vector<std::pair<float, float>> gains;
   for (std::size_t step = 0; step <= kSteps; ++step) {
     const double radius = std::sqrt(double(step) / double(kSteps));
-    const double gain = 1 / std::clamp(std::exp(logVignetting(vignetting, radius)), kLeastShare, 1 / kLeastShare);
+    const double gain =
+        1 / std::clamp(std::exp(logVignetting(vignetting, radius)), kMinTransmission, 1 / kMinTransmission);
     gains.emplace_back(float(gain), float(std::pow(gain, 1 / 2.4)));
   }
   return gains;
@@ -38,12 +39,12 @@ double vignettingRadius(const Intrinsics& k, glm::dvec2 pixel) {
   return 2 * glm::distance(pixel, glm::dvec2(k.cx, k.cy)) / std::hypot(k.width, k.height);
 }
 
-std::vector<std::uint32_t> lensesOf(const std::vector<Photograph>& photographs) {
+std::vector<std::uint32_t> lensIndices(const std::vector<Photograph>& photographs) {
   using Key = std::tuple<std::string, std::string, std::string, double, double, int, int, long>;
   std::map<Key, std::uint32_t> numbers;
   std::vector<std::uint32_t> lenses;
   for (const Photograph& photo : photographs) {
-    const CaptureFacts& facts = photo.capture;
+    const CaptureMetadata& facts = photo.capture;
     const Intrinsics& k = photo.whole;
     const long focal = k.fx > 0 ? std::lround(10 * std::log(k.fx / std::max(k.width, k.height))) : 0;
     const Key key{facts.maker, facts.model, facts.lens, facts.fNumber, facts.focalLength, k.width, k.height, focal};
@@ -54,7 +55,7 @@ std::vector<std::uint32_t> lensesOf(const std::vector<Photograph>& photographs) 
 
 bool isNegligible(glm::dvec2 vignetting) {
   for (double radius = 0; radius <= 1; radius += 0.0625)
-    if (std::abs(logVignetting(vignetting, radius)) > kNegligible) return false;
+    if (std::abs(logVignetting(vignetting, radius)) > kMaxNegligibleChange) return false;
   return true;
 }
 
@@ -74,7 +75,7 @@ Image8 unvignetted(const Image8& picture, const Intrinsics& k, glm::dvec2 vignet
   return result;
 }
 
-std::string describedVignetting(const std::vector<glm::dvec2>& vignetting, const std::vector<std::uint32_t>& lenses) {
+std::string describeVignetting(const std::vector<glm::dvec2>& vignetting, const std::vector<std::uint32_t>& lenses) {
   std::map<std::uint32_t, std::pair<std::size_t, glm::dvec2>> found;
   for (std::size_t n = 0; n < lenses.size(); ++n) {
     ++found[lenses[n]].first;

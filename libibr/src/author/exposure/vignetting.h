@@ -28,7 +28,7 @@ double vignettingRadius(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
 /// Lens index of each photograph, from 0. Photographs share a lens if EXIF agrees on camera, lens, aperture and focal
 /// length, and their files have the same size and, within a tenth, the same focal length in px.
-std::vector<std::uint32_t> lensesOf(const std::vector<Photograph>& photographs);
+std::vector<std::uint32_t> lensIndices(const std::vector<Photograph>& photographs);
 
 /// True if the vignetting changes no pixel by more than 1 % of linear light.
 bool isNegligible(glm::dvec2 vignetting);
@@ -37,6 +37,6 @@ bool isNegligible(glm::dvec2 vignetting);
 Image8 unvignetted(const Image8& picture, const Intrinsics& intrinsics, glm::dvec2 vignetting);
 
 /// Describes how dark the corners were, one clause per lens, for people.
-std::string describedVignetting(const std::vector<glm::dvec2>& vignetting, const std::vector<std::uint32_t>& lenses);
+std::string describeVignetting(const std::vector<glm::dvec2>& vignetting, const std::vector<std::uint32_t>& lenses);
 
 }  // namespace ibr

@@ -9,8 +9,8 @@
 namespace ibr {
 namespace {
 
-constexpr int kNever = std::numeric_limits<int>::max();
-constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+constexpr int kInfiniteDistance = std::numeric_limits<int>::max();
+constexpr std::uint32_t kNoMatch = std::numeric_limits<std::uint32_t>::max();
 
 int squareDistance(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
@@ -22,8 +22,8 @@ int squareDistance(const Descriptor& a, const Descriptor& b) {
 }
 
 struct Nearest {
-  std::uint32_t feature = kNobody;
-  int distance = kNever, second = kNever;  // second: of another feature
+  std::uint32_t feature = kNoMatch;
+  int distance = kInfiniteDistance, second = kInfiniteDistance;  // second: of another feature
 
   void offer(std::uint32_t f, int d) {
     if (d < distance) {
@@ -39,7 +39,7 @@ struct Nearest {
 }  // namespace
 
 int descriptorDistance(const Features& a, std::size_t featureA, const Features& b, std::size_t featureB) {
-  int least = kNever;
+  int least = kInfiniteDistance;
   for (std::uint32_t i = a.first[featureA]; i < a.first[featureA + 1]; ++i)
     for (std::uint32_t j = b.first[featureB]; j < b.first[featureB + 1]; ++j)
       least = std::min(least, squareDistance(a.descriptor[i], b.descriptor[j]));
@@ -66,7 +66,7 @@ std::vector<FeatureMatch> mutualMatches(const Features& a, const Features& b, do
   std::vector<FeatureMatch> matches;
   for (std::uint32_t f = 0; f < a.count(); ++f) {
     const Nearest& n = ofA[f];
-    if (n.feature == kNobody || ofB[n.feature].feature != f) continue;
+    if (n.feature == kNoMatch || ofB[n.feature].feature != f) continue;
     if (double(n.distance) > ratio * ratio * double(n.second)) continue;
     matches.push_back({f, n.feature, n.distance});
   }

@@ -13,19 +13,19 @@
 namespace ibr {
 namespace {
 
-constexpr float kSlab = 16;         // px
-constexpr float kElsewhere = 3.0f;  // px: within this distance of the best, a feature counts as the same
+constexpr float kSlabWidthPx = 16;      // px
+constexpr float kSameFeaturePx = 3.0f;  // px: within this distance of the best, a feature counts as the same
 
 // Features in slabs along one axis, sorted along the other.
 class Slabs {
  public:
   Slabs(const Features& features, int axis, int size)
-      : axis_(axis), slabs_(std::size_t(std::max(1, int(std::ceil(float(size) / kSlab))))) {
+      : axis_(axis), slabs_(std::size_t(std::max(1, int(std::ceil(float(size) / kSlabWidthPx))))) {
     std::vector<std::uint32_t> order(features.at.size());
     std::iota(order.begin(), order.end(), 0u);
     std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return features.at[i][1 - axis]; });
     for (const std::uint32_t i : order) {
-      const auto slab = std::clamp(int(features.at[i][axis] / kSlab), 0, int(slabs_.size()) - 1);
+      const auto slab = std::clamp(int(features.at[i][axis] / kSlabWidthPx), 0, int(slabs_.size()) - 1);
       slabs_[std::size_t(slab)].push_back({features.at[i][1 - axis], i});
     }
   }
@@ -37,8 +37,8 @@ class Slabs {
     const double along = n[axis_], across = n[1 - axis_];
     const double reach = distance / std::abs(across);
     for (std::size_t s = 0; s < slabs_.size(); ++s) {
-      const double at0 = -(along * double(s) * kSlab + n.z) / across;
-      const double at1 = -(along * double(s + 1) * kSlab + n.z) / across;
+      const double at0 = -(along * double(s) * kSlabWidthPx + n.z) / across;
+      const double at1 = -(along * double(s + 1) * kSlabWidthPx + n.z) / across;
       const auto low = float(std::min(at0, at1) - reach), high = float(std::max(at0, at1) + reach);
       const auto& slab = slabs_[s];
       for (auto it = std::ranges::lower_bound(slab, low, {}, &Entry::position);
@@ -57,7 +57,7 @@ class Slabs {
 };
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr int kUnlike = 260 * 260;  // squared distance of unrelated descriptors
+constexpr int kUnrelatedDistance = 260 * 260;  // squared distance of unrelated descriptors
 
 struct Best {
   std::uint32_t feature = kNone;
@@ -101,9 +101,9 @@ std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera&
       return std::pair(l.distance, l.feature) < std::pair(r.distance, r.feature);
     });
     // A single candidate is compared with the typical distance of unrelated descriptors.
-    int next = kUnlike;
+    int next = kUnrelatedDistance;
     for (const Candidate& c : candidates)
-      if (glm::distance(b.at[c.feature], b.at[best.feature]) > kElsewhere) next = std::min(next, c.distance);
+      if (glm::distance(b.at[c.feature], b.at[best.feature]) > kSameFeaturePx) next = std::min(next, c.distance);
     if (std::sqrt(double(best.distance)) <= options.ratio * std::sqrt(double(next)))
       result[i] = {best.feature, best.distance};
   }

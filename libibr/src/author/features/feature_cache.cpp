@@ -5,7 +5,7 @@
 #include <cstring>
 #include <span>
 
-#include "author/jobs/kept_file.h"
+#include "author/jobs/cached_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -18,11 +18,11 @@ void storeFeatures(const fs::path& file, const Features& features) {
   add(std::as_bytes(std::span(features.at)));
   add(std::as_bytes(std::span(features.first)));
   add(std::as_bytes(std::span(features.descriptor)));
-  storeKept(file, std::move(bytes));
+  storeCached(file, std::move(bytes));
 }
 
 std::optional<Features> fetchFeatures(const fs::path& file) {
-  const auto bytes = fetchKept(file);  // complete: the counts can be trusted
+  const auto bytes = fetchCached(file);  // complete: the counts can be trusted
   std::uint64_t counts[2];
   if (!bytes || bytes->size() < sizeof(counts)) return std::nullopt;
   std::memcpy(counts, bytes->data(), sizeof(counts));

@@ -11,14 +11,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kContrast = 0.004;  // a tenth of SIFT's usual threshold
-constexpr double kEdge = 12;
-constexpr double kBlur = 1.4;     // of the first octave, px
-constexpr double kPerSquare = 4;  // features kept per square of the grid
+constexpr double kContrastThreshold = 0.004;  // a tenth of SIFT's usual threshold
+constexpr double kEdgeThreshold = 12;
+constexpr double kBlur = 1.4;        // of the first octave, px
+constexpr double kMaxPerSquare = 4;  // features kept per square of the grid
 // OpenCV puts pixel centres at 0. Its SIFT doubles the image without correcting for the shift of the centres: keypoints
 // are a quarter of a pixel too far right and down.
 constexpr float kToCentre = 0.5f - 0.25f;
-constexpr int kLeastSide = 16;  // px; smaller images get no features
+constexpr int kMinSidePx = 16;  // px; smaller images get no features
 
 using KeypointPosition = std::tuple<float, float, float>;
 KeypointPosition placeOf(const cv::KeyPoint& k) {
@@ -36,7 +36,7 @@ Descriptor rooted(const float* values) {
 
 // Keeps the strongest keypoints of each square of a grid, with all their orientations.
 std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> found, int width, int height, int most) {
-  const double side = std::max(1.0, std::sqrt(kPerSquare * width * height / most));
+  const double side = std::max(1.0, std::sqrt(kMaxPerSquare * width * height / most));
   const int columns = int(width / side) + 1;
   const auto square = [&](const cv::KeyPoint& k) {
     return int(double(k.pt.y) / side) * columns + int(double(k.pt.x) / side);
@@ -51,7 +51,7 @@ std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> found, int width, int
     const bool newSquare = k == 0 || square(found[k]) != square(found[k - 1]);
     if (newSquare) places = 0;
     if (newSquare || placeOf(found[k]) != placeOf(found[k - 1])) ++places;
-    if (places <= kPerSquare) kept.push_back(found[k]);
+    if (places <= kMaxPerSquare) kept.push_back(found[k]);
   }
   return kept;
 }
@@ -60,8 +60,8 @@ std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> found, int width, int
 
 Features detectFeatures(const Image8& grey, int most) {
   Features features;
-  if (std::min(grey.width, grey.height) < kLeastSide) return features;
-  const auto sift = cv::SIFT::create(0, 3, kContrast, kEdge, kBlur);
+  if (std::min(grey.width, grey.height) < kMinSidePx) return features;
+  const auto sift = cv::SIFT::create(0, 3, kContrastThreshold, kEdgeThreshold, kBlur);
   std::vector<cv::KeyPoint> found;
   sift->detect(cvView(grey), found);
   found = spread(std::move(found), grey.width, grey.height, most);

@@ -14,7 +14,7 @@
 #include <unordered_map>
 
 #include "author/features/feature_cache.h"
-#include "author/jobs/kept_file.h"
+#include "author/jobs/cached_file.h"
 #include "base/check.h"
 #include "base/hash.h"
 #include "ibr/author/photographs.h"
@@ -25,8 +25,8 @@ namespace {
 
 constexpr std::uint64_t kFeaturesVersion = 1;  // raise when features change
 constexpr std::uint64_t kMatchesVersion = 1;   // raise when matches change
-constexpr int kFeatures = 20000;               // per photograph
-constexpr double kResidualPx = 2.0;            // max of an observation
+constexpr int kMaxFeatures = 20000;            // per photograph
+constexpr double kMaxResidualPx = 2.0;         // max of an observation
 
 glm::dvec3 rayOf(const Camera& camera, glm::dvec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, pixel);
@@ -53,8 +53,8 @@ std::optional<glm::dvec3> nearestToRays(std::span<const Camera> cameras, std::sp
 }
 
 // One Gauss–Newton step for the sum of squared reprojection errors in px.
-std::optional<glm::dvec3> nearer(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels,
-                                 glm::dvec3 point) {
+std::optional<glm::dvec3> refinePoint(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels,
+                                      glm::dvec3 point) {
   glm::dmat3 normal(0.0);
   glm::dvec3 right(0.0);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -132,18 +132,18 @@ std::uint64_t matchKey(std::uint64_t a, std::uint64_t b) {
 
 void storeMatches(const fs::path& file, const std::vector<FeatureMatch>& matches) {
   const auto bytes = std::as_bytes(std::span(matches));
-  storeKept(file, {bytes.begin(), bytes.end()});
+  storeCached(file, {bytes.begin(), bytes.end()});
 }
 
 std::optional<std::vector<FeatureMatch>> fetchMatches(const fs::path& file) {
-  const auto bytes = fetchKept(file);
+  const auto bytes = fetchCached(file);
   if (!bytes || bytes->size() % sizeof(FeatureMatch) != 0) return std::nullopt;
   std::vector<FeatureMatch> matches(bytes->size() / sizeof(FeatureMatch));
   if (!matches.empty()) std::memcpy(matches.data(), bytes->data(), bytes->size());
   return matches;
 }
 
-// Drops the worst observation until all are within kResidualPx. Returns an empty track if fewer than two remain.
+// Drops the worst observation until all are within kMaxResidualPx. Returns an empty track if fewer than two remain.
 Track trackOf(const PosedModel& model, std::vector<TrackObservation> seen) {
   while (seen.size() >= 2) {
     std::vector<Camera> cameras;
@@ -161,7 +161,7 @@ Track trackOf(const PosedModel& model, std::vector<TrackObservation> seen) {
       const double error = pixel ? glm::distance(*pixel, pixels[i]) : 1e9;
       if (error > most) most = error, worst = i;
     }
-    if (most < kResidualPx) return {*point, std::move(seen)};
+    if (most < kMaxResidualPx) return {*point, std::move(seen)};
     if (seen.size() == 2) return {};
     seen.erase(seen.begin() + std::ptrdiff_t(worst));
   }
@@ -205,7 +205,7 @@ std::vector<ImagePair> pairsWithoutTracks(const PosedModel& model, const PairOpt
 
 std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels) {
   std::optional<glm::dvec3> point = nearestToRays(cameras, pixels);
-  for (int step = 0; step < 5 && point; ++step) point = nearer(cameras, pixels, *point);
+  for (int step = 0; step < 5 && point; ++step) point = refinePoint(cameras, pixels, *point);
   if (!point) return std::nullopt;
   for (const Camera& camera : cameras)
     if (!seenAt(camera, *point)) return std::nullopt;
@@ -234,7 +234,7 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   for (const auto& [a, b] : pairs) wanted.insert({a, b});
   const std::vector<std::uint32_t> images(wanted.begin(), wanted.end());
   const auto featuresFile = [&](std::uint32_t i) {
-    return keptFile(input.keep, featureKey(input.hashes[i]), "features");
+    return cacheFile(input.cacheFolder, featureKey(input.hashes[i]), "features");
   };
   double pixels = 0;
   for (const std::uint32_t i : images) {
@@ -252,20 +252,20 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   run("finding features", images.size(), bytes, [&](std::size_t n) {
     const std::uint32_t i = images[n];
     if (!fetchFeatures(featuresFile(i)))
-      storeFeatures(featuresFile(i), detectFeatures(greyOf(input.view(i).picture), kFeatures));
+      storeFeatures(featuresFile(i), detectFeatures(toGrey(input.view(i).picture), kMaxFeatures));
   });
 
   std::vector<std::vector<FeatureMatch>> matches(pairs.size());
-  constexpr double kBytesOfPair = 2.0 * kFeatures * 600;
+  constexpr double kBytesOfPair = 2.0 * kMaxFeatures * 600;
   run("matching features", pairs.size(), kBytesOfPair, [&](std::size_t p) {
     const auto [a, b] = pairs[p];
-    const fs::path file = keptFile(input.keep, matchKey(input.hashes[a], input.hashes[b]), "matches");
+    const fs::path file = cacheFile(input.cacheFolder, matchKey(input.hashes[a], input.hashes[b]), "matches");
     if (auto kept = fetchMatches(file)) {
       matches[p] = std::move(*kept);
       return;
     }
     const auto left = fetchFeatures(featuresFile(a)), right = fetchFeatures(featuresFile(b));
-    check(left && right, ErrorCode::io, "{}: cached features are missing; build again", input.keep.string());
+    check(left && right, ErrorCode::io, "{}: cached features are missing; build again", input.cacheFolder.string());
     matches[p] = matchGuided(cameras[a], *left, cameras[b], *right);
     storeMatches(file, matches[p]);
   });
@@ -274,7 +274,8 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   std::vector<std::vector<glm::vec2>> places(model.images.size());
   for (const std::uint32_t i : images) {
     auto features = fetchFeatures(featuresFile(i));
-    check(features.has_value(), ErrorCode::io, "{}: cached features are missing; build again", input.keep.string());
+    check(features.has_value(), ErrorCode::io, "{}: cached features are missing; build again",
+          input.cacheFolder.string());
     places[i] = std::move(features->at);
   }
   std::vector<Track> all(sets.size());

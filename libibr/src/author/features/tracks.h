@@ -44,7 +44,7 @@ struct OwnTracksInput {
   std::vector<Camera> cameras;                 // of the views
   double bytesOfView = 0;                      // peak memory of `view`
   std::vector<std::uint64_t> hashes;           // identify photographs and their cameras
-  std::filesystem::path keep;                  // existing cache folder
+  std::filesystem::path cacheFolder;           // existing cache folder
 };
 
 /// Runs jobs (parallel.h) as the stage `stage`; `bytesEach`: memory of one job.

@@ -13,9 +13,9 @@ namespace ibr {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSteepest = 89.9 / 180.0 * kPi;  // max angle to the axis for perspective models
+constexpr double kMaxAxisAngle = 89.9 / 180.0 * kPi;  // max angle to the axis for perspective models
 
-constexpr std::array<std::size_t, kLensModels> kParameterCounts{3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
+constexpr std::array<std::size_t, kLensModelCount> kParameterCounts{3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
 
 bool isFisheye(LensModel model) {
   return model == LensModel::opencvFisheye || model == LensModel::simpleRadialFisheye ||
@@ -84,13 +84,13 @@ Factor factor(const LensDistortion& l, double s) {
 
 // Radius at which the radial part stops growing, limited to a maximum. Searched in equal steps of the angle to the
 // axis; `fisheye` selects how an angle is converted to a radius.
-double foldOf(const LensDistortion& l, bool fisheye) {
+double foldRadius(const LensDistortion& l, bool fisheye) {
   const auto radius = [&](double angle) { return fisheye ? angle : std::tan(angle); };
   const auto grows = [&](double angle) {
     const double r = radius(angle);
     return polynomial(l.denominator, r * r).value > 0 && radial(l, r).slope > 0;
   };
-  const double most = fisheye ? kPi : kSteepest;
+  const double most = fisheye ? kPi : kMaxAxisAngle;
   constexpr int kSteps = 4000;
   for (int i = 0; i <= kSteps; ++i) {
     if (grows(most * i / kSteps)) continue;
@@ -193,10 +193,10 @@ Lens::Lens(LensModel model, int width, int height, std::span<const double> p)
   distortion_ = distortionOf(model, p.subspan(c + 2));
   check(std::abs(distortion_.omega) < kPi, ErrorCode::invalidInput, "ω {} of a lens is not within ±π",
         distortion_.omega);
-  limit_ = foldOf(distortion_, isFisheye(model));
+  maxRadius_ = foldRadius(distortion_, isFisheye(model));
 }
 
-bool Lens::perspective() const {
+bool Lens::isPerspective() const {
   return !isFisheye(model_);
 }
 
@@ -217,7 +217,7 @@ std::optional<glm::dvec2> Lens::project(glm::dvec3 direction) const {
   }
   glm::dvec2 d = m;
   if (distorts()) {
-    if (!(glm::length(m) <= limit_)) return std::nullopt;
+    if (!(glm::length(m) <= maxRadius_)) return std::nullopt;
     const Distorted at = distort(distortion_, m);
     if (!isRadial(distortion_) && !(glm::determinant(at.jacobian) > 0)) return std::nullopt;
     d = at.point;
@@ -233,9 +233,9 @@ std::optional<glm::dvec3> Lens::unproject(glm::dvec2 pixel) const {
   constexpr double kAccuracy = 1e-10;
   glm::dvec2 m = d;
   if (!(distortion_ == LensDistortion{})) {
-    if (!(limit_ > 0)) return std::nullopt;
+    if (!(maxRadius_ > 0)) return std::nullopt;
     // Newton, starting from the inverse of the radial part, which is exact for purely radial distortion.
-    m = length > 0 ? d * (inverseRadial(distortion_, length, limit_) / length) : d;
+    m = length > 0 ? d * (inverseRadial(distortion_, length, maxRadius_) / length) : d;
     Distorted at = distort(distortion_, m);
     double error = glm::distance(at.point, d);
     for (int step = 0; step < 50 && error > 1e-15 && !isRadial(distortion_); ++step) {
@@ -245,7 +245,7 @@ std::optional<glm::dvec3> Lens::unproject(glm::dvec2 pixel) const {
       bool better = false;
       for (int half = 0; half < 30 && !better; ++half, share *= 0.5) {
         const glm::dvec2 next = m - share * whole;
-        if (!(glm::length(next) <= limit_)) continue;
+        if (!(glm::length(next) <= maxRadius_)) continue;
         const Distorted there = distort(distortion_, next);
         if (!(glm::distance(there.point, d) < error)) continue;
         m = next;
@@ -258,7 +258,7 @@ std::optional<glm::dvec3> Lens::unproject(glm::dvec2 pixel) const {
     if (!(error <= kAccuracy * (1 + length)) || !(glm::determinant(at.jacobian) > 0)) return std::nullopt;
   }
   const double r = glm::length(m);
-  if (!(r <= limit_ * (1 + kAccuracy)) && distorts()) return std::nullopt;
+  if (!(r <= maxRadius_ * (1 + kAccuracy)) && distorts()) return std::nullopt;
   if (!isFisheye(model_)) return glm::normalize(glm::dvec3(m.x, -m.y, -1.0));
   const double share = r > 0 ? std::sin(r) / r : 1.0;
   return glm::dvec3(m.x * share, -m.y * share, -std::cos(r));

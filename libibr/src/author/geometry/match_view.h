@@ -14,7 +14,7 @@
 namespace ibr {
 
 /// Max members of a cell, i.e. views of a match: the corners of a tetrahedron.
-inline constexpr std::size_t kMostMembers = 4;
+inline constexpr std::size_t kMaxMembers = 4;
 
 /// A member's photograph at the matched size; the intrinsics are for that size.
 struct MatchView {

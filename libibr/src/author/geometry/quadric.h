@@ -35,7 +35,7 @@ struct Quadric {
 
   /// Minimum, pulled towards `near` in directions that the planes leave (almost) free; `near` itself if there are no
   /// planes.
-  glm::dvec3 least(glm::dvec3 near) const {
+  glm::dvec3 minimum(glm::dvec3 near) const {
     const double trace = a[0][0] + a[1][1] + a[2][2];
     if (!(trace > 0)) return near;
     constexpr double kPull = 1e-6;

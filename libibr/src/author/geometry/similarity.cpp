@@ -12,7 +12,7 @@ namespace ibr {
 namespace {
 
 constexpr int kRounds = 20;
-constexpr double kLeastRadians = 1e-7, kLeastShift = 1e-7;  // rounding limit of the sums of squares; of the extent
+constexpr double kMinRadians = 1e-7, kMinShift = 1e-7;  // rounding limit of the sums of squares; of the extent
 
 // The rotation nearest to a matrix (Kabsch 1976).
 glm::dmat3 nearestRotation(const glm::dmat3& m) {
@@ -32,7 +32,7 @@ glm::dmat3 nearestRotation(const glm::dmat3& m) {
 
 }  // namespace
 
-Similarity aligned(std::span<const Pose> from, std::span<const Pose> to) {
+SimilarityTransform estimateSimilarity(std::span<const Pose> from, std::span<const Pose> to) {
   if (from.empty()) return {};
   const double n = double(from.size());
   glm::dvec3 middleFrom(0.0), middleTo(0.0);
@@ -59,12 +59,12 @@ Similarity aligned(std::span<const Pose> from, std::span<const Pose> to) {
   for (int round = 0; spread && round < kRounds; ++round) {
     scale = along(rotation, byPositions) / spreadFrom;
     if (!(scale > 0)) scale = std::sqrt(spreadTo / spreadFrom);
-    const double turned = std::max(3 * n - along(rotation, byRotations), n * kLeastRadians * kLeastRadians);
+    const double turned = std::max(3 * n - along(rotation, byRotations), n * kMinRadians * kMinRadians);
     const double shifted = std::max(spreadTo + scale * scale * spreadFrom - 2 * scale * along(rotation, byPositions),
-                                    spreadTo * kLeastShift * kLeastShift);
+                                    spreadTo * kMinShift * kMinShift);
     rotation = nearestRotation(byRotations / turned + 2 * scale / shifted * byPositions);
   }
-  Similarity similarity{scale, glm::normalize(glm::quat_cast(rotation)), {}};
+  SimilarityTransform similarity{scale, glm::normalize(glm::quat_cast(rotation)), {}};
   similarity.shift = middleTo - similarity.scale * (similarity.rotation * middleFrom);
   return similarity;
 }

@@ -13,7 +13,7 @@
 namespace ibr {
 namespace {
 
-const double kWidestTangent = std::tan(kWidestHalfAngle / 180.0 * std::numbers::pi);
+const double kMaxTangent = std::tan(kMaxHalfFovDegrees / 180.0 * std::numbers::pi);
 
 std::optional<glm::dvec2> seenAt(const Lens& lens, glm::dvec2 plane) {
   return lens.project({plane.x, -plane.y, -1.0});
@@ -55,7 +55,7 @@ double largest(F&& holds) {
 
 // Largest rectangle that was photographed completely: first scaled in proportion, then each side extended.
 Rectangle cropped(const Lens& lens, glm::dvec2 middle) {
-  const double w = kWidestTangent;
+  const double w = kMaxTangent;
   const Rectangle limits{-w, w, -w, w};
   const auto reach = [&](glm::dvec2 end) {
     // In small steps: parts behind a gap do not count.
@@ -93,8 +93,8 @@ Rectangle kept(const Lens& lens, glm::dvec2 middle) {
   Rectangle r{middle.x, middle.x, middle.y, middle.y};
   const auto add = [&](glm::dvec3 ray) {
     if (!(ray.z < 0)) return;
-    const double x = std::clamp(ray.x / -ray.z, -kWidestTangent, kWidestTangent);
-    const double y = std::clamp(-ray.y / -ray.z, -kWidestTangent, kWidestTangent);
+    const double x = std::clamp(ray.x / -ray.z, -kMaxTangent, kMaxTangent);
+    const double y = std::clamp(-ray.y / -ray.z, -kMaxTangent, kMaxTangent);
     r = {std::min(r.left, x), std::max(r.right, x), std::min(r.top, y), std::max(r.bottom, y)};
   };
   for (int i = 0; i <= kGrid; ++i)
@@ -103,10 +103,10 @@ Rectangle kept(const Lens& lens, glm::dvec2 middle) {
         add(*ray);
   // Near a fold, a small step in the image is a large one in the plane.
   for (int i = 0; i < kFold; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kFold, most = (1 - 1e-9) * lens.limit();
-    const glm::dvec3 ray = lens.perspective() ? glm::dvec3(most * std::cos(angle), most * std::sin(angle), -1.0)
-                                              : glm::dvec3(std::sin(most) * std::cos(angle),
-                                                           std::sin(most) * std::sin(angle), -std::cos(most));
+    const double angle = 2 * std::numbers::pi * i / kFold, most = (1 - 1e-9) * lens.maxRadius();
+    const glm::dvec3 ray = lens.isPerspective() ? glm::dvec3(most * std::cos(angle), most * std::sin(angle), -1.0)
+                                                : glm::dvec3(std::sin(most) * std::cos(angle),
+                                                             std::sin(most) * std::sin(angle), -std::cos(most));
     if (const auto pixel = lens.project(ray); pixel && inPicture(lens, *pixel)) add(ray);
   }
   return r;
@@ -166,10 +166,10 @@ class Sampler {
 Intrinsics undistorted(const Lens& lens, Border border) {
   const auto ray = lens.unproject({0.5 * lens.width(), 0.5 * lens.height()});
   const glm::dvec2 middle =
-      ray && ray->z < 0 ? glm::dvec2(ray->x / -ray->z, ray->y / ray->z) : glm::dvec2(2 * kWidestTangent);
-  check(std::max(std::abs(middle.x), std::abs(middle.y)) < kWidestTangent, ErrorCode::invalidInput,
+      ray && ray->z < 0 ? glm::dvec2(ray->x / -ray->z, ray->y / ray->z) : glm::dvec2(2 * kMaxTangent);
+  check(std::max(std::abs(middle.x), std::abs(middle.y)) < kMaxTangent, ErrorCode::invalidInput,
         "the centre of an image of {}x{} px is not within {}° of the axis of its lens", lens.width(), lens.height(),
-        kWidestHalfAngle);
+        kMaxHalfFovDegrees);
   const Rectangle r = border == Border::crop ? cropped(lens, middle) : kept(lens, middle);
   // At its centre the lens magnifies by the derivative of its distortion.
   const double magnified =

@@ -10,16 +10,16 @@
 namespace ibr {
 namespace {
 
-constexpr double kGap = 4.0;          // min ratio of successive edge lengths where the tree may be cut
-constexpr double kCompact = 0.5;      // max extent of a site, relative to the shortest edge between sites
-constexpr double kOnePoint = 0.01;    // likewise: below, directions do not matter
-constexpr double kLoneShare = 0.25;   // max share of sites with a single photograph
-constexpr double kSameAxis = 0.9397;  // cos 20°: max angle of photographs in the same direction
+constexpr double kMinGapRatio = 4.0;       // min ratio of successive edge lengths where the tree may be cut
+constexpr double kMaxSiteExtent = 0.5;     // max extent of a site, relative to the shortest edge between sites
+constexpr double kMaxPointExtent = 0.01;   // likewise: below, directions do not matter
+constexpr double kMaxLoneShare = 0.25;     // max share of sites with a single photograph
+constexpr double kMinAxisCosine = 0.9397;  // cos 20°: max angle of photographs in the same direction
 
-bool lookLikeSpots(std::span<const Camera> cameras, const std::vector<std::uint32_t>& spot, double between) {
-  const std::size_t spots = 1 + *std::max_element(spot.begin(), spot.end());
-  std::vector<std::vector<std::uint32_t>> members(spots);
-  for (std::uint32_t i = 0; i < spot.size(); ++i) members[spot[i]].push_back(i);
+bool areCaptureSites(std::span<const Camera> cameras, const std::vector<std::uint32_t>& site, double between) {
+  const std::size_t siteCount = 1 + *std::max_element(site.begin(), site.end());
+  std::vector<std::vector<std::uint32_t>> members(siteCount);
+  for (std::uint32_t i = 0; i < site.size(); ++i) members[site[i]].push_back(i);
   std::size_t lone = 0, sameWay = 0, several = 0;
   double largest = 0;
   for (const auto& list : members) {
@@ -33,13 +33,13 @@ bool lookLikeSpots(std::span<const Camera> cameras, const std::vector<std::uint3
       for (const std::uint32_t j : list) {
         if (i == j) continue;
         largest = std::max(largest, glm::distance(cameras[i].pose.position, cameras[j].pose.position));
-        company |= glm::dot(viewAxis(cameras[i].pose), viewAxis(cameras[j].pose)) > kSameAxis;
+        company |= glm::dot(viewAxis(cameras[i].pose), viewAxis(cameras[j].pose)) > kMinAxisCosine;
       }
       sameWay += company;
     }
   }
-  if (largest > kCompact * between || double(lone) > kLoneShare * double(spots)) return false;
-  return largest <= kOnePoint * between || 2 * sameWay <= several;
+  if (largest > kMaxSiteExtent * between || double(lone) > kMaxLoneShare * double(siteCount)) return false;
+  return largest <= kMaxPointExtent * between || 2 * sameWay <= several;
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ std::vector<std::uint32_t> components(std::size_t count, std::span<const TreeEdg
   return component;
 }
 
-std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
+std::vector<std::uint32_t> findCaptureSites(std::span<const Camera> cameras) {
   const std::size_t n = cameras.size();
   std::vector<std::uint32_t> own(n);
   std::iota(own.begin(), own.end(), 0u);
@@ -105,12 +105,12 @@ std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
   std::vector<Jump> jumps;
   for (std::size_t e = 1; e < tree.size(); ++e) {
     const double ratio = tree[e].length / std::max(tree[e - 1].length, floor);
-    if (ratio > kGap) jumps.push_back({ratio, e});
+    if (ratio > kMinGapRatio) jumps.push_back({ratio, e});
   }
   std::stable_sort(jumps.begin(), jumps.end(), [](const Jump& a, const Jump& b) { return a.ratio > b.ratio; });
   for (const Jump& jump : jumps) {
-    const auto spot = components(n, std::span(tree).first(jump.edges));
-    if (lookLikeSpots(cameras, spot, tree[jump.edges].length)) return spot;
+    const auto site = components(n, std::span(tree).first(jump.edges));
+    if (areCaptureSites(cameras, site, tree[jump.edges].length)) return site;
   }
   // Photographs at exactly the same point can never span a cell, so they always share a site.
   const auto apart = std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > floor; });

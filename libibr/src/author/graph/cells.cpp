@@ -50,7 +50,7 @@ CellPlan CellPlanner::plan() {
   tried_ = cells;
 
   CellPlan plan;
-  plan.ordered = 2 * views_.spotCentre.size() <= views_.size();
+  plan.ordered = 2 * views_.siteCentre.size() <= views_.size();
   std::vector<bool> used(views_.size(), false);
   for (const Simplex& cell : cells) {
     plan.cells.push_back(members(cell));
@@ -67,8 +67,8 @@ CellPlan CellPlanner::plan() {
   return plan;
 }
 
-std::vector<CellMembers> CellPlanner::standIns(const std::vector<CellMembers>& failed,
-                                               const std::vector<CellMembers>& made) {
+std::vector<CellMembers> CellPlanner::replacementFaces(const std::vector<CellMembers>& failed,
+                                                       const std::vector<CellMembers>& made) {
   const std::vector<Simplex> kept = simplices(made);
   std::vector<CellMembers> result;
   std::set<Simplex> candidates;
@@ -102,7 +102,7 @@ std::string CellPlanner::whyUnused(std::uint32_t image) const {
     if (j == i || !views_.sameKind(i, j)) continue;
     const double distance = glm::distance(view.camera.pose.position, views_[j].camera.pose.position);
     const double its = axisAngle(views_, i, j);
-    if (views_[j].spot != view.spot) {
+    if (views_[j].site != view.site) {
       nearest = std::min(nearest, distance);
       angle = std::min(angle, its);
     } else if (its <= std::min(view.theta, views_[j].theta) && distance < twinDistance) {

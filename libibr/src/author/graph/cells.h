@@ -27,9 +27,9 @@ using CellMembers = std::vector<std::uint32_t>;
 
 struct CellPlan {
   std::vector<CellMembers> cells;
-  std::vector<BuildReport::Dropped> dropped;  // simplices that were refused
-  std::vector<UnusedPhotograph> unused;       // photographs that are in no cell
-  bool ordered = false;                       // several photographs were taken from each capture site ([T] §2.4.2)
+  std::vector<BuildReport::RejectedCell> dropped;  // simplices that were refused
+  std::vector<UnusedPhotograph> unused;            // photographs that are in no cell
+  bool ordered = false;  // several photographs were taken from each capture site ([T] §2.4.2)
 };
 
 /// Throws Error{invalidInput} for an invalid `dimension` or `thetaDegrees`.
@@ -44,7 +44,8 @@ class CellPlanner {
   CellPlan plan();
 
   /// Faces that replace failed cells. Excludes faces of made cells, faces inside one, and faces returned earlier.
-  std::vector<CellMembers> standIns(const std::vector<CellMembers>& failed, const std::vector<CellMembers>& made);
+  std::vector<CellMembers> replacementFaces(const std::vector<CellMembers>& failed,
+                                            const std::vector<CellMembers>& made);
 
   /// CellJudge::score (choose_cells.h).
   double score(const CellMembers& members) const;

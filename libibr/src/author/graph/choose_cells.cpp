@@ -15,14 +15,14 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kLeastShared = 30;  // tracks
-constexpr double kLeastCovisible = 0.10;    // of the tracks of the member with fewer
-constexpr double kWideCovisible = 0.20;     // likewise, for a wide line
-constexpr double kWideAngle = 45.0;         // max degrees between the axes of a wide line
-constexpr int kApart = 3;                   // a wide line must join photographs more than this number of cells apart
-constexpr double kGoodSpread = 0.15;        // disparity spread in image widths; a larger one hides more
-constexpr double kCovered = -0.06;          // barycentric weights above this: inside another cell …
-constexpr double kNear = 0.05;              // … if the distance from its span is below this, in longest edges
+constexpr std::uint32_t kMinSharedTracks = 30;  // tracks
+constexpr double kMinCovisible = 0.10;          // of the tracks of the member with fewer
+constexpr double kMinWideCovisible = 0.20;      // likewise, for a wide line
+constexpr double kMaxWideDegrees = 45.0;        // max degrees between the axes of a wide line
+constexpr int kMinCellsApart = 3;           // a wide line must join photographs more than this number of cells apart
+constexpr double kMaxGoodSpread = 0.15;     // disparity spread in image widths; a larger one hides more
+constexpr double kMinInsideWeight = -0.06;  // barycentric weights above this: inside another cell …
+constexpr double kMaxSpanDistance = 0.05;   // … if the distance from its span is below this, in longest edges
 
 bool hasFace(const Simplex& cell, const Simplex& face) {
   return std::includes(cell.begin(), cell.end(), face.begin(), face.end());
@@ -46,13 +46,13 @@ const ViewRelation& CellJudge::between(std::uint32_t a, std::uint32_t b) const {
 std::optional<std::string> CellJudge::sharesTooLittle(std::uint32_t a, std::uint32_t b) const {
   if (!relations_.hasTracks()) return std::nullopt;
   const ViewRelation& relation = between(a, b);
-  if (relation.shared >= kLeastShared && relation.covisible() >= kLeastCovisible) return std::nullopt;
+  if (relation.shared >= kMinSharedTracks && relation.covisible() >= kMinCovisible) return std::nullopt;
   return fmt::format("{} and {} share {} of {} points; at least {} and {:.0f} % are needed", views_[a].name,
-                     views_[b].name, relation.shared, relation.poorer, kLeastShared, 100 * kLeastCovisible);
+                     views_[b].name, relation.shared, relation.fewerTracks, kMinSharedTracks, 100 * kMinCovisible);
 }
 
 std::optional<std::string> CellJudge::refusal(const Simplex& simplex) const {
-  if (!(shape(cornersOf(views_, simplex)) >= leastShape(simplex.size()))) return "";
+  if (!(shape(cornersOf(views_, simplex)) >= minShape(simplex.size()))) return "";
   for (std::size_t a = 0; a < simplex.size(); ++a)
     for (std::size_t b = a + 1; b < simplex.size(); ++b) {
       const std::uint32_t i = simplex[a], j = simplex[b];
@@ -66,10 +66,10 @@ std::optional<std::string> CellJudge::refusal(const Simplex& simplex) const {
 }
 
 bool CellJudge::acceptsWide(std::uint32_t a, std::uint32_t b) const {
-  if (!views_.sameKind(a, b) || views_[a].spot == views_[b].spot) return false;
+  if (!views_.sameKind(a, b) || views_[a].site == views_[b].site) return false;
   const ViewRelation& relation = between(a, b);
-  return relation.shared >= kLeastShared && relation.covisible() >= kWideCovisible &&
-         axisAngle(views_, a, b) <= glm::radians(kWideAngle);
+  return relation.shared >= kMinSharedTracks && relation.covisible() >= kMinWideCovisible &&
+         axisAngle(views_, a, b) <= glm::radians(kMaxWideDegrees);
 }
 
 double CellJudge::score(const Simplex& simplex) const {
@@ -81,7 +81,7 @@ double CellJudge::score(const Simplex& simplex) const {
         covisible = std::min(covisible, relation.covisible());
         spread = std::max(spread, relation.disparitySpread);
       }
-  return shape(cornersOf(views_, simplex)) * covisible * std::min(1.0, kGoodSpread / std::max(spread, 1e-9));
+  return shape(cornersOf(views_, simplex)) * covisible * std::min(1.0, kMaxGoodSpread / std::max(spread, 1e-9));
 }
 
 bool liesIn(const Views& views, const Simplex& simplex, std::span<const Simplex> cells) {
@@ -90,12 +90,12 @@ bool liesIn(const Views& views, const Simplex& simplex, std::span<const Simplex>
   return std::any_of(cells.begin(), cells.end(), [&](const Simplex& cell) {
     const auto at = cornersOf(views, cell);
     const double longest = longestEdge(at);
-    if (glm::distance(middle, at[0]) > (1 + kNear) * longest) return false;
+    if (glm::distance(middle, at[0]) > (1 + kMaxSpanDistance) * longest) return false;
     if (axisAngle(views, simplex[0], cell[0]) > std::min(views[simplex[0]].theta, views[cell[0]].theta)) return false;
     const Location where = locate(at, middle);
-    return where.distance < kNear * longest &&
+    return where.distance < kMaxSpanDistance * longest &&
            std::all_of(where.weights.begin(), where.weights.begin() + std::ptrdiff_t(cell.size()),
-                       [](double weight) { return weight > kCovered; });
+                       [](double weight) { return weight > kMinInsideWeight; });
   });
 }
 
@@ -171,23 +171,23 @@ std::vector<Simplex> wideLines(const Views& views, const CellJudge& judge, const
   for (std::uint32_t i = 0; i < views.size(); ++i) viewOf[views[i].image] = i;
   std::vector<std::vector<std::uint32_t>> partners(views.size());
   for (std::uint32_t i = 0; i < views.size(); ++i) {
-    for (const auto& [image, shared] : relations.neighbours(views[i].image, kLeastShared))
+    for (const auto& [image, shared] : relations.neighbours(views[i].image, kMinSharedTracks))
       if (judge.acceptsWide(i, viewOf[image])) partners[i].push_back(viewOf[image]);
     std::sort(partners[i].begin(), partners[i].end());
   }
   const CellGraph graph(views.size(), cells);
-  std::set<Simplex> joinedSpots;
+  std::set<Simplex> joinedSites;
   for (const Simplex& cell : cells)
     for (const std::uint32_t a : cell)
-      for (const std::uint32_t b : cell) joinedSpots.insert({views[a].spot, views[b].spot});
+      for (const std::uint32_t b : cell) joinedSites.insert({views[a].site, views[b].site});
   std::vector<Simplex> lines;
   for (std::uint32_t i = 0; i < views.size(); ++i) {
     if (partners[i].empty()) continue;
-    const std::set<std::uint32_t> near = graph.within(i, kApart);
+    const std::set<std::uint32_t> near = graph.within(i, kMinCellsApart);
     for (const std::uint32_t j : partners[i]) {
       if (j < i || near.contains(j)) continue;
       if (graph.connected(i, j) && !graph.isEnd(i) && !graph.isEnd(j)) continue;
-      if (joinedSpots.contains({views[i].spot, views[j].spot})) continue;
+      if (joinedSites.contains({views[i].site, views[j].site})) continue;
       std::vector<std::uint32_t> ofBoth;
       std::set_intersection(partners[i].begin(), partners[i].end(), partners[j].begin(), partners[j].end(),
                             std::back_inserter(ofBoth));

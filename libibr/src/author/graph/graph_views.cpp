@@ -20,21 +20,21 @@ double smallerFieldOfView(const Intrinsics& k) {
                   std::atan(k.cy / k.fy) + std::atan((k.height - k.cy) / k.fy));
 }
 
-void findSpots(Views& views) {
+void findCaptureSites(Views& views) {
   std::vector<Camera> cameras;
   for (const View& view : views.list) cameras.push_back(view.camera);
-  const std::vector<std::uint32_t> spot = ibr::findSpots(cameras);
+  const std::vector<std::uint32_t> site = ibr::findCaptureSites(cameras);
   std::vector<double> count;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    views.list[i].spot = spot[i];
-    if (spot[i] == count.size()) {  // sites are numbered in the order of their first view
+    views.list[i].site = site[i];
+    if (site[i] == count.size()) {  // sites are numbered in the order of their first view
       count.push_back(0);
-      views.spotCentre.emplace_back(0.0);
+      views.siteCentre.emplace_back(0.0);
     }
-    views.spotCentre[spot[i]] += cameras[i].pose.position;
-    ++count[spot[i]];
+    views.siteCentre[site[i]] += cameras[i].pose.position;
+    ++count[site[i]];
   }
-  for (std::size_t s = 0; s < count.size(); ++s) views.spotCentre[s] /= count[s];
+  for (std::size_t s = 0; s < count.size(); ++s) views.siteCentre[s] /= count[s];
 }
 
 }  // namespace
@@ -52,8 +52,8 @@ Views viewsOf(const PosedModel& model, double thetaDegrees) {
     view.panorama = image.camera.intrinsics.model == CameraModel::equirectangular;
     views.list.push_back(std::move(view));
   }
-  findSpots(views);
-  views.lattice = findLattice(views.spotCentre);
+  findCaptureSites(views);
+  views.lattice = findLattice(views.siteCentre);
   return views;
 }
 
@@ -67,9 +67,9 @@ std::vector<glm::dvec3> cornersOf(const Views& views, std::span<const std::uint3
   return corners;
 }
 
-std::vector<glm::dvec3> spotsOf(const Views& views, std::span<const std::uint32_t> group) {
+std::vector<glm::dvec3> siteCentresOf(const Views& views, std::span<const std::uint32_t> group) {
   std::vector<glm::dvec3> places;
-  for (const std::uint32_t i : group) places.push_back(views.spotCentre[views[i].spot]);
+  for (const std::uint32_t i : group) places.push_back(views.siteCentre[views[i].site]);
   return places;
 }
 

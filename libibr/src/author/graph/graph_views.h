@@ -24,12 +24,12 @@ struct View {
   glm::dvec3 axis{0.0};    // viewing direction
   double theta = 0;        // max angle to the axis of a photograph in the same cell, radians
   bool panorama = false;   // covers all directions
-  std::uint32_t spot = 0;  // capture_sites.h
+  std::uint32_t site = 0;  // capture_sites.h
 };
 
 struct Views {
   std::vector<View> list;
-  std::vector<glm::dvec3> spotCentre;
+  std::vector<glm::dvec3> siteCentre;
   std::optional<Lattice> lattice;  // of the capture sites
 
   std::size_t size() const { return list.size(); }
@@ -47,6 +47,6 @@ double axisAngle(const Views& views, std::uint32_t a, std::uint32_t b);
 std::vector<glm::dvec3> cornersOf(const Views& views, std::span<const std::uint32_t> simplex);
 
 /// Centres of the views' capture sites.
-std::vector<glm::dvec3> spotsOf(const Views& views, std::span<const std::uint32_t> group);
+std::vector<glm::dvec3> siteCentresOf(const Views& views, std::span<const std::uint32_t> group);
 
 }  // namespace ibr

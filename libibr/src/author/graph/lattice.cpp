@@ -16,10 +16,10 @@
 namespace ibr {
 namespace {
 
-constexpr double kSameAxis = 0.9397;   // cos 20°: max angle between tree edges along one axis
-constexpr double kRightAngle = 0.139;  // cos 82°: axes are at right angles to within 8°
-constexpr double kLevelWidth = 0.3;    // max width of a level, in shortest steps along its axis
-constexpr double kFilled = 0.6;        // min share of the grid's positions that exist
+constexpr double kMinAxisCosine = 0.9397;       // cos 20°: max angle between tree edges along one axis
+constexpr double kMaxRightAngleCosine = 0.139;  // cos 82°: axes are at right angles to within 8°
+constexpr double kMaxLevelWidth = 0.3;          // max width of a level, in shortest steps along its axis
+constexpr double kMinFilledShare = 0.6;         // min share of the grid's positions that exist
 
 struct Axis {
   glm::dvec3 direction;
@@ -48,12 +48,12 @@ std::vector<Axis> axesOf(std::vector<glm::dvec3> edges) {
     const glm::dvec3 seed = glm::normalize(*std::max_element(
         edges.begin(), edges.end(), [](glm::dvec3 a, glm::dvec3 b) { return glm::dot(a, a) < glm::dot(b, b); }));
     const auto others = std::partition(edges.begin(), edges.end(), [&](glm::dvec3 edge) {
-      return std::abs(glm::dot(glm::normalize(edge), seed)) > kSameAxis;
+      return std::abs(glm::dot(glm::normalize(edge), seed)) > kMinAxisCosine;
     });
     Axis axis{commonDirection({edges.begin(), others}), std::numeric_limits<double>::infinity()};
     for (auto edge = edges.begin(); edge != others; ++edge) axis.step = std::min(axis.step, glm::length(*edge));
     for (const Axis& other : axes)
-      if (std::abs(glm::dot(other.direction, axis.direction)) > kRightAngle) return {};
+      if (std::abs(glm::dot(other.direction, axis.direction)) > kMaxRightAngleCosine) return {};
     axes.push_back(axis);
     edges.erase(edges.begin(), others);
   }
@@ -73,7 +73,7 @@ std::vector<int> levelsOf(const std::vector<double>& coordinates, double step) {
       ++level;
       lowest = coordinates[order[k]];
     }
-    if (coordinates[order[k]] - lowest > kLevelWidth * step) return {};
+    if (coordinates[order[k]] - lowest > kMaxLevelWidth * step) return {};
     levels[order[k]] = level;
   }
   // Fixes the direction, so that the sign of the axis has no effect.
@@ -135,7 +135,7 @@ std::optional<Lattice> findLattice(std::span<const glm::dvec3> places) {
     if ((count > 1) != (a < axes.size())) return std::nullopt;
     whole *= count;
   }
-  if (double(places.size()) < kFilled * whole) return std::nullopt;
+  if (double(places.size()) < kMinFilledShare * whole) return std::nullopt;
 
   // Sorts the axes by the levels of the first positions, so that the world's rotation has no effect.
   std::vector<std::size_t> order(axes.size());

@@ -15,10 +15,10 @@
 namespace ibr {
 namespace {
 
-constexpr double kFlat = 0.10;              // ratio of spreads below which a dimension is dropped
-constexpr double kLeastTriangle = 0.12;     // shape
-constexpr double kLeastTetrahedron = 0.06;  // shape
-constexpr double kSimilar = 1.25;           // max ratio of areas
+constexpr double kMinSpreadRatio = 0.10;       // ratio of spreads below which a dimension is dropped
+constexpr double kMinTriangleShape = 0.12;     // shape
+constexpr double kMinTetrahedronShape = 0.06;  // shape
+constexpr double kMaxAreaRatio = 1.25;         // max ratio of areas
 
 // Positions relative to their mean, along their principal axes (largest spread first), and the rank that they span.
 struct Frame {
@@ -43,7 +43,7 @@ Frame principalFrame(std::vector<glm::dvec3> positions) {
   cv::Mat squares, axes;
   cv::eigen(covariance, squares, axes);  // descending
   auto spread = [&](int i) { return std::sqrt(std::max(squares.at<double>(i), 0.0)); };
-  frame.rank = spread(2) >= kFlat * spread(0) ? 3 : spread(1) >= kFlat * spread(0) ? 2 : 1;
+  frame.rank = spread(2) >= kMinSpreadRatio * spread(0) ? 3 : spread(1) >= kMinSpreadRatio * spread(0) ? 2 : 1;
   for (glm::dvec3& p : frame.positions) {
     glm::dvec3 turned(0.0);
     for (int r = 0; r < 3; ++r) {
@@ -56,7 +56,7 @@ Frame principalFrame(std::vector<glm::dvec3> positions) {
 }
 
 // Simplices of indices into `places`.
-std::vector<Simplex> splitPlaces(std::vector<glm::dvec3> places) {
+std::vector<Simplex> splitPositions(std::vector<glm::dvec3> places) {
   const Frame frame = principalFrame(std::move(places));
   std::vector<Simplex> simplices;
   if (frame.rank == 3) {
@@ -85,8 +85,8 @@ std::optional<LatticeSplit> onLattice(const Views& views, const ViewGroup& group
   LatticeSplit split;
   if (views.lattice) {
     split.lattice = *views.lattice;
-    for (const std::uint32_t i : group) split.place.push_back(views[i].spot);
-  } else if (auto own = findLattice(spotsOf(views, group))) {
+    for (const std::uint32_t i : group) split.place.push_back(views[i].site);
+  } else if (auto own = findLattice(siteCentresOf(views, group))) {
     split.lattice = std::move(*own);
     split.place.resize(group.size());
     std::iota(split.place.begin(), split.place.end(), 0u);
@@ -128,11 +128,12 @@ std::vector<Simplex> similarParts(const Views& views, const std::vector<Simplex>
   std::map<Simplex, bool> candidates;  // → true if similar to the smallest part of one of its simplices
   for (const Simplex& simplex : simplices) {
     // Skips slivers: their faces overlap.
-    if (members == 3 && shape(cornersOf(views, simplex)) < leastShape(simplex.size())) continue;
+    if (members == 3 && shape(cornersOf(views, simplex)) < minShape(simplex.size())) continue;
     const std::vector<Simplex> parts = partsWith(simplex, members);
     double smallest = std::numeric_limits<double>::infinity();
     for (const Simplex& part : parts) smallest = std::min(smallest, sizeOf(views, part));
-    for (const Simplex& part : parts) candidates[part] |= members == 2 || sizeOf(views, part) <= kSimilar * smallest;
+    for (const Simplex& part : parts)
+      candidates[part] |= members == 2 || sizeOf(views, part) <= kMaxAreaRatio * smallest;
   }
   std::vector<std::pair<double, Simplex>> bySize;
   std::set<std::uint32_t> reached;
@@ -153,11 +154,11 @@ std::vector<Simplex> similarParts(const Views& views, const std::vector<Simplex>
 
 }  // namespace
 
-double leastShape(std::size_t members) {
-  return members == 4 ? kLeastTetrahedron : members == 3 ? kLeastTriangle : 1e-12;
+double minShape(std::size_t members) {
+  return members == 4 ? kMinTetrahedronShape : members == 3 ? kMinTriangleShape : 1e-12;
 }
 
-GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mostMembers) {
+GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t maxMembers) {
   const auto ofViews = [&](std::vector<Simplex> simplices) {
     for (Simplex& simplex : simplices) {
       for (std::uint32_t& i : simplex) i = group[i];
@@ -168,11 +169,10 @@ GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mo
   };
   auto lattice = onLattice(views, group);
   if (lattice) lattice->simplices = ofViews(std::move(lattice->simplices));
-  GroupSplit split{lattice ? lattice->simplices : ofViews(splitPlaces(spotsOf(views, group))), false};
-  if (split.simplices.empty() || split.simplices[0].size() <= mostMembers) return split;
+  GroupSplit split{lattice ? lattice->simplices : ofViews(splitPositions(siteCentresOf(views, group))), false};
+  if (split.simplices.empty() || split.simplices[0].size() <= maxMembers) return split;
   split.overlaps = true;
-  split.simplices =
-      lattice ? alongAxes(*lattice, group, mostMembers) : similarParts(views, split.simplices, mostMembers);
+  split.simplices = lattice ? alongAxes(*lattice, group, maxMembers) : similarParts(views, split.simplices, maxMembers);
   return split;
 }
 

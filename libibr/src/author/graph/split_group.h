@@ -18,12 +18,12 @@ struct GroupSplit {
   bool overlaps = false;           // simplices are faces of larger ones, and may overlap
 };
 
-/// `mostMembers`: 2 to 4. If the positions span larger simplices, their faces (or edges) are used: on a lattice those
+/// `maxMembers`: 2 to 4. If the positions span larger simplices, their faces (or edges) are used: on a lattice those
 /// along its axes, otherwise those of each simplex that are about as small as its smallest one. Every position stays in
 /// a simplex.
-GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mostMembers);
+GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t maxMembers);
 
 /// Min shape (simplex.h) of a cell with this number of members.
-double leastShape(std::size_t members);
+double minShape(std::size_t members);
 
 }  // namespace ibr

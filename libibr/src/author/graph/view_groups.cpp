@@ -13,13 +13,13 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kAround = 12;    // nearest sites that must be in a group with a view
-constexpr double kBridge = 8.0;        // tree edges longer than this, in median edges, lead to distant parts
-constexpr std::size_t kLeastPart = 4;  // min views of a part with its own rank
-constexpr double kMost = 0.8;          // min share of a group in parts of that size
+constexpr std::size_t kRequiredNeighbours = 12;  // nearest sites that must be in a group with a view
+constexpr double kMinBridgeRatio = 8.0;          // tree edges longer than this, in median edges, lead to distant parts
+constexpr std::size_t kMinPartSize = 4;          // min views of a part with its own rank
+constexpr double kMinPartsShare = 0.8;           // min share of a group in parts of that size
 
 // Symmetric: the smaller θ decides.
-bool looksAlike(const Views& views, std::uint32_t a, std::uint32_t b) {
+bool hasSimilarAxis(const Views& views, std::uint32_t a, std::uint32_t b) {
   if (!views.sameKind(a, b)) return false;
   return a == b || axisAngle(views, a, b) <= std::min(views[a].theta, views[b].theta);
 }
@@ -27,26 +27,26 @@ bool looksAlike(const Views& views, std::uint32_t a, std::uint32_t b) {
 ViewGroup groupAround(const Views& views, std::uint32_t seed) {
   std::map<std::uint32_t, std::pair<double, std::uint32_t>> best;  // for each site: angle, view
   for (std::uint32_t i = 0; i < views.size(); ++i) {
-    if (!looksAlike(views, seed, i)) continue;
+    if (!hasSimilarAxis(views, seed, i)) continue;
     const std::pair choice(i == seed ? -1.0 : axisAngle(views, seed, i), i);
-    const auto [at, added] = best.emplace(views[i].spot, choice);
+    const auto [at, added] = best.emplace(views[i].site, choice);
     if (!added) at->second = std::min(at->second, choice);
   }
   ViewGroup group;
-  for (const auto& [spot, choice] : best) group.push_back(choice.second);
+  for (const auto& [site, choice] : best) group.push_back(choice.second);
   std::sort(group.begin(), group.end());
   return group;
 }
 
-// The kAround nearest views of a group, and the view itself.
+// The kRequiredNeighbours nearest views of a group, and the view itself.
 ViewGroup around(const Views& views, const ViewGroup& group, std::uint32_t seed) {
-  const glm::dvec3 centre = views.spotCentre[views[seed].spot];
+  const glm::dvec3 centre = views.siteCentre[views[seed].site];
   std::vector<std::pair<double, std::uint32_t>> near;
   for (const std::uint32_t i : group) {
-    const glm::dvec3 offset = views.spotCentre[views[i].spot] - centre;
+    const glm::dvec3 offset = views.siteCentre[views[i].site] - centre;
     near.emplace_back(glm::dot(offset, offset), i);
   }
-  const std::size_t count = std::min(near.size(), kAround + 1);
+  const std::size_t count = std::min(near.size(), kRequiredNeighbours + 1);
   std::partial_sort(near.begin(), near.begin() + std::ptrdiff_t(count), near.end());
   ViewGroup nearest;
   for (std::size_t k = 0; k < count; ++k) nearest.push_back(near[k].second);
@@ -78,10 +78,10 @@ std::vector<ViewGroup> orientationGroups(const Views& views) {
 }
 
 std::vector<ViewGroup> partsOf(const Views& views, const ViewGroup& group) {
-  const std::vector<glm::dvec3> places = spotsOf(views, group);
+  const std::vector<glm::dvec3> places = siteCentresOf(views, group);
   if (views.lattice || findLattice(places)) return {group};
   const std::vector<TreeEdge> tree = spanningTree(places);
-  const double limit = kBridge * tree[tree.size() / 2].length;
+  const double limit = kMinBridgeRatio * tree[tree.size() / 2].length;
   const auto bridges =
       std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > limit; });
   if (bridges == tree.end()) return {group};
@@ -89,8 +89,8 @@ std::vector<ViewGroup> partsOf(const Views& views, const ViewGroup& group) {
   std::vector<ViewGroup> parts(1 + *std::max_element(part.begin(), part.end()));
   for (std::size_t k = 0; k < group.size(); ++k) parts[part[k]].push_back(group[k]);
   std::size_t held = 0;
-  for (const ViewGroup& its : parts) held += its.size() >= kLeastPart ? its.size() : 0;
-  if (double(held) < kMost * double(group.size())) return {group};
+  for (const ViewGroup& its : parts) held += its.size() >= kMinPartSize ? its.size() : 0;
+  if (double(held) < kMinPartsShare * double(group.size())) return {group};
   for (auto edge = bridges; edge != tree.end(); ++edge)
     parts.push_back({std::min(group[edge->a], group[edge->b]), std::max(group[edge->a], group[edge->b])});
   std::erase_if(parts, [](const ViewGroup& its) { return its.size() < 2; });

@@ -45,7 +45,7 @@ ViewRelation ViewRelations::find(std::uint32_t a, std::uint32_t b) const {
   const Camera &first = model_.images[a].camera, &second = model_.images[b].camera;
   ViewRelation relation;
   relation.axisAngle = angleBetween(viewAxis(first.pose), viewAxis(second.pose));
-  relation.poorer = std::uint32_t(std::min(tracks_[a].size(), tracks_[b].size()));
+  relation.fewerTracks = std::uint32_t(std::min(tracks_[a].size(), tracks_[b].size()));
   std::vector<std::uint32_t> common;
   std::set_intersection(tracks_[a].begin(), tracks_[a].end(), tracks_[b].begin(), tracks_[b].end(),
                         std::back_inserter(common));

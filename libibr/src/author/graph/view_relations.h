@@ -13,13 +13,13 @@
 namespace ibr {
 
 struct ViewRelation {
-  std::uint32_t shared = 0;    // tracks that both observe
-  std::uint32_t poorer = 0;    // tracks of the photograph with fewer
-  double axisAngle = 0;        // between the viewing directions, radians
-  double disparitySpread = 0;  // 90 % minus 10 % quantile of the shared points' disparity, in image widths
+  std::uint32_t shared = 0;       // tracks that both observe
+  std::uint32_t fewerTracks = 0;  // tracks of the photograph with fewer
+  double axisAngle = 0;           // between the viewing directions, radians
+  double disparitySpread = 0;     // 90 % minus 10 % quantile of the shared points' disparity, in image widths
 
   /// Share of the tracks of the photograph with fewer that the other one observes too; 0 without tracks.
-  double covisible() const { return poorer > 0 ? double(shared) / poorer : 0.0; }
+  double covisible() const { return fewerTracks > 0 ? double(shared) / fewerTracks : 0.0; }
 };
 
 class ViewRelations {

@@ -54,10 +54,10 @@ NormalEquations normalEquations(const Placed& camera, const Points& points) {
     const Intrinsics& k = camera.k;
     const glm::dvec2 off(-k.fx * q.x / q.z, k.fy * q.y / q.z);  // from the principal point
     const glm::dvec2 residual = points.pixel[p] - glm::dvec2(k.cx, k.cy) - off;
-    const std::array<glm::dvec3, 2> byPoint{glm::dvec3(-k.fx / q.z, 0, -off.x / q.z),
-                                            glm::dvec3(0, k.fy / q.z, -off.y / q.z)};
+    const std::array<glm::dvec3, 2> pointJacobian{glm::dvec3(-k.fx / q.z, 0, -off.x / q.z),
+                                                  glm::dvec3(0, k.fy / q.z, -off.y / q.z)};
     for (int axis = 0; axis < 2; ++axis) {
-      const glm::dvec3 g = byPoint[std::size_t(axis)], byTurn = glm::cross(turned, g);
+      const glm::dvec3 g = pointJacobian[std::size_t(axis)], byTurn = glm::cross(turned, g);
       sum.add({byTurn.x, byTurn.y, byTurn.z, distance * g.x, distance * g.y, distance * g.z, off[axis]},
               residual[axis]);
     }
@@ -112,13 +112,13 @@ double rms(double squares, const Points& points) {
 }
 
 AdjustedCamera adjusted(const Camera& camera, const Points& points) {
-  constexpr std::size_t kLeastPoints = 40;
+  constexpr std::size_t kMinVertices = 40;
   AdjustedCamera result{camera};
   if (points.world.empty()) return result;
   const glm::dquat turn = glm::conjugate(camera.pose.rotation);
   const Placed before{camera.intrinsics, turn, turn * (points.origin - camera.pose.position)};
   result.beforePx = result.afterPx = rms(normalEquations(before, points).squares, points);
-  result.known = points.world.size() >= kLeastPoints;
+  result.known = points.world.size() >= kMinVertices;
   if (!result.known) return result;
   const Placed after = fitted(before, points);
   const double afterPx = rms(normalEquations(after, points).squares, points);

@@ -62,14 +62,14 @@ class Harmoniser {
   HtmResult run(const TriangleMesh& source, std::span<const HtmPhotograph> photographs) {
     HtmReport& report = result_.report;
     report.sourceFaces = source.triangles.size();
-    ViewedMesh original = timed("visibility", [&] { return looked(source); });
+    ViewedMesh original = timed("visibility", [&] { return viewed(source); });
     check(std::ranges::any_of(original.faces, [](const FaceVisibility& f) { return f.seen != 0; }),
           ErrorCode::invalidInput, "harmonise: no camera sees a face of the mesh");
-    keepStage("original", source, differences(source, original, {}));
+    recordStage("original", source, differences(source, original, {}));
     original.views.clear();  // large
 
     TriangleMesh mesh = reducedByShape(source);
-    settle(mesh);
+    adjustGeometry(mesh);
     mesh = reducedByTexture(std::move(mesh));
     refine(mesh);
     for (std::size_t i = 0; i < photographs.size(); ++i) {
@@ -83,23 +83,23 @@ class Harmoniser {
   }
 
  private:
-  ViewedMesh looked(const TriangleMesh& mesh) const {
-    ViewedMesh looked{projectedMeshes(mesh, views_, 0, options_.threads), {}};
-    looked.faces = faceVisibility(mesh, looked.views, options_.threads);
-    return looked;
+  ViewedMesh viewed(const TriangleMesh& mesh) const {
+    ViewedMesh viewed{projectedMeshes(mesh, views_, 0, options_.threads), {}};
+    viewed.faces = faceVisibility(mesh, viewed.views, options_.threads);
+    return viewed;
   }
 
-  std::vector<double> differences(const TriangleMesh& mesh, const ViewedMesh& looked,
+  std::vector<double> differences(const TriangleMesh& mesh, const ViewedMesh& viewed,
                                   std::span<const glm::vec2> complements) {
     std::vector<std::uint32_t> all(mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0u);
     return timed("differences", [&] {
-      return faceDifferences(mesh, looked.views, looked.faces, complements, all, {options_.alpha, options_.gamma1},
+      return faceDifferences(mesh, viewed.views, viewed.faces, complements, all, {options_.alpha, options_.gamma1},
                              options_.threads);
     });
   }
 
-  void keepStage(const char* name, const TriangleMesh& mesh, std::vector<double> difference) {
+  void recordStage(const char* name, const TriangleMesh& mesh, std::vector<double> difference) {
     result_.stages.push_back({name, mesh, std::move(difference)});
   }
 
@@ -111,31 +111,31 @@ class Harmoniser {
     HtmReport& report = result_.report;
     report.reducedFaces = reduced.mesh.triangles.size();
     report.reducedMean = reduced.report.toReduced.mean;
-    report.reducedMost = reduced.report.toReduced.max;
+    report.reducedMax = reduced.report.toReduced.max;
     report.restoredMean = reduced.report.toOriginal.mean;
-    report.restoredMost = reduced.report.toOriginal.max;
+    report.restoredMax = reduced.report.toOriginal.max;
     meanFaceArea_ = reduced.report.meanFaceArea;
     return std::move(reduced.mesh);
   }
 
   TriangleMesh reducedByTexture(TriangleMesh mesh) {
-    std::vector<double> difference = differences(mesh, timed("visibility", [&] { return looked(mesh); }), {});
+    std::vector<double> difference = differences(mesh, timed("visibility", [&] { return viewed(mesh); }), {});
     HtmReport& report = result_.report;
     report.reducedDifference = report.collapsedDifference = mean(difference);
-    keepStage("reduced by shape", mesh, difference);
+    recordStage("reduced by shape", mesh, difference);
     const auto most = std::size_t(options_.inconsistentShare * double(mesh.triangles.size()));
     if (!(options_.inconsistentSize > 0) || most == 0) return mesh;
     HtmCollapseOptions collapse;
     collapse.faceArea = options_.inconsistentSize * meanFaceArea_;
     collapse.floor = options_.inconsistentDifference;
-    collapse.mostCollapses = most;
+    collapse.maxCollapses = most;
     collapse.batch = std::max<std::size_t>(1, most / 16);  // visibility is computed again before each batch
     collapse.progress = progress_;
     CollapsedMesh collapsed = timed("reduction by texture", [&] {
       return collapseDifferences(
           mesh,
           [&](const TriangleMesh& now, std::span<const std::uint32_t> faces) {
-            const ViewedMesh seen = looked(now);
+            const ViewedMesh seen = viewed(now);
             return faceDifferences(now, seen.views, seen.faces, {}, faces, {options_.alpha, options_.gamma1},
                                    options_.threads);
           },
@@ -143,13 +143,13 @@ class Harmoniser {
     });
     report.collapses = collapsed.report.collapses;
     report.collapsedDifference = mean(collapsed.differences);
-    keepStage("reduced by texture", collapsed.mesh, std::move(collapsed.differences));
+    recordStage("reduced by texture", collapsed.mesh, std::move(collapsed.differences));
     return std::move(collapsed.mesh);
   }
 
   void refine(TriangleMesh& mesh) {
     for (int round = 1;; ++round) {
-      const ViewedMesh now = timed("visibility", [&] { return looked(mesh); });
+      const ViewedMesh now = timed("visibility", [&] { return viewed(mesh); });
       members_ = vertexVisibility(mesh, now.faces);
       match(mesh, now);
       solve(mesh);
@@ -163,7 +163,7 @@ class Harmoniser {
       result_.report.rounds.push_back({mesh.positions.size(), mesh.triangles.size(), mean(without), mean(with),
                                        measured(), evaluated.divided, evaluated.hidden});
       if (evaluated.divided == 0) {
-        keepStage("refined", mesh, with);
+        recordStage("refined", mesh, with);
         return;
       }
       timed("subdivision", [&] {
@@ -176,9 +176,9 @@ class Harmoniser {
   }
 
   // Adjusts the cameras and then the shape to the matches, adjustRounds times, each time with new matches.
-  void settle(TriangleMesh& mesh) {
+  void adjustGeometry(TriangleMesh& mesh) {
     for (int round = 0; round < options_.adjustRounds; ++round) {
-      const ViewedMesh now = timed("visibility", [&] { return looked(mesh); });
+      const ViewedMesh now = timed("visibility", [&] { return viewed(mesh); });
       members_ = vertexVisibility(mesh, now.faces);
       match(mesh, now);
       HtmReport::Adjustment& line = result_.report.adjustments.emplace_back();
@@ -220,7 +220,7 @@ class Harmoniser {
         mesh, normalDisplacements(mesh, views_, members_, matches_,
                                   {options_.shapeSmoothness, options_.outlierPx, options_.threads}, progress_));
     for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-      line.moved += glm::distance(moved.positions[v], mesh.positions[v]) / double(mesh.positions.size());
+      line.meanDisplacement += glm::distance(moved.positions[v], mesh.positions[v]) / double(mesh.positions.size());
     mesh = std::move(moved);
   }
 
@@ -230,7 +230,7 @@ class Harmoniser {
     how.radius = near_ ? options_.laterRadius : options_.radius;
     how.minTexture = options_.minTexture;
     how.threads = options_.threads;
-    const MakeTemplateSearch search = options_.search ? options_.search : processorTemplateSearch;
+    const TemplateSearchFactory search = options_.search ? options_.search : cpuTemplateSearch;
     matches_ = timed("matching", [&] {
       return matchVertices(mesh, views_, now.views, members_, complements_, how, search, progress_);
     });
@@ -252,15 +252,15 @@ class Harmoniser {
   }
 
   void finish(TriangleMesh& mesh) {
-    const ViewedMesh last = timed("visibility", [&] { return looked(mesh); });
+    const ViewedMesh last = timed("visibility", [&] { return viewed(mesh); });
     HtmReport& report = result_.report;
     std::size_t seen = 0, left = 0;
     for (const CameraSet set : members_) seen += std::size_t(std::popcount(set));
     if (options_.reject) {
       timed("rejection", [&] {
         RejectOptions how;
-        how.mostDifference = options_.rejectDifference;
-        how.leastCorrelation = options_.rejectCorrelation;
+        how.maxDifference = options_.rejectDifference;
+        how.minCorrelation = options_.rejectCorrelation;
         const std::vector<CameraAgreement> known =
             agreements(mesh, last.views, members_, complements_, how.segment, options_.threads);
         members_ = agreeingMembers(views_.size(), members_, known, facingScores(mesh, last.views), how);

@@ -23,16 +23,16 @@ class Collapsing {
         options_(options),
         mesh_(std::move(mesh)),
         known_(mesh_.mesh().triangles.size()),
-        leastCosine_(std::cos(glm::radians(options.largestTurnDegrees))) {
+        minCosine_(std::cos(glm::radians(options.maxTurnDegrees))) {
     report_.facesBefore = mesh_.faceCount();
     for (std::uint32_t f = 0; f < known_.size(); ++f) changed_.insert(f);
   }
 
   CollapsedMesh run() {
     evaluate();
-    std::tie(report_.meanBefore, report_.largestBefore) = meanAndLargest();
+    std::tie(report_.meanBefore, report_.maxBefore) = meanAndMax();
     while (round()) evaluate();
-    std::tie(report_.meanAfter, report_.largestAfter) = meanAndLargest();
+    std::tie(report_.meanAfter, report_.maxAfter) = meanAndMax();
     CollapsedMesh result{mesh_.compact(), {}, {}};
     for (std::uint32_t f = 0; f < known_.size(); ++f)
       if (mesh_.isAlive(f)) {
@@ -65,23 +65,23 @@ class Collapsing {
     report_.evaluated += faces.size();
     for (std::size_t i = 0; i < faces.size(); ++i) {
       known_[faces[i]] = values[i];
-      wait(faces[i]);
+      enqueue(faces[i]);
     }
     for (const std::uint32_t f : deferred_)
-      if (mesh_.isAlive(f)) wait(f);
+      if (mesh_.isAlive(f)) enqueue(f);
     deferred_.clear();
   }
 
   // Collapses up to a batch of faces; returns false when there is nothing more to do.
   bool round() {
     std::size_t done = 0;
-    while (!waiting_.empty() && done < options_.batch) {
-      if (report_.collapses >= options_.mostCollapses) {
+    while (!queue_.empty() && done < options_.batch) {
+      if (report_.collapses >= options_.maxCollapses) {
         report_.end = HtmCollapseEnd::cap;
         return false;
       }
-      const std::uint32_t face = waiting_.begin()->second;
-      waiting_.erase(waiting_.begin());
+      const std::uint32_t face = queue_.begin()->second;
+      queue_.erase(queue_.begin());
       if (!collapse(face)) continue;  // until a face beside this one changes
       ++done;
       ++report_.collapses;
@@ -114,14 +114,14 @@ class Collapsing {
       Quadric planes = mesh_.planesAt(a);
       planes += mesh_.planesAt(b);
       const glm::dvec3 to = mesh_.placement(a, b, planes);
-      if (!mesh_.keepsNormals(a, b, to, leastCosine_)) continue;
+      if (!mesh_.keepsNormals(a, b, to, minCosine_)) continue;
       mesh_.collapse(a, b, to);
       // Faces around the changed ones may be tried again, except those whose difference is not computed yet.
       for (const std::uint32_t f : mesh_.facesAt(a)) changed_.insert(f);
       for (const std::uint32_t other : mesh_.neighbours(a))
-        for (const std::uint32_t f : mesh_.facesAt(other)) wait(f);
+        for (const std::uint32_t f : mesh_.facesAt(other)) enqueue(f);
       for (const std::uint32_t f : changed_)
-        if (std::isfinite(known_[f])) waiting_.erase({-known_[f], f});
+        if (std::isfinite(known_[f])) queue_.erase({-known_[f], f});
       return true;
     }
     return false;
@@ -132,11 +132,11 @@ class Collapsing {
     return std::any_of(faces.begin(), faces.end(), [&](std::uint32_t f) { return changed_.contains(f); });
   }
 
-  void wait(std::uint32_t f) {
-    if (eligible(f) && !changed_.contains(f)) waiting_.emplace(-known_[f], f);
+  void enqueue(std::uint32_t f) {
+    if (eligible(f) && !changed_.contains(f)) queue_.emplace(-known_[f], f);
   }
 
-  std::pair<double, double> meanAndLargest() const {
+  std::pair<double, double> meanAndMax() const {
     double sum = 0, largest = 0;
     std::size_t count = 0;
     for (std::uint32_t f = 0; f < known_.size(); ++f)
@@ -152,9 +152,9 @@ class Collapsing {
   CollapseMesh mesh_;
   std::vector<double> known_;
   std::set<std::uint32_t> changed_;  // faces whose differences must be computed again
-  std::set<Entry> waiting_;
+  std::set<Entry> queue_;
   std::vector<std::uint32_t> deferred_;  // faces that touch those changed in this batch
-  double leastCosine_;
+  double minCosine_;
   HtmCollapseReport report_;
 };
 
@@ -166,8 +166,8 @@ CollapsedMesh collapseDifferences(const TriangleMesh& mesh, const FaceDifference
         options.faceArea);
   check(!std::isnan(options.floor), ErrorCode::invalidInput, "collapseDifferences: floor is not a number");
   check(options.batch >= 1, ErrorCode::invalidInput, "collapseDifferences: batch is 0, must be 1 or more");
-  check(options.largestTurnDegrees > 0 && options.largestTurnDegrees < 90, ErrorCode::invalidInput,
-        "collapseDifferences: largestTurnDegrees {} is not between 0 and 90", options.largestTurnDegrees);
+  check(options.maxTurnDegrees > 0 && options.maxTurnDegrees < 90, ErrorCode::invalidInput,
+        "collapseDifferences: maxTurnDegrees {} is not between 0 and 90", options.maxTurnDegrees);
   RepairedMesh repaired = repairMesh(mesh);
   return Collapsing(std::move(repaired.mesh), differences, options).run();
 }

@@ -25,11 +25,11 @@ struct HtmCollapseOptions {
   double faceArea = 0;
   /// The collapse ends when no such face has a larger difference.
   double floor = 0;
-  std::size_t mostCollapses = std::numeric_limits<std::size_t>::max();
+  std::size_t maxCollapses = std::numeric_limits<std::size_t>::max();
   /// Collapses between two calls of `differences`, at faces that do not touch; the paper's value is 1.
   std::size_t batch = 1;
   /// Maximum angle by which one collapse turns a face's normal.
-  double largestTurnDegrees = 60;
+  double maxTurnDegrees = 60;
   ProgressCallback progress;
 };
 
@@ -40,7 +40,7 @@ struct HtmCollapseReport {
   std::size_t refused = 0;    // small faces above the floor none of whose edges may be collapsed
   std::size_t unknown = 0;    // remaining faces of unknown difference
   std::size_t evaluated = 0;  // faces passed to `differences`, over all calls
-  double meanBefore = 0, meanAfter = 0, largestBefore = 0, largestAfter = 0;  // of the known differences
+  double meanBefore = 0, meanAfter = 0, maxBefore = 0, maxAfter = 0;  // of the known differences
   HtmCollapseEnd end = HtmCollapseEnd::noFace;
 };
 

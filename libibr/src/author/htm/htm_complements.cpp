@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/htm/htm_adjacency.h"
-#include "author/htm/htm_trust.h"
+#include "author/htm/htm_robust_weight.h"
 #include "base/parallel.h"
 
 namespace ibr {
@@ -43,7 +43,7 @@ class PairField {
     const VertexMatch& match = matches_[v];
     const glm::dvec2 wanted(match.displacement);
     double weight = 1;
-    if (doubted && count > 0) weight = trustOf(match.information, wanted - sum / count, options_.outlierPx);
+    if (doubted && count > 0) weight = robustWeight(match.information, wanted - sum / count, options_.outlierPx);
     const glm::dvec3 w = weight * glm::dvec3(match.information);
     const double s = options_.smoothness;
     const double prior = options_.complementPx > 0 ? 1 / (options_.complementPx * options_.complementPx) : 0;

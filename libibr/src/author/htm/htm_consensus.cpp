@@ -9,14 +9,14 @@
 #include <glm/matrix.hpp>
 
 #include "author/htm/htm_adjacency.h"
+#include "author/htm/htm_robust_weight.h"
 #include "author/htm/htm_shape.h"
-#include "author/htm/htm_trust.h"
 #include "base/check.h"
 
 namespace ibr {
 namespace {
 
-glm::dvec3 anyAcross(const glm::dvec3& n) {
+glm::dvec3 anyPerpendicular(const glm::dvec3& n) {
   const glm::dvec3 axis = std::abs(n.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   return glm::normalize(glm::cross(n, axis));
 }
@@ -43,11 +43,11 @@ class TangentMaps {
 
  private:
   static glm::dmat2 mapOf(const PinholeView& view, const glm::dvec3& position, const glm::dvec3& normal) {
-    constexpr double kLeastCosine = 0.15;  // of the viewing angle; below it the map is unreliable
+    constexpr double kMinCosine = 0.15;  // of the viewing angle; below it the map is unreliable
     const glm::dvec3 towards = view.centre() - position;
     const double distance = glm::length(towards), length = glm::length(normal);
-    if (!(length > 0) || !(glm::dot(normal, towards) > kLeastCosine * length * distance)) return glm::dmat2(0.0);
-    const glm::dvec3 n = normal / length, e = anyAcross(n), f = glm::cross(n, e);
+    if (!(length > 0) || !(glm::dot(normal, towards) > kMinCosine * length * distance)) return glm::dmat2(0.0);
+    const glm::dvec3 n = normal / length, e = anyPerpendicular(n), f = glm::cross(n, e);
     const double step = 1e-4 * distance;
     const auto here = view.seen(position), alongE = view.seen(position + step * e),
                alongF = view.seen(position + step * f);
@@ -78,7 +78,7 @@ struct Claim {
   glm::dmat2 map;  // J_ij
   glm::vec2 displacement;
   glm::vec3 information;
-  double strength;  // strengthOf(information)
+  double strength;  // maxInformation(information)
 };
 
 // Another camera of the vertex: indices of its claim on the offset, and of the offset's claim on that camera's own.
@@ -127,7 +127,7 @@ class Consensus {
         if (i == j || !counts(i) || !counts(j) || match.information == glm::vec3(0.0f)) continue;
         claimAt_[i * cameras_ + j] = std::uint32_t(claims_.size());
         claims_.push_back(
-            {maps.between(i, j, v), match.displacement, match.information, strengthOf(match.information)});
+            {maps.between(i, j, v), match.displacement, match.information, maxInformation(match.information)});
       }
     for (std::size_t i = 0; i < cameras_; ++i) {
       for (std::size_t j = 0; j < cameras_; ++j) {
@@ -152,7 +152,7 @@ class Consensus {
     const glm::dvec2 now = offsets_[at(i, v)];
     const auto weightOf = [&](const Claim& claim, const glm::dvec2& residual) {
       return matrixOf(claim.information) *
-             (doubted ? trustOf(claim.information, claim.strength, residual, options_.outlierPx) : 1.0);
+             (doubted ? robustWeight(claim.information, claim.strength, residual, options_.outlierPx) : 1.0);
     };
     for (const Partner& partner : partnersOf(i, v)) {
       const glm::dvec2 other = offsets_[at(partner.camera, v)];

@@ -46,7 +46,7 @@ class FaceComparison {
     std::vector<std::size_t> cameras;
     std::vector<double> facing, size;
     double longest = 0;
-    constexpr double kMostSize = 1e100;  // px²: near a corner behind the camera the area overflows, and gets no share
+    constexpr double kMaxAreaPx2 = 1e100;  // px²: near a corner behind the camera the area overflows, and gets no share
     const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     const glm::dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
     if (!(glm::length(normal) > 0)) return 0;
@@ -63,7 +63,7 @@ class FaceComparison {
       const glm::dvec2 ab = at[1] - at[0], ac = at[2] - at[0];
       cameras.push_back(k);
       facing.push_back(glm::dot(glm::normalize(normal), glm::normalize(views_[k].view.centre() - middle)));
-      size.push_back(std::fmin(0.5 * std::abs(ab.x * ac.y - ab.y * ac.x), kMostSize));
+      size.push_back(std::fmin(0.5 * std::abs(ab.x * ac.y - ab.y * ac.x), kMaxAreaPx2));
       for (std::size_t c = 0; c < 3; ++c) longest = std::max(longest, glm::distance(at[c], at[(c + 1) % 3]));
     }
     if (cameras.size() < 2) return 0;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path maskFile(const fs::path& folder, const std::string& name) {
-  const std::optional<fs::path> file = maskFileOf(folder, name);
+  const std::optional<fs::path> file = findMaskFile(folder, name);
   check(file.has_value(), ErrorCode::io, "{}: not found; the mask of {} must be this file or {}",
         (folder / name).replace_extension(".png").string(), name, (folder / (name + ".png")).string());
   return *file;
@@ -85,7 +85,7 @@ fs::path visibilityFile(const std::string& name) {
 }
 
 // Throws Error{invalidInput} if the model would overwrite its own input.
-void checkInputStays(const Input& input, const HtmBuildOptions& options) {
+void checkInputNotOverwritten(const Input& input, const HtmBuildOptions& options) {
   const auto demandOther = [&](const fs::path& from, const fs::path& to) {
     std::error_code ignored;
     check(!fs::equivalent(from, options.output / to, ignored), ErrorCode::invalidInput,
@@ -109,7 +109,7 @@ std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildO
 HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
   checkFolderWritable(options.output);
   Input input = readInput(options, log);
-  checkInputStays(input, options);
+  checkInputNotOverwritten(input, options);
   for (HtmPhotograph& photograph : input.photographs)
     photograph.camera.visibilityFile = visibilityFile(photograph.camera.name);
   HtmResult result = harmonise(input.mesh, input.photographs, options.optimise, progress);
@@ -119,7 +119,7 @@ HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progr
     makeFolders(file.parent_path());
     writeImage(file, result.visibility[i]);
   }
-  result.model.settings = htmSettingsText(options);
+  result.model.settings = htmOptionsToJson(options);
   saveHtmModel(result.model, options.output);
   return result;
 }

@@ -13,12 +13,12 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kLeastSamples = 24;  // of a template at full size
-constexpr double kLeastShare = 0.4;          // of a segment: the other camera must see at least this share
+constexpr std::uint32_t kMinSamples = 24;  // of a template at full size
+constexpr double kMinVisibleShare = 0.4;   // of a segment: the other camera must see at least this share
 
 // One scale of the search.
 struct Level {
-  Level(std::span<const ProjectedMesh> projected, double ofFullSize, const MakeTemplateSearch& makeSearch)
+  Level(std::span<const ProjectedMesh> projected, double ofFullSize, const TemplateSearchFactory& makeSearch)
       : views(projected), scale(ofFullSize) {
     std::vector<const Image8*> pictures;
     for (const ProjectedMesh& view : views) pictures.push_back(view.picture.get());
@@ -68,11 +68,11 @@ class CameraMatcher {
 
   // Maximum bytes that a camera takes: a portion, its segments, its displacements and another camera's colours.
   double bytesAt(std::size_t i, const Level& level) const {
-    constexpr double kATask = sizeof(TemplateTask) + sizeof(std::size_t) + sizeof(TemplateMatch);
-    const double vertices = double(mesh_.positions.size()), across = 2 * options_.segment.mostRadius + 1;
-    return double(options_.portion) * (sizeof(TemplateSample) + kATask / kLeastSamples) +
+    constexpr double kBytesPerTask = sizeof(TemplateTask) + sizeof(std::size_t) + sizeof(TemplateMatch);
+    const double vertices = double(mesh_.positions.size()), across = 2 * options_.segment.maxRadiusPx + 1;
+    return double(options_.portion) * (sizeof(TemplateSample) + kBytesPerTask / kMinSamples) +
            vertices * (across * across * sizeof(SegmentPixel) + double(cameras_) * sizeof(glm::dvec2)) +
-           double(level.views[i].raster.depth.values.size()) * Recoloured::kBytesAPixel;
+           double(level.views[i].raster.depth.values.size()) * Recoloured::kBytesPerPixel;
   }
 
  private:
@@ -82,9 +82,9 @@ class CameraMatcher {
   // again afterwards, so visit may change them.
   template <class Visit>
   void forPortionsAt(const Level& level, std::size_t i, const std::vector<glm::dvec2>& start, Visit&& visit) const {
-    const SegmentOptions scaled{options_.segment.leastRadius * (level.scale < 1 ? 0.75 : 1),
-                                options_.segment.mostRadius * (level.scale < 1 ? 0.75 : 1)};
-    const auto least = std::uint32_t(kLeastSamples * (level.scale < 1 ? 0.5 : 1));
+    const SegmentOptions scaled{options_.segment.minRadiusPx * (level.scale < 1 ? 0.75 : 1),
+                                options_.segment.maxRadiusPx * (level.scale < 1 ? 0.75 : 1)};
+    const auto least = std::uint32_t(kMinSamples * (level.scale < 1 ? 0.5 : 1));
     const auto segments = segmentsOf(mesh_, faces_, level.views[i], scaled, members_, i);
     Templates templates;
     templates.samples.reserve(options_.portion);  // reserved memory that is not written is not committed
@@ -95,7 +95,7 @@ class CameraMatcher {
         const std::vector<SegmentPixel>& segment = segments[v];
         if (!(members_[v] >> j & 1) || segment.size() < least) continue;
         const std::vector<TemplateSample> samples = recoloured.of(segment);
-        if (samples.size() < least || double(samples.size()) < kLeastShare * double(segment.size())) continue;
+        if (samples.size() < least || double(samples.size()) < kMinVisibleShare * double(segment.size())) continue;
         if (!templates.tasks.empty() && templates.samples.size() + samples.size() > options_.portion) {
           visit(std::as_const(templates));
           templates.samples.clear();
@@ -125,7 +125,7 @@ class CameraMatcher {
 std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const HtmView> views,
                                        std::span<const ProjectedMesh> projected, std::span<const CameraSet> members,
                                        std::span<const glm::vec2> start, const VertexMatchOptions& options,
-                                       const MakeTemplateSearch& makeSearch, const ProgressCallback& progress) {
+                                       const TemplateSearchFactory& makeSearch, const ProgressCallback& progress) {
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const Lists faces = facesAtVertices(mesh);
   const std::vector<ProjectedMesh> halved = projectedMeshes(mesh, views, 1, options.threads);

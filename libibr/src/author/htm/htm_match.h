@@ -33,6 +33,6 @@ struct VertexMatchOptions {
 std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const HtmView> views,
                                        std::span<const ProjectedMesh> projected, std::span<const CameraSet> members,
                                        std::span<const glm::vec2> start, const VertexMatchOptions& options,
-                                       const MakeTemplateSearch& makeSearch, const ProgressCallback& progress);
+                                       const TemplateSearchFactory& makeSearch, const ProgressCallback& progress);
 
 }  // namespace ibr

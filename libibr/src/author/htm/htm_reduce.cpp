@@ -28,7 +28,7 @@ class Reduction {
         mesh_(mesh),
         quadrics_(mesh.positions.size()),
         versions_(mesh.positions.size(), 0),
-        leastCosine_(std::cos(glm::radians(options.largestTurnDegrees))),
+        minCosine_(std::cos(glm::radians(options.maxTurnDegrees))),
         firstCount_(mesh.triangles.size()) {
     for (std::uint32_t v = 0; v < quadrics_.size(); ++v) quadrics_[v] = mesh_.planesAt(v);
     for (std::uint32_t f = 0; f < firstCount_; ++f) area_ += mesh_.area(f);
@@ -71,7 +71,7 @@ class Reduction {
     for (; !queue_.empty() && !reached(); queue_.pop()) {
       const Candidate c = queue_.top();
       if (c.versionA != versions_[c.a] || c.versionB != versions_[c.b] || !mesh_.keepsTopology(c.a, c.b) ||
-          !mesh_.keepsNormals(c.a, c.b, c.to, leastCosine_))
+          !mesh_.keepsNormals(c.a, c.b, c.to, minCosine_))
         continue;
       area_ -= areaAround(c.a, c.b);
       mesh_.collapse(c.a, c.b, c.to);
@@ -111,7 +111,7 @@ class Reduction {
   CollapseMesh mesh_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> versions_;
-  double leastCosine_;
+  double minCosine_;
   std::size_t firstCount_;
   double area_ = 0;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
@@ -122,8 +122,8 @@ class Reduction {
 ReducedMesh reduceMesh(const TriangleMesh& mesh, const HtmReduceOptions& options) {
   check(options.meanFaceArea >= 0 && std::isfinite(options.meanFaceArea), ErrorCode::invalidInput,
         "reduceMesh: meanFaceArea is {}, must be finite and 0 or more", options.meanFaceArea);
-  check(options.largestTurnDegrees > 0 && options.largestTurnDegrees < 90, ErrorCode::invalidInput,
-        "reduceMesh: largestTurnDegrees {} is not between 0 and 90", options.largestTurnDegrees);
+  check(options.maxTurnDegrees > 0 && options.maxTurnDegrees < 90, ErrorCode::invalidInput,
+        "reduceMesh: maxTurnDegrees {} is not between 0 and 90", options.maxTurnDegrees);
   RepairedMesh repaired = repairMesh(mesh);
   check(!repaired.mesh.triangles.empty(), ErrorCode::invalidInput, "reduceMesh: the mesh has no usable face");
   const std::vector<glm::dvec3> positions = repaired.mesh.positions;

@@ -18,7 +18,7 @@ struct HtmReduceOptions {
   /// Maximum number of faces after the reduction; 0: no limit. With both limits, both must hold.
   std::size_t faceCount = 0;
   /// Maximum angle by which one collapse turns a face's normal.
-  double largestTurnDegrees = 60;
+  double maxTurnDegrees = 60;
   /// Sample points per surface for distances; 0: distances are not measured.
   std::size_t distanceSamples = 20000;
   ProgressCallback progress;

@@ -36,7 +36,7 @@ class Patch {
     corner_ = low - 1;
     size_ = high - low + 3;
     stride_ = 3 * std::size_t(size_.x) + kLanes;
-    shown_.assign(stride_ * std::size_t(size_.y), 0.0f);
+    sampled_.assign(stride_ * std::size_t(size_.y), 0.0f);
     glm::ivec2 next(0);
     std::size_t used = kLanes;
     for (const TemplateSample& s : samples) {
@@ -56,13 +56,13 @@ class Patch {
 
   Normal normalAt(glm::dvec2 displacement) {
     using cv::v_float32x4, cv::v_load;
-    show(displacement);
+    sampleAt(displacement);
     std::array<v_float32x4, 3> sum, mean;
     sum.fill(cv::v_setzero_f32());
     for (const Block& block : blocks_)
       for (std::size_t part = 0; part < 3; ++part) {
         const std::size_t k = 4 * part;
-        const v_float32x4 r = v_load(&block.wanted[k]) - v_load(&shown_[block.at + k]);
+        const v_float32x4 r = v_load(&block.wanted[k]) - v_load(&sampled_[block.at + k]);
         sum[part] += v_load(&block.counts[k]) * r;
       }
     Lanes lanes;
@@ -77,7 +77,7 @@ class Patch {
     for (const Block& block : blocks_)
       for (std::size_t part = 0; part < 3; ++part) {
         const std::size_t k = 4 * part;
-        const float* here = &shown_[block.at + k];
+        const float* here = &sampled_[block.at + k];
         const v_float32x4 counts = v_load(&block.counts[k]);
         const v_float32x4 r = counts * (v_load(&block.wanted[k]) - v_load(here) - mean[part]);
         const v_float32x4 gx = half * counts * (v_load(here + 3) - v_load(here - 3));
@@ -95,27 +95,27 @@ class Patch {
 
  private:
   struct Block {
-    std::size_t at;  // index of the block's first value in shown_
+    std::size_t at;  // index of the block's first value in sampled_
     Lanes wanted, counts;
   };
 
   // Samples bilinearly; beyond the border the border pixels are repeated.
-  void show(glm::dvec2 displacement) {
+  void sampleAt(glm::dvec2 displacement) {
     const glm::dvec2 whole = glm::floor(displacement), part = displacement - whole;
     const glm::ivec2 corner = corner_ + glm::ivec2(whole);
     const float s = float(part.x), t = float(part.y);
     const float a = (1 - s) * (1 - t), b = s * (1 - t), c = (1 - s) * t, d = s * t;
     const std::size_t values = 3 * std::size_t(size_.x);
     for (int y = 0; y < size_.y; ++y) {
-      const std::uint8_t *upper = row(corner.x, corner.y + y, rooms_[0]),
-                         *lower = row(corner.x, corner.y + y + 1, rooms_[1]);
-      float* __restrict out = &shown_[std::size_t(y) * stride_];
+      const std::uint8_t *upper = row(corner.x, corner.y + y, buffers_[0]),
+                         *lower = row(corner.x, corner.y + y + 1, buffers_[1]);
+      float* __restrict out = &sampled_[std::size_t(y) * stride_];
       for (std::size_t k = 0; k < values; ++k)
         out[k] = a * float(upper[k]) + b * float(upper[k + 3]) + c * float(lower[k]) + d * float(lower[k + 3]);
     }
   }
 
-  // Returns a row from column x on, one pixel longer than shown_ is wide.
+  // Returns a row from column x on, one pixel longer than sampled_ is wide.
   const std::uint8_t* row(int x, int y, std::vector<std::uint8_t>& room) const {
     const int at = std::clamp(y, 0, picture_.height - 1), pixels = size_.x + 1;
     if (x >= 0 && x + pixels <= picture_.width) return &picture_.pixel(x, at)[0];
@@ -131,9 +131,9 @@ class Patch {
   std::size_t count_;
   glm::ivec2 corner_, size_;  // of the undisplaced area, which exceeds the samples by a pixel on each side
   std::size_t stride_;
-  std::vector<float> shown_;
+  std::vector<float> sampled_;
   std::vector<Block> blocks_;
-  std::array<std::vector<std::uint8_t>, 2> rooms_;
+  std::array<std::vector<std::uint8_t>, 2> buffers_;
 };
 
 // Eigenvalues, and the unit eigenvector of the larger one.
@@ -152,9 +152,9 @@ Eigen eigenOf(const glm::dvec3& m) {
 VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> samples, glm::dvec2 start,
                          double minTexture) {
   constexpr int kSteps = 6;
-  constexpr double kFarthest = 1.0;      // px from the start
-  constexpr double kLeastNoise = 2;      // 8-bit levels, one standard deviation
-  constexpr double kMostPrecise = 0.15;  // px, one standard deviation
+  constexpr double kMaxShiftPx = 1.0;       // px from the start
+  constexpr double kMinNoise = 2;           // 8-bit levels, one standard deviation
+  constexpr double kMinDeviationPx = 0.15;  // px, one standard deviation
   if (samples.empty()) return {};
   const double n = double(samples.size());
   const double gate = std::max(minTexture * minTexture, 1e-6) * n;  // never 0: flat templates must not divide by 0
@@ -167,7 +167,7 @@ VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> 
     const glm::dvec2 across(-eigen.direction.y, eigen.direction.x);
     glm::dvec2 move = eigen.direction * (glm::dot(eigen.direction, normal.side) / eigen.large);
     if (eigen.small >= gate) move += across * (glm::dot(across, normal.side) / eigen.small);
-    const glm::dvec2 next = glm::clamp(at + move, start - kFarthest, start + kFarthest);
+    const glm::dvec2 next = glm::clamp(at + move, start - kMaxShiftPx, start + kMaxShiftPx);
     const Normal there = patch.normalAt(next);
     if (!(there.squares < normal.squares)) break;
     const double moved = glm::distance(next, at);
@@ -177,8 +177,8 @@ VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> 
   }
   const Eigen eigen = eigenOf(normal.structure);
   if (!(eigen.large >= gate)) return {};
-  const double noise = std::max(normal.squares / (3 * n), kLeastNoise * kLeastNoise);
-  const double most = 1 / (kMostPrecise * kMostPrecise);
+  const double noise = std::max(normal.squares / (3 * n), kMinNoise * kMinNoise);
+  const double most = 1 / (kMinDeviationPx * kMinDeviationPx);
   const double along = std::min(eigen.large / noise, most);
   const double across = eigen.small >= gate ? std::min(eigen.small / noise, most) : 0.0;
   const glm::dvec2 d = eigen.direction, e(-d.y, d.x);

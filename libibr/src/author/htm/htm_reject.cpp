@@ -14,10 +14,10 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kLeastSamples = 16;
+constexpr std::size_t kMinSamples = 16;
 
 CameraAgreement compared(const Image8& picture, const std::vector<TemplateSample>& samples, glm::dvec2 complement) {
-  if (samples.size() < kLeastSamples) return {};
+  if (samples.size() < kMinSamples) return {};
   glm::dvec3 sumA(0.0), sumB(0.0), apart(0.0), squaresA(0.0), squaresB(0.0), products(0.0);
   for (const TemplateSample& sample : samples) {
     const glm::dvec3 a(sample.red, sample.green, sample.blue);
@@ -57,7 +57,7 @@ class CliqueSearch {
       return;
     }
     if (std::popcount(chosen) + std::popcount(candidates) < std::popcount(best_)) return;
-    if (++steps_ > kMostSteps && best_) return;
+    if (++steps_ > kMaxSteps && best_) return;
     // Try the candidate with the most partners first: the search soon has a greedy answer.
     int first = -1, most = -1;
     for (CameraSet rest = candidates; rest; rest &= rest - 1) {
@@ -70,7 +70,7 @@ class CliqueSearch {
     if (candidates & ~joined_[std::size_t(first)] & ~bit) extend(chosen, candidates & ~bit);
   }
 
-  static constexpr std::size_t kMostSteps = 100000;
+  static constexpr std::size_t kMaxSteps = 100000;
   std::span<const CameraSet> joined_;
   std::span<const float> scores_;
   CameraSet best_ = 0;
@@ -126,7 +126,7 @@ std::vector<CameraSet> agreeingMembers(std::size_t cameras, std::span<const Came
   const std::size_t n = members.size();
   const auto disagree = [&](std::size_t i, std::size_t j, std::size_t v) {
     const CameraAgreement& a = agreements[(i * cameras + j) * n + v];
-    return a.known && a.difference > options.mostDifference && a.correlation < options.leastCorrelation;
+    return a.known && a.difference > options.maxDifference && a.correlation < options.minCorrelation;
   };
   std::vector<CameraSet> agreeing(n);
   std::vector<CameraSet> joined(cameras);

@@ -12,8 +12,8 @@
 namespace ibr {
 
 struct RejectOptions {
-  double mostDifference = 45;     // [H] eq. 1 at the complement, 8-bit levels: above it two cameras disagree, …
-  double leastCorrelation = 0.2;  // … unless their colours correlate at least this much
+  double maxDifference = 45;    // [H] eq. 1 at the complement, 8-bit levels: above it two cameras disagree, …
+  double minCorrelation = 0.2;  // … unless their colours correlate at least this much
   SegmentOptions segment;
 };
 

@@ -13,16 +13,16 @@ Segments::Segments(const TriangleMesh& mesh, const Lists& faces, const Projected
                    const SegmentOptions& options)
     : mesh_(mesh), faces_(faces), view_(view), options_(options), mark_(mesh.triangles.size(), 0) {}
 
-// Marks the faces at v, and rings of faces around them until they reach leastRadius.
+// Marks the faces at v, and rings of faces around them until they reach minRadiusPx.
 void Segments::markRings(std::size_t v, glm::dvec2 middle) {
-  constexpr int kMostRings = 6;
+  constexpr int kMaxRings = 6;
   ++call_;
   ring_.assign(1, std::uint32_t(v));
   radius_ = 0;
   std::size_t first = 0;
-  for (int ring = 0; ring < kMostRings; ++ring) {
+  for (int ring = 0; ring < kMaxRings; ++ring) {
     const std::size_t end = ring_.size();
-    double nearest = options_.mostRadius;  // radius of the rim that this ring adds
+    double nearest = options_.maxRadiusPx;  // radius of the rim that this ring adds
     for (std::size_t k = first; k < end; ++k)
       for (const std::uint32_t face : faces_[ring_[k]]) {
         if (mark_[face] == call_) continue;
@@ -39,10 +39,10 @@ void Segments::markRings(std::size_t v, glm::dvec2 middle) {
           }
         }
       }
-    if (nearest >= options_.leastRadius || ring_.size() == end) break;
+    if (nearest >= options_.minRadiusPx || ring_.size() == end) break;
     first = end;
   }
-  radius_ = std::min(radius_, options_.mostRadius);
+  radius_ = std::min(radius_, options_.maxRadiusPx);
 }
 
 const std::vector<SegmentPixel>& Segments::of(std::size_t v) {
@@ -60,7 +60,7 @@ const std::vector<SegmentPixel>& Segments::of(std::size_t v) {
     for (int x = left; x <= right; ++x) {
       const std::uint32_t face = shown.pixel(x, y)[0];
       const glm::dvec2 centre(x + 0.5, y + 0.5);
-      if (face == MeshRaster::kNone || mark_[face] != call_ || glm::distance(centre, middle) > options_.mostRadius)
+      if (face == MeshRaster::kNone || mark_[face] != call_ || glm::distance(centre, middle) > options_.maxRadiusPx)
         continue;
       pixels_.emplace_back(x, y);
     }

@@ -16,8 +16,8 @@
 namespace ibr {
 
 struct SegmentOptions {
-  double leastRadius = 8;  // px; if the vertex's faces are smaller, the faces around them are included
-  double mostRadius = 24;  // px from the vertex; pixels farther away are left out
+  double minRadiusPx = 8;   // px; if the vertex's faces are smaller, the faces around them are included
+  double maxRadiusPx = 24;  // px from the vertex; pixels farther away are left out
 };
 
 using SegmentPixel = glm::i16vec2;  // column, row
@@ -59,7 +59,7 @@ class Recoloured {
   };
 
  public:
-  static constexpr std::size_t kBytesAPixel = sizeof(Colour);  // memory per pixel of the view
+  static constexpr std::size_t kBytesPerPixel = sizeof(Colour);  // memory per pixel of the view
 
   Recoloured(const ProjectedMesh& view, const ProjectedMesh& from);
 

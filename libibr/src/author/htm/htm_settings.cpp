@@ -61,7 +61,7 @@ bool fits(const Json& json) {
 
 }  // namespace
 
-std::string htmSettingsText(const HtmBuildOptions& options) {
+std::string htmOptionsToJson(const HtmBuildOptions& options) {
   Json json{{"maxSize", options.maxSize},
             {kMasks, !options.masks.empty()},
             {kMeasure, options.optimise.measure == TemplateMeasure::correlation ? kCorrelation : kDifferences}};
@@ -74,7 +74,7 @@ bool htmHasMasks(const std::string& settings) {
   return !json.is_object() || json.value(kMasks, Json(true)) != Json(false);
 }
 
-HtmOptions htmOptionsOf(const std::string& settings) {
+HtmOptions htmOptionsFromJson(const std::string& settings) {
   HtmOptions options;
   if (settings.empty()) return options;
   const Json json = Json::parse(settings, nullptr, false);

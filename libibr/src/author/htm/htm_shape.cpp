@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "author/htm/htm_adjacency.h"
-#include "author/htm/htm_trust.h"
+#include "author/htm/htm_robust_weight.h"
 #include "author/pixels/cv_view.h"
 #include "base/check.h"
 #include "base/parallel.h"
@@ -59,7 +59,7 @@ std::vector<CameraSet> outlinesOf(const TriangleMesh& mesh, std::span<const HtmV
 std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<const HtmView> views,
                                          std::span<const CameraSet> members, std::span<const CameraSet> outlines,
                                          std::span<const VertexMatch> matches) {
-  constexpr double kLeastCosine = 0.26;
+  constexpr double kMinCosine = 0.26;
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   std::vector<PinholeView> pinholes;
@@ -73,7 +73,7 @@ std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<con
       if (!((members[v] & ~mute) >> j & 1)) continue;
       const glm::dvec3 away = mesh.positions[v] - pinholes[j].centre();
       const double distance = glm::length(away), cosine = -glm::dot(normals[v], away) / distance;
-      if (!(cosine > kLeastCosine)) continue;
+      if (!(cosine > kMinCosine)) continue;
       // Intersection of camera j's ray with the surface after the surface moves out by a small step.
       const double step = 1e-4 * distance;
       const glm::dvec3 moved = mesh.positions[v] - away * (step / (distance * cosine));
@@ -107,18 +107,18 @@ glm::dvec3 across(const glm::dvec2& outwards, double worth) {
   return worth * glm::dvec3(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y);
 }
 
-struct Outlined {
+struct OutlineClaim {
   std::size_t vertex;
   Claim claim;
 };
 
 // Claims of a view's outlines: a vertex on the mesh's outline is drawn to the mask's border if that is near. Without a
 // mask the true outline is unknown: the vertex is held where it is.
-std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& view, std::size_t camera,
-                                    std::span<const CameraSet> outlines) {
-  constexpr double kFarthest = 12, kWorth = 40;  // px; 1 / px²
+std::vector<OutlineClaim> outlineClaims(const TriangleMesh& mesh, const HtmView& view, std::size_t camera,
+                                        std::span<const CameraSet> outlines) {
+  constexpr double kMaxBorderPx = 12, kBorderInformation = 40;  // px; 1 / px²
   const cv::Mat distance = distanceToBorder(view.mask);
-  std::vector<Outlined> outlined;
+  std::vector<OutlineClaim> outlined;
   if (distance.empty() && !view.mask.empty()) return outlined;
   const PinholeView pinhole(view.camera);
   const MeshRaster raster = rasterised(mesh, view.camera);
@@ -133,7 +133,7 @@ std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& vie
     const glm::dvec2 along = (moved->pixel - p) / step;
     if (view.mask.empty()) {
       if (const double length = glm::length(along); length > 0)
-        outlined.push_back({v, {along, glm::dvec2(0), across(along / length, kWorth)}});
+        outlined.push_back({v, {along, glm::dvec2(0), across(along / length, kBorderInformation)}});
       continue;
     }
     if (!(p.x >= 4 && p.y >= 4 && p.x < distance.cols - 4 && p.y < distance.rows - 4)) continue;  // near image border
@@ -142,9 +142,9 @@ std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& vie
     glm::dvec2 outwards(distance.at<float>(y, x + 2) - distance.at<float>(y, x - 2),
                         distance.at<float>(y + 2, x) - distance.at<float>(y - 2, x));
     const double length = glm::length(outwards);
-    if (std::abs(off) > kFarthest || !(length > 0)) continue;
+    if (std::abs(off) > kMaxBorderPx || !(length > 0)) continue;
     outwards /= length;
-    outlined.push_back({v, {along, -off * outwards, across(outwards, kWorth)}});
+    outlined.push_back({v, {along, -off * outwards, across(outwards, kBorderInformation)}});
   }
   return outlined;
 }
@@ -163,17 +163,17 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
   const Lists neighbours = neighboursOfVertices(mesh);
   const std::vector<CameraSet> outlines = outlinesOf(mesh, views);
   std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, outlines, matches);
-  std::vector<std::vector<Outlined>> outlined(views.size());
+  std::vector<std::vector<OutlineClaim>> outlined(views.size());
   double mostPixels = 0;
   for (const HtmView& view : views)
     mostPixels = std::max(mostPixels, double(view.camera.intrinsics.width) * view.camera.intrinsics.height);
-  constexpr double kBytesAPixel = 24;  // memory of distances, masks and the rasterised mesh
+  constexpr double kBytesPerPixel = 24;  // memory of distances, masks and the rasterised mesh
   const bool finished = runJobs(
-      views.size(), threadsFor(options.threads, mostPixels * kBytesAPixel),
+      views.size(), threadsFor(options.threads, mostPixels * kBytesPerPixel),
       [&](std::size_t i) { outlined[i] = outlineClaims(mesh, views[i], i, outlines); }, wanted);
   check(finished, ErrorCode::cancelled, kStopped);
-  for (const std::vector<Outlined>& ofView : outlined)
-    for (const Outlined& o : ofView) claims[o.vertex].push_back(o.claim);
+  for (const std::vector<OutlineClaim>& ofView : outlined)
+    for (const OutlineClaim& o : ofView) claims[o.vertex].push_back(o.claim);
   std::vector<double> scale(n, 0), displacement(n, 0);  // scale: px² per unit²
   double typical = 0, known = 0;
   for (std::size_t v = 0; v < n; ++v) {
@@ -189,7 +189,7 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
       double weight = 0, side = 0;
       for (const Claim& claim : claims[v]) {
         const glm::dvec2 off = claim.match - claim.along * displacement[v];
-        const double trust = sweep < kSweeps / 4 ? 1.0 : trustOf(claim.information, off, options.outlierPx);
+        const double trust = sweep < kSweeps / 4 ? 1.0 : robustWeight(claim.information, off, options.outlierPx);
         weight += trust * product(claim.along, claim.information, claim.along);
         side += trust * product(claim.along, claim.information, claim.match);
       }

@@ -40,7 +40,7 @@ MeshRaster rasterised(const TriangleMesh& mesh, const Camera& camera) {
     const auto &a = seen[mesh.triangles[f].x], &b = seen[mesh.triangles[f].y], &c = seen[mesh.triangles[f].z];
     if (!a || !b || !c) continue;
     const glm::dvec3 inverse(1 / a->depth, 1 / b->depth, 1 / c->depth);
-    forPixelsIn(a->pixel, b->pixel, c->pixel, width, height, [&](int x, int y, const glm::dvec3& at) {
+    forTrianglePixels(a->pixel, b->pixel, c->pixel, width, height, [&](int x, int y, const glm::dvec3& at) {
       const float depth = float(1 / (at.x * inverse.x + at.y * inverse.y + at.z * inverse.z));
       float& nearest = raster.depth.pixel(x, y)[0];
       if (!(depth < nearest)) return;

@@ -13,10 +13,10 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastCosine = 0.1;  // between normal and direction to the camera; flatter faces have no usable pixels
-constexpr double kLeastShare = 0.25;
+constexpr double kMinCosine = 0.1;  // between normal and direction to the camera; flatter faces have no usable pixels
+constexpr double kMinVisibleShare = 0.25;
 constexpr double kSamplePx = 4;
-constexpr int kMostSamples = 8;  // maximum along a side
+constexpr int kMaxSamples = 8;  // maximum along a side
 
 // Counts of samples at the centres of n² equal parts of the face.
 struct Shares {
@@ -47,16 +47,16 @@ void judge(const std::array<glm::dvec3, 3>& corner, const ProjectedMesh& view, C
   const glm::dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
   const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
   const glm::dvec3 towards = view.view.centre() - middle;
-  if (!(glm::dot(normal, towards) > kLeastCosine * glm::length(normal) * glm::length(towards))) return;
+  if (!(glm::dot(normal, towards) > kMinCosine * glm::length(normal) * glm::length(towards))) return;
   double longest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto a = view.view.seen(corner[k]), b = view.view.seen(corner[(k + 1) % 3]);
     if (!a || !b) return;
     longest = std::max(longest, glm::distance(a->pixel, b->pixel));
   }
-  const double pieces = std::clamp(longest / kSamplePx, 2.0, double(kMostSamples));  // any length, also infinite
+  const double pieces = std::clamp(longest / kSamplePx, 2.0, double(kMaxSamples));  // any length, also infinite
   const Shares shares = sharesOf(corner, view, int(std::ceil(pieces)));
-  if (shares.visible < kLeastShare * shares.samples) return;
+  if (shares.visible < kMinVisibleShare * shares.samples) return;
   result.seen |= camera;
   if (shares.hidden > 0) result.partly |= camera;
 }

@@ -22,13 +22,13 @@ class BuildJobs {
   void step(std::string_view stage, std::size_t done, std::size_t total) const;
 
   /// Runs job(0) … job(count − 1), each once. The number of threads is limited so that jobs of `bytesEach`, the
-  /// process's current memory and `bytesKept` left behind by each job fit the memory. Throws what a job throws, and
+  /// process's current memory and `retainedBytes` left behind by each job fit the memory. Throws what a job throws, and
   /// Error{cancelled}; waits for jobs that have started.
   void runAll(std::string_view stage, std::size_t count, double bytesEach, const std::function<void(std::size_t)>& job,
-              double bytesKept = 0) const;
+              double retainedBytes = 0) const;
 
  private:
-  bool wanted(std::string_view stage, std::size_t done, std::size_t total) const;
+  bool reportProgress(std::string_view stage, std::size_t done, std::size_t total) const;
 
   int threads_;
   double memory_;

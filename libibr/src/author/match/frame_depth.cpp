@@ -16,28 +16,28 @@ namespace ibr {
 namespace {
 
 constexpr float kUnknown = -1;
-constexpr double kSurfaceSteps = 2;          // maximum step between neighbours of one surface, in MemberDepth::step
-constexpr double kSteps = 2, kShare = 0.01;  // tolerance: in sweep levels, plus a share of ρ
+constexpr double kSurfaceSteps = 2;  // maximum step between neighbours of one surface, in MemberDepth::step
+constexpr double kToleranceLevels = 2, kRelativeTolerance = 0.01;  // tolerance: in sweep levels, plus a share of ρ
 
 // Returns how much a depth at `there` supports one at `here`, 0 to 1.
 double kernel(double here, double there, double step) {
-  const double off = (here - there) / (kSteps * step + kShare * here);
+  const double off = (here - there) / (kToleranceLevels * step + kRelativeTolerance * here);
   return std::max(0.0, 1 - off * off);
 }
 
 // A pixel of a depth map, projected into the frame.
-struct Place {
+struct ProjectedPixel {
   glm::dvec2 pixel{0};
   double inverseDepth = -1;  // negative: not visible in the frame
 };
 
-std::vector<Place> placesOf(const Camera& frame, const MemberDepth& member) {
+std::vector<ProjectedPixel> projectedPixels(const Camera& frame, const MemberDepth& member) {
   const Intrinsics &own = member.camera.intrinsics, &k = frame.intrinsics;
   const glm::dquat toFrame = glm::conjugate(frame.pose.rotation);
   const glm::dmat3 turn = glm::mat3_cast(toFrame * member.camera.pose.rotation);
   const glm::dvec3 shift = toFrame * (member.camera.pose.position - frame.pose.position);
   const bool alongAxis = own.model == CameraModel::pinhole;
-  std::vector<Place> places(member.inverseDepth.values.size());
+  std::vector<ProjectedPixel> places(member.inverseDepth.values.size());
   for (int y = 0; y < own.height; ++y)
     for (int x = 0; x < own.width; ++x) {
       const double inverseDepth = double(member.inverseDepth.pixel(x, y)[0]);
@@ -54,18 +54,20 @@ std::vector<Place> placesOf(const Camera& frame, const MemberDepth& member) {
 
 // ρ of the nearest part of the member's surface, in the frame's pixels.
 ImageF layerOf(const Camera& frame, const MemberDepth& member) {
-  const std::vector<Place> places = placesOf(frame, member);
+  const std::vector<ProjectedPixel> places = projectedPixels(frame, member);
   const ImageF& map = member.inverseDepth;
   ImageF layer(frame.intrinsics.width, frame.intrinsics.height, 1, kUnknown);
   const auto draw = [&](std::size_t a, std::size_t b, std::size_t c) {
-    const Place &pa = places[a], &pb = places[b], &pc = places[c];
+    const ProjectedPixel &pa = places[a], &pb = places[b], &pc = places[c];
     if (pa.inverseDepth < 0 || pb.inverseDepth < 0 || pc.inverseDepth < 0) return;
     const auto [low, high] = std::minmax({map.values[a], map.values[b], map.values[c]});
     if (double(high - low) > kSurfaceSteps * member.step) return;
-    forPixelsIn(pa.pixel, pb.pixel, pc.pixel, layer.width, layer.height, [&](int x, int y, const glm::dvec3& share) {
-      float& here = layer.pixel(x, y)[0];
-      here = std::max(here, float(share.x * pa.inverseDepth + share.y * pb.inverseDepth + share.z * pc.inverseDepth));
-    });
+    forTrianglePixels(
+        pa.pixel, pb.pixel, pc.pixel, layer.width, layer.height, [&](int x, int y, const glm::dvec3& share) {
+          float& here = layer.pixel(x, y)[0];
+          here =
+              std::max(here, float(share.x * pa.inverseDepth + share.y * pb.inverseDepth + share.z * pc.inverseDepth));
+        });
   };
   const bool closed = member.camera.intrinsics.model == CameraModel::equirectangular;
   const auto at = [&](int x, int y) {
@@ -102,15 +104,15 @@ void fillRows(ImageF& map) {
 }  // namespace
 
 FrameDepth depthOfFrame(const Camera& frame, std::span<const MemberDepth> members, double step) {
-  check(members.size() <= kMostMembers, ErrorCode::invalidInput, "{} members are more than the maximum of {}",
-        members.size(), kMostMembers);
+  check(members.size() <= kMaxMembers, ErrorCode::invalidInput, "{} members are more than the maximum of {}",
+        members.size(), kMaxMembers);
   std::vector<ImageF> layers;
   for (const MemberDepth& member : members) layers.push_back(layerOf(frame, member));
   const int width = frame.intrinsics.width, height = frame.intrinsics.height;
   FrameDepth result{ImageF(width, height, 1, kUnknown), Image8(width, height, 1, 0)};
   for (std::size_t p = 0; p < result.inverseDepth.values.size(); ++p) {
-    std::array<double, kMostMembers> depth{};
-    std::array<std::size_t, kMostMembers> who{};
+    std::array<double, kMaxMembers> depth{};
+    std::array<std::size_t, kMaxMembers> who{};
     std::size_t count = 0;
     for (std::size_t i = 0; i < layers.size(); ++i)
       if (layers[i].values[p] >= 0) {

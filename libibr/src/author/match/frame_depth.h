@@ -28,7 +28,7 @@ struct FrameDepth {
 };
 
 /// `frame`: a pinhole. `step`: ρ of one level of a plane sweep; depths within two of these plus 1 % count as equal.
-/// Pure. Throws Error{invalidInput} for more than kMostMembers (author/geometry/match_view.h).
+/// Pure. Throws Error{invalidInput} for more than kMaxMembers (author/geometry/match_view.h).
 FrameDepth depthOfFrame(const Camera& frame, std::span<const MemberDepth> members, double step);
 
 }  // namespace ibr

@@ -22,11 +22,11 @@
 namespace ibr {
 namespace {
 
-constexpr int kSpeckle = 60;          // area of speckles that are removed, px at half resolution
-constexpr float kSpeckleStep = 2.0f;  // of depth between speckle and surroundings, sweep levels
-constexpr float kHidden = 10.0f;      // in front of a pixel that a surface hides, sweep levels
-constexpr double kResidual = 3.0;     // maximum flow between warped members, px
-constexpr int kSweepWindow = 2;       // radius of the sweep's windows, px
+constexpr int kMaxSpeckleArea = 60;        // area of speckles that are removed, px at half resolution
+constexpr float kSpeckleStep = 2.0f;       // of depth between speckle and surroundings, sweep levels
+constexpr float kOcclusionLevels = 10.0f;  // in front of a pixel that a surface hides, sweep levels
+constexpr double kMaxFlowPx = 3.0;         // maximum flow between warped members, px
+constexpr int kSweepWindowRadius = 2;      // radius of the sweep's windows, px
 
 Camera halved(const Camera& camera) {
   const Intrinsics& k = camera.intrinsics;
@@ -42,7 +42,7 @@ class Matcher {
   Matcher(std::span<const MatchView> views, const MatchOptions& options) : views_(views), options_(options) {
     for (const MatchView& v : views) {
       cameras_.push_back(v.camera);
-      grey_.push_back(greyOf(v.picture));
+      grey_.push_back(toGrey(v.picture));
     }
     match_.frame = meanFrame(cameras_);
     width_ = match_.frame.intrinsics.width;
@@ -71,7 +71,8 @@ class Matcher {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
     const SweepLevels levels = sweepLevels(frame, halves, std::move(depths));
     match_.inverseDepthStep = float(levels.step);
-    const ImageF half = options_.depths.empty() ? swept(frame, halves, levels, points) : ofMembers(frame, levels.step);
+    const ImageF half =
+        options_.depths.empty() ? swept(frame, halves, levels, points) : depthFromMembers(frame, levels.step);
     match_.inverseDepth = enlarged(fitPlanes(half, match_.inverseDepthStep), width_, height_);
   }
 
@@ -84,20 +85,20 @@ class Matcher {
       cv::Mat small, target = cvView(halves.back().grey);
       cv::resize(cvView(grey_[i]), small, {width, height}, 0, 0, cv::INTER_AREA);
       small.convertTo(target, CV_32F);
-      halves.back().mask = widenedMask(resizedMask(views_[i].mask, width, height), kSweepWindow);
+      halves.back().mask = widenedMask(resizedMask(views_[i].mask, width, height), kSweepWindowRadius);
     }
     std::vector<glm::dvec3> planes = dominantPlanes(match_.frame, cameras_, points);
     const glm::dvec3 toHalf(double(width_) / frame.intrinsics.width, double(height_) / frame.intrinsics.height, 1.0);
     for (glm::dvec3& plane : planes) plane *= toHalf;
     const CostVolume volume = planeSweep(frame, halves, levels, planes);
     ImageF level = semiGlobalMatch(volume).level;
-    cleanDepth(level, kSpeckleStep, kSpeckle);
+    cleanDepth(level, kSpeckleStep, kMaxSpeckleArea);
     trimForegrounds(frame, halves, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));
     return level;
   }
 
-  ImageF ofMembers(const Camera& frame, double step) {
+  ImageF depthFromMembers(const Camera& frame, double step) {
     FrameDepth depth = depthOfFrame(frame, options_.depths, step);
     cv::resize(cvView(depth.agree), agree_, {width_, height_}, 0, 0, cv::INTER_NEAREST);
     return std::move(depth.inverseDepth);
@@ -123,12 +124,12 @@ class Matcher {
       cv::remap(cvView(views_[i].mask), ignored, corner, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_REPLICATE);
       ignored = ignored == 0;
     }
-    showOthers();
+    fillMaskedPixels();
   }
 
   // Replaces masked pixels of a member by the mean of the others: windows beside the mask then contain nothing else,
   // and the optical flow has no false motion to follow.
-  void showOthers() {
+  void fillMaskedPixels() {
     std::vector<cv::Mat> shown;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       shown.push_back(warped_[i].clone());
@@ -171,7 +172,7 @@ class Matcher {
     cvView(match_.good).setTo(1, all);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const Image8 visible = visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width,
-                                         views_[i].picture.height, kHidden * match_.inverseDepthStep);
+                                         views_[i].picture.height, kOcclusionLevels * match_.inverseDepthStep);
       cvView(match_.good).setTo(0, cvView(visible) == 0);
       cvView(match_.seen[i]).setTo(0, cvView(visible) == 0);
     }
@@ -194,7 +195,7 @@ class Matcher {
           const cv::Vec2f r = residual.at<cv::Vec2f>(y, x);
           const auto pixel =
               maps_[i]({x + 0.5 + double(r[0]), y + 0.5 + double(r[1])}, double(match_.inverseDepth.values[at(x, y)]));
-          good = cv::norm(r) < kResidual && pixel && contains(views_[i].picture, *pixel);
+          good = cv::norm(r) < kMaxFlowPx && pixel && contains(views_[i].picture, *pixel);
           if (!good) continue;
           match_.position[i].values[2 * at(x, y)] = float(pixel->x);
           match_.position[i].values[2 * at(x, y) + 1] = float(pixel->y);

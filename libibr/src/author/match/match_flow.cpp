@@ -18,12 +18,12 @@
 namespace ibr {
 namespace {
 
-constexpr int kFeatures = 5000;
-constexpr double kRatio = 0.85;
+constexpr int kMaxFeatures = 5000;
+constexpr double kMaxDescriptorRatio = 0.85;
 constexpr int kRounds = 2;
-constexpr int kLeastSide = 32;         // px: smaller images do not suit the flow's pyramid
-constexpr double kThereAndBack = 1.0;  // maximum forward-backward error, px
-constexpr double kCycle = 1.5;         // maximum error over a cycle of three members, px
+constexpr int kMinSidePx = 32;                 // px: smaller images do not suit the flow's pyramid
+constexpr double kMaxForwardBackwardPx = 1.0;  // maximum forward-backward error, px
+constexpr double kMaxCyclePx = 1.5;            // maximum error over a cycle of three members, px
 
 // Samples `picture` at the map's positions; beyond its border the edge is repeated.
 cv::Mat sampledAt(const cv::Mat& picture, const ImageF& map) {
@@ -56,7 +56,7 @@ class FlowMatcher {
  public:
   explicit FlowMatcher(std::span<const MatchView> views) : views_(views), d_(views.size()) {
     for (const MatchView& v : views) {
-      features_.push_back(detectFeatures(grey_.emplace_back(greyOf(withoutMasked(v.picture, v.mask))), kFeatures));
+      features_.push_back(detectFeatures(grey_.emplace_back(toGrey(fillMasked(v.picture, v.mask))), kMaxFeatures));
     }
     const Image8& first = grey_[0];
     match_.frame = views[0].camera;
@@ -69,7 +69,7 @@ class FlowMatcher {
   DenseMatch run() {
     for (std::size_t i = 0; i < d_; ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const std::vector<FeatureMatch> matches = mutualMatches(features_[j], features_[i], kRatio);
+        const std::vector<FeatureMatch> matches = mutualMatches(features_[j], features_[i], kMaxDescriptorRatio);
         PointPairs there, back;
         for (const FeatureMatch& m : matches) {
           there.from.push_back(features_[j].at[m.a]);
@@ -92,7 +92,7 @@ class FlowMatcher {
   ImageF pairMap(std::size_t i, std::size_t j, const PointPairs& pairs) const {
     const Image8 &from = grey_[i], &to = grey_[j];
     ImageF map = meshWarp(pairs, {from.width, from.height}, {to.width, to.height});
-    if (std::min(from.width, from.height) < kLeastSide) return map;
+    if (std::min(from.width, from.height) < kMinSidePx) return map;
     const auto flow = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
     for (int round = 0; round < kRounds; ++round) {
       const cv::Mat warped = sampledAt(cvView(to), map);
@@ -130,7 +130,7 @@ class FlowMatcher {
     }
     for (std::size_t i = 0; i < d_; ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const double limit = j == 0 ? kThereAndBack : kCycle;
+        const double limit = j == 0 ? kMaxForwardBackwardPx : kMaxCyclePx;
         const cv::Mat back = nearerThan(chained(match_.position[i], map_[i][j]), cvView(match_.position[j]), limit);
         const cv::Mat there = nearerThan(chained(match_.position[j], map_[j][i]), cvView(match_.position[i]), limit);
         const cv::Mat sound = back & there & inside[i] & inside[j];

@@ -22,24 +22,24 @@
 namespace ibr {
 namespace {
 
-constexpr int kFeatures = 12'000;
-constexpr double kRatio = 0.85;
-constexpr double kEpipolarPx = 2.0;
-constexpr int kMostRounds = 4;             // of matching and sealing
-constexpr double kWorthRematching = 0.02;  // minimum gain of a round, of the sealed tracks, for another round
-constexpr double kCyclePx = 3.0;           // maximum difference of two paths to a feature of a third member
-constexpr double kContradictedPx = 4.0;    // maximum distance of a match from where its neighbours' planes put it
-constexpr double kAlignedPx = 1.5;         // maximum distance that the last refinement moves a match
-constexpr double kLeastCorrelation = 0.6;  // of a match that is kept
-constexpr double kLabelPx = 1.0;           // maximum distance of a match from a plane that it lies on
+constexpr int kMaxFeatures = 12'000;
+constexpr double kMaxDescriptorRatio = 0.85;
+constexpr double kMaxEpipolarPx = 2.0;
+constexpr int kMaxRounds = 4;                 // of matching and sealing
+constexpr double kMinRematchGain = 0.02;      // minimum gain of a round, of the sealed tracks, for another round
+constexpr double kMaxCyclePx = 3.0;           // maximum difference of two paths to a feature of a third member
+constexpr double kMaxNeighbourErrorPx = 4.0;  // maximum distance of a match from where its neighbours' planes put it
+constexpr double kMaxAlignmentPx = 1.5;       // maximum distance that the last refinement moves a match
+constexpr double kMinCorrelation = 0.6;       // of a match that is kept
+constexpr double kMaxLabelPx = 1.0;           // maximum distance of a match from a plane that it lies on
 
 class HomographicMatcher {
  public:
   HomographicMatcher(std::span<const MatchView> views, const HomographicOptions& options)
       : views_(views), options_(options), d_(views.size()), cameras_(camerasOf(views)), fit_(cameras_, options.posed) {
     for (const MatchView& v : views) {
-      const Image8 grey = greyOf(withoutMasked(v.picture, v.mask));
-      features_.push_back(detectFeatures(grey, kFeatures));
+      const Image8 grey = toGrey(fillMasked(v.picture, v.mask));
+      features_.push_back(detectFeatures(grey, kMaxFeatures));
       cv::Mat value = cvView(grey_.emplace_back(grey.width, grey.height, 1));
       cvView(grey).convertTo(value, CV_32F);
     }
@@ -49,7 +49,7 @@ class HomographicMatcher {
     decompose();
     const PlanePatches patches(grey_, cameras_, options_.exact);
     const Propagation with{planes_, patches, features_};
-    dropContradicted(tracks_, planes_, kContradictedPx);
+    dropContradicted(tracks_, planes_, kMaxNeighbourErrorPx);
     refineLocally(tracks_, with);
     extrapolateLocally(tracks_, with);
     matchFocused(tracks_, with);
@@ -74,8 +74,9 @@ class HomographicMatcher {
 
   // Guided matching compares features only with those near their epipolar line.
   std::vector<FeatureMatch> matchPair(std::size_t i, std::size_t j, const std::vector<std::vector<bool>>& taken) const {
-    if (guided(i, j)) return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
-    return mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]);
+    if (guided(i, j))
+      return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kMaxEpipolarPx, kMaxDescriptorRatio});
+    return mutualMatches(features_[i], features_[j], kMaxDescriptorRatio, taken[i], taken[j]);
   }
 
   // Tracks through all members of features that no plane has sealed; all pairs of members must agree.
@@ -85,7 +86,7 @@ class HomographicMatcher {
       taken.emplace_back(features_[i].count(), false);
       for (const PlaneTrack& track : tracks_) taken[i][track.feature[i]] = true;
     }
-    std::vector<std::vector<std::uint32_t>> to[kMostMembers];
+    std::vector<std::vector<std::uint32_t>> to[kMaxMembers];
     for (std::size_t i = 0; i < d_; ++i) {
       to[i].resize(d_);
       for (std::size_t j = i + 1; j < d_; ++j) {
@@ -108,7 +109,7 @@ class HomographicMatcher {
         track.at[j] = features_[j].at[g];
         for (std::size_t i = 1; i < j; ++i)
           if (const std::uint32_t other = to[i][j][track.feature[i]]; other != kNoFeature)
-            sound = sound && glm::distance(features_[j].at[other], features_[j].at[g]) <= kCyclePx;
+            sound = sound && glm::distance(features_[j].at[other], features_[j].at[g]) <= kMaxCyclePx;
       }
       if (sound) found.push_back(track);
     }
@@ -120,7 +121,7 @@ class HomographicMatcher {
   int rounds() const {
     for (std::size_t i = 0; i < d_; ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (!guided(j, i)) return kMostRounds;
+        if (!guided(j, i)) return kMaxRounds;
     return 1;
   }
 
@@ -131,11 +132,11 @@ class HomographicMatcher {
       // Unsealed tracks may still lie on a plane found earlier.
       for (PlaneTrack& track : tracks_)
         for (std::size_t p = 0; track.plane < 0 && p < planes_.size(); ++p)
-          if (planes_[p].error(track) < kOnPlanePx) track.plane = int(p);
+          if (planes_[p].error(track) < kMaxPlaneErrorPx) track.plane = int(p);
       while (sealLargestPlane(fit_, tracks_, planes_, options_.seed + planes_.size())) {
       }
       std::erase_if(tracks_, [](const PlaneTrack& track) { return track.plane < 0; });
-      if (double(tracks_.size()) < double(sealed) * (1 + kWorthRematching) || tracks_.empty()) break;
+      if (double(tracks_.size()) < double(sealed) * (1 + kMinRematchGain) || tracks_.empty()) break;
     }
   }
 
@@ -147,8 +148,8 @@ class HomographicMatcher {
       const PlaneMaps& plane = planes_[std::size_t(track.plane)];
       PlaneTrack moved = track;
       if (options_.exact) moved.at = *plane(track.at[0]);
-      const double correlation = patches.align(plane, {moved.at.data(), d_}, kAlignedPx);
-      keep[t] = correlation >= kLeastCorrelation;
+      const double correlation = patches.align(plane, {moved.at.data(), d_}, kMaxAlignmentPx);
+      keep[t] = correlation >= kMinCorrelation;
       track.at = moved.at;
     }
     keepOnly(tracks_, keep);
@@ -160,7 +161,7 @@ class HomographicMatcher {
     for (const PlaneTrack& track : tracks_)
       if (track.plane >= 0) on[std::size_t(track.plane)].push_back(&track);
     for (std::size_t p = 0; p < planes_.size(); ++p)
-      if (on[p].size() >= leastOnPlane(fit_))
+      if (on[p].size() >= minOnPlane(fit_))
         if (const auto plane = fit_(on[p])) planes_[p] = *plane;
   }
 
@@ -174,7 +175,7 @@ class HomographicMatcher {
     match.seen.assign(d_, Image8(width, height, 1));
     MatchedVertices& vertices = match.vertices.emplace();
     vertices.matched.resize(d_);
-    vertices.planes = planeLabels(tracks_, planes_, kLabelPx);
+    vertices.planes = planeLabels(tracks_, planes_, kMaxLabelPx);
     TrackField field = fieldOf(tracks_, trackTriangles(tracks_), vertices.planes, planes_, d_, {width, height});
     match.position = std::move(field.position);
 

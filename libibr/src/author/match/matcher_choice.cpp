@@ -36,9 +36,9 @@ double cellReprojectionError(const PosedModel& model, std::span<const std::uint3
   return errors.empty() ? std::numeric_limits<double>::infinity() : median(errors);
 }
 
-MatchMethod chosenMatcher(MatchMethod wanted, double reprojectionPx) {
+MatchMethod resolveMatcher(MatchMethod wanted, double reprojectionPx) {
   if (wanted != MatchMethod::automatic) return wanted;
-  return reprojectionPx <= kUsablePx ? MatchMethod::sweep : MatchMethod::flow;
+  return reprojectionPx <= kMaxSweepErrorPx ? MatchMethod::sweep : MatchMethod::flow;
 }
 
 DenseMatch matchCell(std::span<const MatchView> views, std::span<const glm::dvec3> points,

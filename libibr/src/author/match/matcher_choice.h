@@ -9,7 +9,7 @@
 
 namespace ibr {
 
-inline constexpr double kUsablePx = 1.0;  // maximum median reprojection error of poses for a plane sweep
+inline constexpr double kMaxSweepErrorPx = 1.0;  // maximum median reprojection error of poses for a plane sweep
 
 /// Returns the median reprojection error of the tracks that at least two members share, each triangulated again, in px
 /// of the cameras' images. A track counts with its worst member; infinite without shared tracks. `members`: the
@@ -18,12 +18,12 @@ double cellReprojectionError(const PosedModel& model, std::span<const std::uint3
                              std::span<const Camera> cameras, std::span<const std::uint32_t> tracks);
 
 /// Resolves `wanted`: `automatic` becomes the sweep if the (adjusted) poses reproject within
-/// kUsablePx, else the flow.
-MatchMethod chosenMatcher(MatchMethod wanted, double reprojectionPx);
+/// kMaxSweepErrorPx, else the flow.
+MatchMethod resolveMatcher(MatchMethod wanted, double reprojectionPx);
 
 struct CellMatchOptions {
   MatchMethod matcher = MatchMethod::sweep;  // not automatic
-  bool posesUsable = true;                   // within kUsablePx …
+  bool posesUsable = true;                   // within kMaxSweepErrorPx …
   bool refine = false;                       // … but not exact
   std::uint64_t seed = 1;
   std::span<const MemberDepth> depths = {};  // as MatchOptions::depths; for the sweep

@@ -15,12 +15,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kPlanePx = 3.0, kEpipolarPx = 1.0;
-constexpr int kLeastOnPlane = 12, kLeastEpipolar = 16;
+constexpr double kMaxPlaneErrorPx = 3.0, kMaxEpipolarPx = 1.0;
+constexpr int kMinOnPlane = 12, kMinEpipolar = 16;
 constexpr double kConfidence = 0.9999;
-constexpr int kRounds = 10000;
+constexpr int kMaxIterations = 10000;
 constexpr std::size_t kNeighbours = 8;
-constexpr float kOffNeighbours = 4.0f;  // px from the neighbours' median, plus twice their median spread
+constexpr float kMaxNeighbourErrorPx = 4.0f;  // px from the neighbours' median, plus twice their median spread
 
 std::vector<cv::Point2f> cvPoints(const std::vector<glm::vec2>& points) {
   std::vector<cv::Point2f> result;
@@ -30,11 +30,11 @@ std::vector<cv::Point2f> cvPoints(const std::vector<glm::vec2>& points) {
 
 cv::Matx33d dominantHomography(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize) {
   const cv::Matx33d stretched(double(otherSize.x) / size.x, 0, 0, 0, double(otherSize.y) / size.y, 0, 0, 0, 1);
-  if (int(pairs.from.size()) < kLeastOnPlane) return stretched;
+  if (int(pairs.from.size()) < kMinOnPlane) return stretched;
   std::vector<std::uint8_t> inliers;
-  const cv::Mat found = cv::findHomography(cvPoints(pairs.from), cvPoints(pairs.to), cv::USAC_MAGSAC, kPlanePx, inliers,
-                                           kRounds, kConfidence);
-  if (found.empty() || std::ranges::count(inliers, 1) < kLeastOnPlane) return stretched;
+  const cv::Mat found = cv::findHomography(cvPoints(pairs.from), cvPoints(pairs.to), cv::USAC_MAGSAC, kMaxPlaneErrorPx,
+                                           inliers, kMaxIterations, kConfidence);
+  if (found.empty() || std::ranges::count(inliers, 1) < kMinOnPlane) return stretched;
   return cv::Matx33d(found);
 }
 
@@ -69,7 +69,7 @@ struct Anchors {
   }
 
   // Drops matches whose residual is far from the median of their neighbours' residuals.
-  void dropStrays() {
+  void dropOutliers() {
     std::vector<bool> keep(count(), true);
     std::vector<std::pair<float, std::size_t>> near;
     for (std::size_t a = 0; a < count(); ++a) {
@@ -83,7 +83,7 @@ struct Anchors {
       for (std::size_t k = 0; k < n; ++k) x.push_back(off[near[k].second].x), y.push_back(off[near[k].second].y);
       const glm::vec2 centre(middle(x), middle(y));
       for (std::size_t k = 0; k < n; ++k) spread.push_back(glm::distance(off[near[k].second], centre));
-      keep[a] = glm::distance(off[a], centre) <= kOffNeighbours + 2 * middle(spread);
+      keep[a] = glm::distance(off[a], centre) <= kMaxNeighbourErrorPx + 2 * middle(spread);
     }
     keepOnly(keep);
   }
@@ -91,18 +91,18 @@ struct Anchors {
 
 Anchors anchorsOf(const PointPairs& pairs, const cv::Matx33d& plane) {
   Anchors anchors;
-  if (int(pairs.from.size()) < kLeastEpipolar) return anchors;
+  if (int(pairs.from.size()) < kMinEpipolar) return anchors;
   std::vector<std::uint8_t> inliers;
-  cv::findFundamentalMat(cvPoints(pairs.from), cvPoints(pairs.to), cv::USAC_MAGSAC, kEpipolarPx, kConfidence, kRounds,
-                         inliers);
-  if (std::ranges::count(inliers, 1) < kLeastEpipolar) return anchors;
+  cv::findFundamentalMat(cvPoints(pairs.from), cvPoints(pairs.to), cv::USAC_MAGSAC, kMaxEpipolarPx, kConfidence,
+                         kMaxIterations, inliers);
+  if (std::ranges::count(inliers, 1) < kMinEpipolar) return anchors;
   for (std::size_t m = 0; m < pairs.from.size(); ++m) {
     if (!inliers[m]) continue;
     anchors.at.push_back(pairs.from[m]);
     anchors.to.push_back(pairs.to[m]);
     anchors.off.push_back(pairs.to[m] - mapped(plane, pairs.from[m]));
   }
-  anchors.dropStrays();
+  anchors.dropOutliers();
   return anchors;
 }
 
@@ -130,14 +130,14 @@ ImageF meshWarp(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize) 
       anchors.off.emplace_back(0.0f);
     }
   for (const glm::uvec3& t : triangulateAndRepair(anchors))
-    forPixelsIn(anchors.at[t.x], anchors.at[t.y], anchors.at[t.z], size.x, size.y,
-                [&](int x, int y, const glm::dvec3& weights) {
-                  const glm::vec3 w(weights);
-                  const glm::vec2 off = w.x * anchors.off[t.x] + w.y * anchors.off[t.y] + w.z * anchors.off[t.z];
-                  const glm::vec2 to = mapped(plane, {float(x) + 0.5f, float(y) + 0.5f}) + off;
-                  map.pixel(x, y)[0] = to.x;
-                  map.pixel(x, y)[1] = to.y;
-                });
+    forTrianglePixels(anchors.at[t.x], anchors.at[t.y], anchors.at[t.z], size.x, size.y,
+                      [&](int x, int y, const glm::dvec3& weights) {
+                        const glm::vec3 w(weights);
+                        const glm::vec2 off = w.x * anchors.off[t.x] + w.y * anchors.off[t.y] + w.z * anchors.off[t.z];
+                        const glm::vec2 to = mapped(plane, {float(x) + 0.5f, float(y) + 0.5f}) + off;
+                        map.pixel(x, y)[0] = to.x;
+                        map.pixel(x, y)[1] = to.y;
+                      });
   return map;
 }
 

@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kRadius = 4;
 constexpr std::size_t kSize = (2 * kRadius + 1) * (2 * kRadius + 1);
-constexpr double kNoise = 9.0;  // grey²: noise variance, added to each window's variance
+constexpr double kNoiseVariance = 9.0;  // grey²: noise variance, added to each window's variance
 constexpr int kSteps = 8;
-constexpr double kStill = 0.005;  // px: smaller steps end the iteration
+constexpr double kConvergencePx = 0.005;  // px: smaller steps end the iteration
 
 }  // namespace
 
@@ -65,15 +65,15 @@ double PlanePatches::correlation(const PlaneMaps& plane, std::span<const glm::dv
     if (!sample(i, plane.to[i], at[0], at[i], other)) return -1;
     double covariance = 0;
     for (std::size_t k = 0; k < kSize; ++k) covariance += (first.value[k] - first.mean) * (other.value[k] - other.mean);
-    least =
-        std::min(least, covariance / double(kSize) / std::sqrt((first.variance + kNoise) * (other.variance + kNoise)));
+    least = std::min(least, covariance / double(kSize) /
+                                std::sqrt((first.variance + kNoiseVariance) * (other.variance + kNoiseVariance)));
   }
   return least;
 }
 
 double PlanePatches::align(const PlaneMaps& plane, std::span<glm::dvec2> at, double reach) const {
   const std::size_t d = grey_.size();
-  std::array<glm::dvec2, kMostMembers> here{}, start{};
+  std::array<glm::dvec2, kMaxMembers> here{}, start{};
   std::copy(at.begin(), at.end(), here.begin());
   start = here;
   double best = correlation(plane, at);
@@ -83,10 +83,11 @@ double PlanePatches::align(const PlaneMaps& plane, std::span<glm::dvec2> at, dou
   const std::span<glm::dvec2> moved(here.data(), d);
   for (int step = 0; step < kSteps; ++step) {
     double along = 0, curvature = 0, largest = 0;  // with poses: of one change of inverse depth
-    std::array<glm::dvec2, kMostMembers> direction{}, change{};
+    std::array<glm::dvec2, kMaxMembers> direction{}, change{};
     for (std::size_t i = 1; i < d; ++i) {
       if (!sample(i, plane.to[i], at[0], here[i], other)) return best;
-      const double gain = std::clamp(std::sqrt((first.variance + kNoise) / (other.variance + kNoise)), 0.25, 4.0);
+      const double gain =
+          std::clamp(std::sqrt((first.variance + kNoiseVariance) / (other.variance + kNoiseVariance)), 0.25, 4.0);
       double xx = 1e-6, xy = 0, yy = 1e-6, rx = 0, ry = 0;
       glm::dvec2 meanSlope(0.0);
       for (std::size_t k = 0; k < kSize; ++k) meanSlope += glm::dvec2(other.slopeX[k], other.slopeY[k]) / double(kSize);
@@ -120,7 +121,7 @@ double PlanePatches::align(const PlaneMaps& plane, std::span<glm::dvec2> at, dou
     if (!(now > best)) break;
     best = now;
     std::copy(moved.begin(), moved.end(), at.begin());
-    if (largest < kStill) break;
+    if (largest < kConvergencePx) break;
   }
   return best;
 }

@@ -36,7 +36,7 @@ void depthFromPositions(DenseMatch& match, std::span<const Camera> cameras) {
   for (const Camera& camera : cameras) maps.push_back(frameToMember(match.frame, camera));
   match.inverseDepth = ImageF(width, height, 1);
   std::vector<double> motions;
-  std::array<glm::dvec2, kMostMembers> positions;
+  std::array<glm::dvec2, kMaxMembers> positions;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       if (!match.good.pixel(x, y)[0]) continue;

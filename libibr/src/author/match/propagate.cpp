@@ -14,17 +14,17 @@
 namespace ibr {
 namespace {
 
-constexpr double kBetter = 0.02;          // minimum gain of correlation for a match to change its plane
-constexpr double kExtrapolated = 0.8;     // minimum correlation of extrapolated matches …
-constexpr double kFocused = 0.8;          // … and of matches found by descriptor
-constexpr double kReach = 1.5;            // maximum alignment of a new match, px
-constexpr double kApart = 3.0;            // minimum distance between matches, px
-constexpr double kMargin = 4.0;           // around the corresponding triangle, px
-constexpr int kSameDescriptor = 100'000;  // maximum distance (0.38 of unit descriptors, squared)
-constexpr double kFocusedRatio = 0.8;
-constexpr double kAround = 40.0;        // maximum distance of a feature from matches whose planes are tried, px …
-constexpr std::size_t kNeighbours = 8;  // … at most so many of them
-constexpr double kStretch = 2.0;        // maximum growth of distances between members
+constexpr double kMinCorrelationGain = 0.02;         // minimum gain of correlation for a match to change its plane
+constexpr double kMinExtrapolatedCorrelation = 0.8;  // minimum correlation of extrapolated matches …
+constexpr double kMinFocusedCorrelation = 0.8;       // … and of matches found by descriptor
+constexpr double kMaxAlignmentPx = 1.5;              // maximum alignment of a new match, px
+constexpr double kMinSpacingPx = 3.0;                // minimum distance between matches, px
+constexpr double kMarginPx = 4.0;                    // around the corresponding triangle, px
+constexpr int kMaxDescriptorDistance = 100'000;      // maximum distance (0.38 of unit descriptors, squared)
+constexpr double kMaxDescriptorRatio = 0.8;
+constexpr double kMaxPlaneDistancePx = 40.0;  // maximum distance of a feature from matches whose planes are tried, px …
+constexpr std::size_t kNeighbours = 8;        // … at most so many of them
+constexpr double kMaxStretch = 2.0;           // maximum growth of distances between members
 
 // Features in a spatial grid, for lookup of neighbours.
 class Buckets {
@@ -77,7 +77,7 @@ struct Box {
 };
 Box boxOf(const std::vector<PlaneTrack>& tracks, const glm::uvec3& t, std::size_t member) {
   const glm::dvec2 a = tracks[t.x].at[member], b = tracks[t.y].at[member], c = tracks[t.z].at[member];
-  return {glm::min(a, glm::min(b, c)) - kMargin, glm::max(a, glm::max(b, c)) + kMargin};
+  return {glm::min(a, glm::min(b, c)) - kMarginPx, glm::max(a, glm::max(b, c)) + kMarginPx};
 }
 
 // Calls `attempt(triangle, feature, at)` for the first member's features without a track, inside their triangles.
@@ -104,7 +104,7 @@ std::size_t forUnmatched(std::vector<PlaneTrack>& tracks, const Features& first,
     });
     std::ranges::sort(inside, {}, &std::pair<std::uint32_t, glm::dvec2>::first);
     for (const auto& [f, at] : inside) {
-      if (matched.anyWithin(at, kApart)) continue;
+      if (matched.anyWithin(at, kMinSpacingPx)) continue;
       std::optional<PlaneTrack> track = attempt(t, f, at);
       if (!track) continue;
       taken[f] = true;
@@ -126,7 +126,7 @@ void refineLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
     PlaneTrack& track = refined[t];
     if (track.plane < 0) continue;
     std::vector<int> planes;
-    std::array<double, kMostMembers> reach{};
+    std::array<double, kMaxMembers> reach{};
     for (const std::uint32_t n : neighbours[t]) {
       if (tracks[n].plane >= 0 && tracks[n].plane != track.plane) planes.push_back(tracks[n].plane);
       for (std::size_t i = 0; i < d; ++i)
@@ -134,7 +134,8 @@ void refineLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
     }
     std::ranges::sort(planes);
     planes.erase(std::ranges::unique(planes).begin(), planes.end());
-    double best = with.patches.correlation(with.planes[std::size_t(track.plane)], {track.at.data(), d}) + kBetter;
+    double best =
+        with.patches.correlation(with.planes[std::size_t(track.plane)], {track.at.data(), d}) + kMinCorrelationGain;
     for (const int p : planes) {
       const PlaneMaps& plane = with.planes[std::size_t(p)];
       const auto at = plane(tracks[t].at[0]);
@@ -156,7 +157,7 @@ void refineLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
 std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
   const std::size_t d = with.features.size();
   const Features& first = with.features[0];
-  Buckets matched(kAround / 2);
+  Buckets matched(kMaxPlaneDistancePx / 2);
   std::vector<bool> taken(first.count(), false);
   for (std::size_t t = 0; t < tracks.size(); ++t) {
     matched.add(tracks[t].at[0], std::uint32_t(t));
@@ -165,15 +166,15 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
   const std::size_t before = tracks.size();
   std::vector<std::pair<double, std::uint32_t>> around;
   std::vector<PlaneTrack> found;
-  Buckets added(kApart);
+  Buckets added(kMinSpacingPx);
   for (std::uint32_t f = 0; f < first.count(); ++f) {
     const glm::dvec2 pixel(first.at[f]);
-    if (taken[f] || added.anyWithin(pixel, kApart)) continue;
+    if (taken[f] || added.anyWithin(pixel, kMinSpacingPx)) continue;
     around.clear();
-    matched.forWithin(pixel - kAround, pixel + kAround,
+    matched.forWithin(pixel - kMaxPlaneDistancePx, pixel + kMaxPlaneDistancePx,
                       [&](glm::dvec2 at, std::uint32_t t) { around.emplace_back(glm::distance(at, pixel), t); });
     std::ranges::sort(around);
-    if (around.empty() || around[0].first < kApart) continue;
+    if (around.empty() || around[0].first < kMinSpacingPx) continue;
     if (around.size() > kNeighbours) around.resize(kNeighbours);
     std::vector<int> planes;
     for (const auto& [distance, t] : around)
@@ -181,21 +182,21 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
     std::ranges::sort(planes);
     planes.erase(std::ranges::unique(planes).begin(), planes.end());
     PlaneTrack track;
-    double best = kExtrapolated;
+    double best = kMinExtrapolatedCorrelation;
     for (const int p : planes) {
       const PlaneMaps& plane = with.planes[std::size_t(p)];
       auto at = plane(pixel);
       if (!at) continue;
-      // In each member, the distance to the neighbours' matches may grow only by kStretch.
+      // In each member, the distance to the neighbours' matches may grow only by kMaxStretch.
       bool near = true;
       for (std::size_t i = 1; i < d; ++i) {
         double least = std::numeric_limits<double>::infinity();
         for (const auto& [distance, t] : around)
-          least = std::min(least, glm::distance((*at)[i], tracks[t].at[i]) - kStretch * distance);
-        near = near && least < kMargin;
+          least = std::min(least, glm::distance((*at)[i], tracks[t].at[i]) - kMaxStretch * distance);
+        near = near && least < kMarginPx;
       }
       if (!near) continue;
-      const double correlation = with.patches.align(plane, {at->data(), d}, kReach);
+      const double correlation = with.patches.align(plane, {at->data(), d}, kMaxAlignmentPx);
       if (correlation <= best) continue;
       best = correlation;
       track.at = *at;
@@ -221,45 +222,46 @@ std::size_t matchFocused(std::vector<PlaneTrack>& tracks, const Propagation& wit
     for (std::uint32_t f = 0; f < with.features[i].count(); ++f)
       if (!taken[i][f]) free[i].add(with.features[i].at[f], f);
   }
-  return forUnmatched(tracks, with.features[0],
-                      [&](const glm::uvec3& t, std::uint32_t f, glm::dvec2 pixel) -> std::optional<PlaneTrack> {
-                        PlaneTrack track;
-                        track.at[0] = pixel;
-                        track.feature[0] = f;
-                        for (std::size_t i = 1; i < d; ++i) {
-                          int best = kSameDescriptor, second = 2 * kSameDescriptor;
-                          const Box box = boxOf(tracks, t, i);
-                          free[i].forWithin(box.low, box.high, [&](glm::dvec2 at, std::uint32_t g) {
-                            if (taken[i][g]) return;
-                            const int distance = descriptorDistance(with.features[0], f, with.features[i], g);
-                            if (distance < best) {
-                              second = std::min(second, best);
-                              best = distance;
-                              track.feature[i] = g;
-                              track.at[i] = at;
-                            } else {
-                              second = std::min(second, distance);
-                            }
-                          });
-                          if (track.feature[i] == kNoFeature || best > kFocusedRatio * kFocusedRatio * second)
-                            return std::nullopt;
-                        }
-                        // The corners' planes only give the compared windows their slant.
-                        double best = kFocused;
-                        std::optional<PlaneTrack> found;
-                        for (const int p : planesOf(tracks, t)) {
-                          const PlaneMaps& plane = with.planes[std::size_t(p)];
-                          PlaneTrack tried = track;
-                          const double correlation = with.patches.align(plane, {tried.at.data(), d}, kReach);
-                          if (correlation <= best) continue;
-                          best = correlation;
-                          tried.plane = plane.error(tried) < kOnPlanePx ? p : -1;
-                          found = tried;
-                        }
-                        if (found)
-                          for (std::size_t i = 1; i < d; ++i) taken[i][found->feature[i]] = true;
-                        return found;
-                      });
+  return forUnmatched(
+      tracks, with.features[0],
+      [&](const glm::uvec3& t, std::uint32_t f, glm::dvec2 pixel) -> std::optional<PlaneTrack> {
+        PlaneTrack track;
+        track.at[0] = pixel;
+        track.feature[0] = f;
+        for (std::size_t i = 1; i < d; ++i) {
+          int best = kMaxDescriptorDistance, second = 2 * kMaxDescriptorDistance;
+          const Box box = boxOf(tracks, t, i);
+          free[i].forWithin(box.low, box.high, [&](glm::dvec2 at, std::uint32_t g) {
+            if (taken[i][g]) return;
+            const int distance = descriptorDistance(with.features[0], f, with.features[i], g);
+            if (distance < best) {
+              second = std::min(second, best);
+              best = distance;
+              track.feature[i] = g;
+              track.at[i] = at;
+            } else {
+              second = std::min(second, distance);
+            }
+          });
+          if (track.feature[i] == kNoFeature || best > kMaxDescriptorRatio * kMaxDescriptorRatio * second)
+            return std::nullopt;
+        }
+        // The corners' planes only give the compared windows their slant.
+        double best = kMinFocusedCorrelation;
+        std::optional<PlaneTrack> found;
+        for (const int p : planesOf(tracks, t)) {
+          const PlaneMaps& plane = with.planes[std::size_t(p)];
+          PlaneTrack tried = track;
+          const double correlation = with.patches.align(plane, {tried.at.data(), d}, kMaxAlignmentPx);
+          if (correlation <= best) continue;
+          best = correlation;
+          tried.plane = plane.error(tried) < kMaxPlaneErrorPx ? p : -1;
+          found = tried;
+        }
+        if (found)
+          for (std::size_t i = 1; i < d; ++i) taken[i][found->feature[i]] = true;
+        return found;
+      });
 }
 
 }  // namespace ibr

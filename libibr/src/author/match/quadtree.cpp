@@ -11,7 +11,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastShare = 0.5;  // matched share of a smallest block for a vertex
+constexpr double kMinMatchedShare = 0.5;  // matched share of a smallest block for a vertex
 
 class Quadtree {
  public:
@@ -42,7 +42,7 @@ class Quadtree {
         visit(x0 + part.x, y0 + part.y, half);
       return;
     }
-    if (good < kLeastShare * area) return;
+    if (good < kMinMatchedShare * area) return;
     // Twice the centre, to stay in whole numbers.
     const glm::ivec2 centre(x0 + x1 - 1, y0 + y1 - 1);
     glm::ivec2 best(0);

@@ -12,8 +12,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastRatio = 0.2, kLargestRatio = 5.0;  // range of a_i relative to their mean
-constexpr int kSteps = 4;                                 // of Gauss–Newton, which starts within a pixel
+constexpr double kMinRatio = 0.2, kMaxRatio = 5.0;  // range of a_i relative to their mean
+constexpr int kSteps = 4;                           // of Gauss–Newton, which starts within a pixel
 
 struct Fit {
   glm::dvec3 state;       // x, y, w
@@ -88,7 +88,7 @@ RangeFit triangulate(const Camera& frame, std::span<const Camera> members, std::
     range.ratio.push_back(glm::length(direction + fit.state.z * (frame.pose.position - members[i].pose.position)));
     mean += range.ratio.back() / double(d);
   }
-  for (double& a : range.ratio) a = std::clamp(a / mean, kLeastRatio, kLargestRatio);
+  for (double& a : range.ratio) a = std::clamp(a / mean, kMinRatio, kMaxRatio);
   range.inverseDistance = std::max(fit.state.z, 0.0) / mean;
   range.perInverseDepth = 1.0 / mean;
   const double noise = std::max(fit.residual, noisePx);

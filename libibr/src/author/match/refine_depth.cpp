@@ -12,19 +12,19 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 5, kMost = (2 * kRadius + 1) * (2 * kRadius + 1), kLeast = kMost / 3;  // px
-constexpr double kOnPlane = 1.5;                                                               // of plane, sweep steps
-constexpr double kFarthest = 2.0;  // maximum change of depth, in px between members
-constexpr double kNoise = 4.0;     // grey levels; with kPrior the weight of the dense depth
-constexpr double kPrior = 0.5;     // px, one standard deviation of the dense depth
-constexpr int kRounds = 4;
+constexpr int kRadius = 5, kPatchPixels = (2 * kRadius + 1) * (2 * kRadius + 1), kMinPixels = kPatchPixels / 3;  // px
+constexpr double kMaxPlaneSteps = 1.5;     // of plane, sweep steps
+constexpr double kMaxMotionPx = 2.0;       // maximum change of depth, in px between members
+constexpr double kNoise = 4.0;             // grey levels; with kPriorDeviationPx the weight of the dense depth
+constexpr double kPriorDeviationPx = 0.5;  // px, one standard deviation of the dense depth
+constexpr int kMaxIterations = 4;
 
 }  // namespace
 
 struct DepthRefiner::Patch {
   int count = 0;
-  std::array<glm::dvec2, kMost> pixel;
-  std::array<double, kMost> inverseDepth;
+  std::array<glm::dvec2, kPatchPixels> pixel;
+  std::array<double, kPatchPixels> inverseDepth;
   double perPixel = 0;  // change of inverse depth that moves members by 1 px relative to each other
 };
 
@@ -43,7 +43,7 @@ DepthRefiner::DepthRefiner(std::span<const MatchView> views, const DenseMatch& m
 // True if all members see the point unmasked, also after a small change of its depth.
 bool DepthRefiner::seen(glm::dvec2 pixel, double inverseDepth) const {
   for (std::size_t i = 0; i < maps_.size(); ++i) {
-    constexpr double kMargin = kFarthest + 1;
+    constexpr double kMargin = kMaxMotionPx + 1;
     const auto at = maps_[i](pixel, inverseDepth);
     if (!at || at->x < kMargin || at->y < kMargin || at->x > grey_[i].width - kMargin ||
         at->y > grey_[i].height - kMargin || isIgnored(masks_[i], *at))
@@ -65,7 +65,7 @@ bool DepthRefiner::gather(int x, int y, Patch& patch) const {
     for (const glm::dvec2 other : move) motion = std::max(motion, glm::distance(other, move.back()));
   }
   patch.perPixel = std::max(1.0 / motion, double(match_.inverseDepthStep));
-  const double limit = kOnPlane * patch.perPixel;
+  const double limit = kMaxPlaneSteps * patch.perPixel;
   // Slope of the plane from pixels of similar depth: least squares without cross term, since the window
   // is nearly symmetric.
   double sx = 0, sy = 0, sxx = 0, syy = 0;
@@ -87,14 +87,14 @@ bool DepthRefiner::gather(int x, int y, Patch& patch) const {
       patch.pixel[std::size_t(patch.count)] = {u + 0.5, v + 0.5};
       patch.inverseDepth[std::size_t(patch.count++)] = plane;
     }
-  return patch.count >= kLeast && motion > 0;
+  return patch.count >= kMinPixels && motion > 0;
 }
 
 // Returns the mean square deviation between the members, grey²; infinite if a member does not see the patch. `step`
 // receives the change of inverse depth that minimises the error, to first order.
 double DepthRefiner::error(const Patch& patch, double change, double* step) const {
   const std::size_t d = grey_.size();
-  std::array<std::array<float, kMost>, kMostMembers> value, slope;
+  std::array<std::array<float, kPatchPixels>, kMaxMembers> value, slope;
   double spread = 0;
   for (std::size_t i = 0; i < d; ++i) {
     const ImageF& grey = grey_[i];
@@ -142,7 +142,7 @@ double DepthRefiner::error(const Patch& patch, double change, double* step) cons
       curvature += s * s;
     }
   }
-  const double deviation = kPrior * patch.perPixel, prior = kNoise * kNoise / (deviation * deviation);
+  const double deviation = kPriorDeviationPx * patch.perPixel, prior = kNoise * kNoise / (deviation * deviation);
   if (step) *step = -(along + prior * change) / (curvature + prior);
   return (error + prior * change * change) / (patch.count * double(d));
 }
@@ -153,9 +153,9 @@ double DepthRefiner::at(int x, int y) const {
   if (!gather(x, y, patch)) return dense;
   double change = 0, step = 0;
   double before = error(patch, 0, &step);
-  for (int round = 0; round < kRounds && std::isfinite(before); ++round) {
+  for (int round = 0; round < kMaxIterations && std::isfinite(before); ++round) {
     const double next = change + step;
-    if (std::abs(next) > kFarthest * patch.perPixel) break;
+    if (std::abs(next) > kMaxMotionPx * patch.perPixel) break;
     const double after = error(patch, next, &step);
     if (!(after < before)) break;
     change = next;

@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kRadius = 5, kSide = 2 * kRadius + 1, kCount = kSide * kSide;  // px of the full-size photograph
 constexpr int kSlopeRadius = 2;                                              // px of the frame
-constexpr double kSameSurface = 4;                                           // maximum difference of depth, sweep steps
-constexpr double kFarthest = 1.0;                                            // maximum motion of a match, view's px
-constexpr double kPrior = 0.5;        // standard deviation of a match, px of the view
-constexpr double kOffLine = 0.02;     // the same across the epipolar line, for exact poses
-constexpr double kNoise = 4.0;        // grey levels
-constexpr double kLeastSpread = 2.0;  // minimum contrast, grey levels
-constexpr double kSettled = 0.01;     // px
-constexpr int kRounds = 10;
+constexpr double kMaxSurfaceLevels = 4;                                      // maximum difference of depth, sweep steps
+constexpr double kMaxMotionPx = 1.0;                                         // maximum motion of a match, view's px
+constexpr double kPriorDeviationPx = 0.5;      // standard deviation of a match, px of the view
+constexpr double kEpipolarDeviationPx = 0.02;  // the same across the epipolar line, for exact poses
+constexpr double kNoise = 4.0;                 // grey levels
+constexpr double kMinSpread = 2.0;             // minimum contrast, grey levels
+constexpr double kConvergencePx = 0.01;        // px
+constexpr int kMaxIterations = 10;
 
 using Patch = std::array<glm::dvec2, kCount>;  // px
 struct Values {
@@ -72,7 +72,7 @@ class Refiner {
     Values first, other;
     if (isIgnored(views_[0].mask, vertices.matched[0][v])) return;
     if (!place(0, pixel, w, slope, vertices.matched[0][v], patch) || !sample(full_[0], patch, {0, 0}, first) ||
-        first.spread < kLeastSpread)
+        first.spread < kMinSpread)
       return;
     for (std::size_t i = 1; i < views_.size(); ++i) {
       const glm::dvec2 matched(vertices.matched[i][v]);
@@ -80,15 +80,15 @@ class Refiner {
       const glm::dmat2 held = prior(i, glm::dvec2(vertices.matched[0][v]), w);
       glm::dvec2 shift(0), step(0), found(0);
       double least = INFINITY;
-      for (int round = 0; round < kRounds; ++round) {
-        if (glm::length(shift / scale_[i]) > kFarthest || !sample(full_[i], patch, shift, other) ||
-            other.spread < kLeastSpread)
+      for (int round = 0; round < kMaxIterations; ++round) {
+        if (glm::length(shift / scale_[i]) > kMaxMotionPx || !sample(full_[i], patch, shift, other) ||
+            other.spread < kMinSpread)
           break;
         const double error = solve(first, other, held, shift, step);
         if (!(error < least)) break;
         least = error;
         found = shift;
-        if (glm::length(step) < kSettled) break;
+        if (glm::length(step) < kConvergencePx) break;
         shift += step;
       }
       vertices.matched[i][v] = glm::vec2(matched + found / scale_[i]);
@@ -99,7 +99,7 @@ class Refiner {
   // Returns the gradient of the inverse depth to the right and down, from pixels on the same surface only.
   glm::dvec2 slopeAt(glm::dvec2 pixel, double w) const {
     const ImageF& depth = match_.inverseDepth;
-    const double limit = kSameSurface * double(match_.inverseDepthStep);
+    const double limit = kMaxSurfaceLevels * double(match_.inverseDepthStep);
     glm::dvec2 along(0), square(0);
     const int cx = int(pixel.x), cy = int(pixel.y);
     for (int y = std::max(cy - kSlopeRadius, 0); y <= std::min(cy + kSlopeRadius, depth.height - 1); ++y)
@@ -131,7 +131,7 @@ class Refiner {
   glm::dmat2 prior(std::size_t i, glm::dvec2 matchedFirst, double w) const {
     const double size = 0.5 * (scale_[i].x + scale_[i].y);
     const auto weight = [&](double px) { return kNoise * kNoise / (px * px * size * size); };
-    glm::dmat2 held(weight(kPrior));
+    glm::dmat2 held(weight(kPriorDeviationPx));
     if (match_.refined) return held;
     // Direction across the epipolar line of the first member's ray in member i.
     const Camera &first = views_[0].camera, &here = views_[i].camera;
@@ -144,7 +144,7 @@ class Refiner {
     const auto near = seen(more), far = seen(w);
     if (!near || !far || !(glm::distance(*near, *far) > 0)) return held;
     const glm::dvec2 line = glm::normalize((*near - *far) * scale_[i]), across(-line.y, line.x);
-    return held + (weight(kOffLine) - weight(kPrior)) * glm::outerProduct(across, across);
+    return held + (weight(kEpipolarDeviationPx) - weight(kPriorDeviationPx)) * glm::outerProduct(across, across);
   }
 
   // Returns the sum of squares, prior included; `step` leads to the minimum, to first order.
@@ -176,8 +176,8 @@ class Refiner {
 
 }  // namespace
 
-void refineInFull(std::span<const MatchView> views, std::span<const Image8> full, const DenseMatch& match,
-                  MatchedVertices& vertices) {
+void refineAtFullSize(std::span<const MatchView> views, std::span<const Image8> full, const DenseMatch& match,
+                      MatchedVertices& vertices) {
   const Refiner refiner(views, full, match);
   for (std::size_t v = 0; v < vertices.frame.size(); ++v) refiner.vertex(vertices, v);
 }

@@ -16,7 +16,7 @@ namespace ibr {
 /// Moves matched positions of members 1 …; `vertices` stay in px of the views' images. `full`: for each view the
 /// full-size photograph in grey (1 channel), of the same shape and at least the view's size. Vertices without an
 /// improvement are kept.
-void refineInFull(std::span<const MatchView> views, std::span<const Image8> full, const DenseMatch& match,
-                  MatchedVertices& vertices);
+void refineAtFullSize(std::span<const MatchView> views, std::span<const Image8> full, const DenseMatch& match,
+                      MatchedVertices& vertices);
 
 }  // namespace ibr

@@ -99,14 +99,14 @@ TrackField fieldOf(std::span<const PlaneTrack> tracks, std::span<const glm::uvec
     const PlaneTrack &a = tracks[t.x], &b = tracks[t.y], &c = tracks[t.z];
     const std::uint16_t shared = commonPlane(labels[t.x], labels[t.y], labels[t.z]);
     // The plane misses the corners slightly: the residuals are interpolated over the triangle.
-    std::array<std::array<glm::dvec2, kMostMembers>, 3> left{a.at, b.at, c.at};
+    std::array<std::array<glm::dvec2, kMaxMembers>, 3> left{a.at, b.at, c.at};
     bool onPlane = shared != 0;
     for (int k = 0; onPlane && k < 3; ++k) {
       const auto there = planes[shared - 1u](tracks[t[k]].at[0]);
       onPlane = there.has_value();
       for (std::size_t i = 0; onPlane && i < members; ++i) left[std::size_t(k)][i] -= (*there)[i];
     }
-    forPixelsIn(a.at[0], b.at[0], c.at[0], size.x, size.y, [&](int x, int y, const glm::dvec3& w) {
+    forTrianglePixels(a.at[0], b.at[0], c.at[0], size.x, size.y, [&](int x, int y, const glm::dvec3& w) {
       const auto on = onPlane ? planes[shared - 1u](glm::dvec2(x + 0.5, y + 0.5)) : std::nullopt;
       if (onPlane && !on) return;
       field.known.pixel(x, y)[0] = 1;

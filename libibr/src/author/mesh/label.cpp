@@ -15,17 +15,18 @@ namespace {
 
 // Thresholds of the best filter against ground truth (precision .97, recall .96 to .98 by area), relaxed: a rejected
 // triangle leaves a hole or one member's image, which is worse than slight blur.
-constexpr float kLeastEcc = 0.6f;
-constexpr float kAlike = 16.0f;  // RMS below which a triangle may lack texture to correlate
-constexpr float kLargestRms = 24.0f;
-constexpr float kLargestOff = 0.3f;
+constexpr float kMinEcc = 0.6f;
+constexpr float kMaxTexturelessRms = 16.0f;  // RMS below which a triangle may lack texture to correlate
+constexpr float kMaxRms = 24.0f;
+constexpr float kMaxOffShare = 0.3f;
 constexpr float kOffPx = 1.5f;
 constexpr float kFarOffPx = 3.0f;  // off however similar: from outside the cell such errors show, as a roof in the sky
-constexpr double kSameColour = 16.0;  // mean over channels, 8-bit levels: a smaller difference hides a wrong match
-constexpr double kNoise = 25.0;       // grey², added to variances and covariance
+constexpr double kMaxHiddenDifference =
+    16.0;                                // mean over channels, 8-bit levels: a smaller difference hides a wrong match
+constexpr double kNoiseVariance = 25.0;  // grey², added to variances and covariance
 
-constexpr std::size_t kMostPairs = kMostMembers * (kMostMembers - 1) / 2;
-constexpr std::size_t kFewSamples = 6;  // triangles with fewer pixel centres inside use a lattice of samples
+constexpr std::size_t kMaxPairs = kMaxMembers * (kMaxMembers - 1) / 2;
+constexpr std::size_t kMinSamples = 6;  // triangles with fewer pixel centres inside use a lattice of samples
 
 // Maps v ↦ gain·v + offset per channel, to the mean of all members.
 struct Exposure {
@@ -59,10 +60,10 @@ class ExposureSums {
     }
   }
   std::vector<Exposure> result() const {
-    constexpr double kLeast = 100;
+    constexpr double kMinSamplesForExposure = 100;
     const std::size_t d = mean_.size();
     std::vector<Exposure> result(d);
-    if (count_ < kLeast) return result;
+    if (count_ < kMinSamplesForExposure) return result;
     std::vector<glm::dvec3> mean, spread;
     glm::dvec3 commonMean(0.0), commonSpread(0.0);
     for (std::size_t i = 0; i < d; ++i) {
@@ -85,7 +86,7 @@ class ExposureSums {
 
 std::vector<Exposure> exposures(std::span<const MatchView> views, const DenseMatch& match) {
   ExposureSums sums(views.size());
-  std::array<glm::dvec3, kMostMembers> colour;
+  std::array<glm::dvec3, kMaxMembers> colour;
   constexpr int kStride = 3;
   for (int y = 0; y < match.good.height; y += kStride)
     for (int x = 0; x < match.good.width; x += kStride) {
@@ -120,7 +121,7 @@ void forSamples(const std::array<glm::vec2, 3>& corner, int width, int height, s
         const float c = cross(corner[1] - corner[0], p - corner[0]) / area;
         if (b >= 0 && c >= 0 && b + c <= 1) list.emplace_back(1 - b - c, b, c);
       }
-  if (list.size() < kFewSamples) {
+  if (list.size() < kMinSamples) {
     list.clear();
     for (int i = 0; i <= 4; ++i)
       for (int j = 0; i + j <= 4; ++j) list.push_back(glm::vec3(4 - i - j, i, j) / 4.0f);
@@ -143,7 +144,7 @@ double largestDifference(std::span<const glm::dvec3> colours, std::span<const bo
 }  // namespace
 
 bool TriangleLabel::agrees() const {
-  return off <= kLargestOff && (ecc > kLeastEcc || rms < kAlike) && rms < kLargestRms;
+  return off <= kMaxOffShare && (ecc > kMinEcc || rms < kMaxTexturelessRms) && rms < kMaxRms;
 }
 
 std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, const DenseMatch& match,
@@ -157,16 +158,16 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
   labels.reserve(triangles.size());
   std::vector<glm::vec3> list;
   for (const glm::uvec3& t : triangles) {
-    std::array<EccSums, kMostPairs> sums;
-    std::array<double, kMostPairs> square{}, count{};
+    std::array<EccSums, kMaxPairs> sums;
+    std::array<double, kMaxPairs> square{}, count{};
     double off = 0;
     forSamples({frame[t.x], frame[t.y], frame[t.z]}, width, height, list, [&](const glm::vec3& w) {
       const glm::vec2 at = w.x * frame[t.x] + w.y * frame[t.y] + w.z * frame[t.z];
       const int px = std::clamp(int(at.x), 0, width - 1), py = std::clamp(int(at.y), 0, height - 1);
       const std::size_t pixel = std::size_t(py) * std::size_t(width) + std::size_t(px);
       bool elsewhere = !match.good.values[pixel], farOff = false;
-      std::array<glm::dvec3, kMostMembers> colour;
-      std::array<bool, kMostMembers> used;
+      std::array<glm::dvec3, kMaxMembers> colour;
+      std::array<bool, kMaxMembers> used;
       for (std::size_t i = 0; i < d; ++i) {
         const std::vector<glm::vec2>& m = member[i];
         const glm::vec2 here = w.x * m[t.x] + w.y * m[t.y] + w.z * m[t.z];
@@ -179,7 +180,7 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
       }
       const bool alone = std::count(used.begin(), used.begin() + std::ptrdiff_t(d), true) < 2;
       off += alone || farOff ||
-             (elsewhere && largestDifference({colour.data(), d}, std::span(used).first(d)) > kSameColour);
+             (elsewhere && largestDifference({colour.data(), d}, std::span(used).first(d)) > kMaxHiddenDifference);
       for (std::size_t i = 0, pair = 0; i < d; ++i)
         for (std::size_t j = 0; j < i; ++j, ++pair) {
           if (!used[i] || !used[j]) continue;
@@ -192,7 +193,7 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
     TriangleLabel label{1.0f, 0.0f, float(off / double(list.size()))};
     for (std::size_t pair = 0; pair < d * (d - 1) / 2; ++pair) {
       if (count[pair] == 0) continue;  // masked: the others decide
-      label.ecc = std::min(label.ecc, float(sums[pair].result(kNoise).value));
+      label.ecc = std::min(label.ecc, float(sums[pair].result(kNoiseVariance).value));
       label.rms = std::max(label.rms, float(std::sqrt(square[pair] / count[pair])));
     }
     labels.push_back(label);
@@ -209,7 +210,7 @@ std::vector<float> worstPairEcc(std::span<const Image8* const> pictures, std::sp
     for (std::size_t i = 0; i < d; ++i)
       for (int k = 0; k < 3; ++k) mean[std::size_t(k)] += member[i][t[k]] / float(d);
     forSamples(mean, pictures[0]->width, pictures[0]->height, list, [&](const glm::vec3& w) {
-      std::array<glm::dvec3, kMostMembers> colour;
+      std::array<glm::dvec3, kMaxMembers> colour;
       for (std::size_t i = 0; i < d; ++i)
         colour[i] = sampled(*pictures[i], w.x * member[i][t.x] + w.y * member[i][t.y] + w.z * member[i][t.z]);
       visit(colour);
@@ -221,7 +222,7 @@ std::vector<float> worstPairEcc(std::span<const Image8* const> pictures, std::sp
   const std::vector<Exposure> exposure = exposureSums.result();
   std::vector<float> worst;
   for (const glm::uvec3& t : triangles) {
-    std::array<EccSums, kMostPairs> sums;
+    std::array<EccSums, kMaxPairs> sums;
     forColours(t, [&](auto& colour) {
       for (std::size_t i = 0; i < d; ++i)
         colour[i] = glm::dvec3(exposure[i].gain) * colour[i] + glm::dvec3(exposure[i].offset);
@@ -230,7 +231,7 @@ std::vector<float> worstPairEcc(std::span<const Image8* const> pictures, std::sp
     });
     worst.push_back(1.0f);
     for (std::size_t pair = 0; pair < d * (d - 1) / 2; ++pair)
-      worst.back() = std::min(worst.back(), float(sums[pair].result(kNoise).value));
+      worst.back() = std::min(worst.back(), float(sums[pair].result(kNoiseVariance).value));
   }
   return worst;
 }

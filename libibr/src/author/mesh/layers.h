@@ -20,7 +20,7 @@ namespace ibr {
 /// A vertex that a cut adds.
 struct LayerVertex {
   SurfaceSample place;
-  unsigned like;  // the mesh's vertex whose surface this one continues
+  unsigned surfaceVertex;  // the mesh's vertex whose surface this one continues
 };
 
 /// Pieces that replace one triangle of the mesh.

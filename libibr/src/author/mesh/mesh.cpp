@@ -36,9 +36,9 @@ struct Vertices : MatchedVertices {
     return delaunayTriangles(std::vector<glm::dvec2>(frame.begin(), frame.end()));
   }
   bool folded(const glm::uvec3& t) const {
-    constexpr auto kLeast = std::int64_t(1e-3 * kGridPerPixel * kGridPerPixel);  // 1e-3 px²
-    return twiceArea(frame, t) <= kLeast ||
-           std::ranges::any_of(stored, [&](const auto& positions) { return twiceArea(positions, t) <= kLeast; });
+    constexpr auto kMinTwiceArea = std::int64_t(1e-3 * kGridPerPixel * kGridPerPixel);  // 1e-3 px²
+    return twiceArea(frame, t) <= kMinTwiceArea ||
+           std::ranges::any_of(stored, [&](const auto& positions) { return twiceArea(positions, t) <= kMinTwiceArea; });
   }
   void keepOnly(const std::vector<bool>& keep) {
     ibr::keepOnly(frame, keep);
@@ -52,15 +52,15 @@ struct Vertices : MatchedVertices {
   void add(const LayerVertex& vertex, std::span<const FrameToMember> maps) {
     for (std::size_t i = 0; i < maps.size(); ++i) {
       const auto here = maps[i](vertex.place.pixel, vertex.place.inverseDepth);
-      const auto there = maps[i](glm::dvec2(frame[vertex.like]), inverseDepth[vertex.like]);
-      const glm::dvec2 known(matched[i][vertex.like]);
+      const auto there = maps[i](glm::dvec2(frame[vertex.surfaceVertex]), inverseDepth[vertex.surfaceVertex]);
+      const glm::dvec2 known(matched[i][vertex.surfaceVertex]);
       const glm::dvec2 put = here && there ? known + (*here - *there) : known;  // else it folds over and is removed
       matched[i].emplace_back(put);
       stored[i].push_back(snapped(put * scale_[i]));
     }
     frame.emplace_back(vertex.place.pixel);
     inverseDepth.push_back(vertex.place.inverseDepth);
-    if (!planes.empty()) planes.push_back(planes[vertex.like]);
+    if (!planes.empty()) planes.push_back(planes[vertex.surfaceVertex]);
   }
 
  private:
@@ -110,7 +110,8 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& 
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, pieces);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const bool inFrame = p < surfaces;
-    kept.push_back({pieces[p], inFrame && labels[p].agrees() ? kTierAgrees : kTierRejected, labels[p].ecc, inFrame});
+    kept.push_back(
+        {pieces[p], inFrame && labels[p].agrees() ? kTierConsistent : kTierRejected, labels[p].ecc, inFrame});
   }
   faces = std::move(kept);
 }
@@ -143,7 +144,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const bool agrees = labels[t].agrees() && !vertices.folded(triangles[t]) &&
                         (filter == TriangleFilter::consistency || homogeneous(vertices.planes, triangles[t]));
-    faces.push_back({triangles[t], agrees ? kTierAgrees : kTierRejected, labels[t].ecc, true});
+    faces.push_back({triangles[t], agrees ? kTierConsistent : kTierRejected, labels[t].ecc, true});
   }
   const std::size_t before = vertices.count();
   if (match.depthKnown) layer(views, match, vertices, triangles, faces);
@@ -155,7 +156,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
     mesh.triangles.push_back(face.corner);
     mesh.tier.push_back(face.tier);
     mesh.ecc.push_back(face.ecc);
-    if (face.tier != kTierAgrees) continue;
+    if (face.tier != kTierConsistent) continue;
     const double size = 0.5 * double(twiceArea(vertices.frame, face.corner)) / (kGridPerPixel * kGridPerPixel);
     covered += size;
     weighted += size * double(face.ecc);

@@ -12,18 +12,18 @@
 namespace ibr {
 namespace {
 
-constexpr int kRadius = 6;          // neighbourhood for a surface's plane, px
-constexpr double kSameSurface = 3;  // maximum difference from one pixel's depth, sweep levels
-constexpr int kLeast = 12;          // minimum number of pixels for a plane
-constexpr double kApart = 2;        // minimum distance of a plane from another surface, sweep levels
-constexpr double kJumpPx = 2.5;     // minimum parallax between members of two surfaces, px
-constexpr double kStep = 0.5;       // px along a segment
-constexpr double kJumpWidth = 2.0;  // px within which …
-constexpr double kJumpShare = 0.5;  // … this share of the change happens at a jump
-constexpr double kReach = 5.0;      // maximum distance from the depth's jump to the colours', px
-constexpr double kAcross = 1.0;     // distance to either side at which colours are compared, px
-constexpr double kFaint = 12.0;     // minimum contrast of a border, grey levels per channel, mean over members
-constexpr double kLeastPart = 0.05;
+constexpr int kRadius = 6;                  // neighbourhood for a surface's plane, px
+constexpr double kMaxSurfaceLevels = 3;     // maximum difference from one pixel's depth, sweep levels
+constexpr int kMinPixels = 12;              // minimum number of pixels for a plane
+constexpr double kMinApartLevels = 2;       // minimum distance of a plane from another surface, sweep levels
+constexpr double kJumpPx = 2.5;             // minimum parallax between members of two surfaces, px
+constexpr double kStep = 0.5;               // px along a segment
+constexpr double kJumpWidthPx = 2.0;        // px within which …
+constexpr double kJumpShare = 0.5;          // … this share of the change happens at a jump
+constexpr double kMaxJumpDistancePx = 5.0;  // maximum distance from the depth's jump to the colours', px
+constexpr double kSampleOffsetPx = 1.0;     // distance to either side at which colours are compared, px
+constexpr double kMinContrast = 12.0;       // minimum contrast of a border, grey levels per channel, mean over members
+constexpr double kMinPart = 0.05;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ SilhouetteFinder::SilhouetteFinder(std::span<const MatchView> views, const Dense
 SurfaceSample SilhouetteFinder::surface(glm::dvec2 pixel, double inverseDepth) const {
   const ImageF& depth = match_.inverseDepth;
   const int x = std::clamp(int(pixel.x), 0, depth.width - 1), y = std::clamp(int(pixel.y), 0, depth.height - 1);
-  const double limit = kSameSurface * double(match_.inverseDepthStep), here = double(depth.pixel(x, y)[0]);
+  const double limit = kMaxSurfaceLevels * double(match_.inverseDepthStep), here = double(depth.pixel(x, y)[0]);
   double n = 0, sx = 0, sy = 0, sxx = 1e-3, sxy = 0, syy = 1e-3, sw = 0, sxw = 0, syw = 0;
   for (int v = std::max(y - kRadius, 0); v <= std::min(y + kRadius, depth.height - 1); ++v)
     for (int u = std::max(x - kRadius, 0); u <= std::min(x + kRadius, depth.width - 1); ++u) {
@@ -50,7 +50,7 @@ SurfaceSample SilhouetteFinder::surface(glm::dvec2 pixel, double inverseDepth) c
       sw += off, sxw += dx * off, syw += dy * off;
     }
   SurfaceSample sample{pixel, inverseDepth};
-  if (n < kLeast) return sample;
+  if (n < kMinPixels) return sample;
   const double cxx = sxx - sx * sx / n, cyy = syy - sy * sy / n, cxy = sxy - sx * sy / n;
   const double cxw = sxw - sx * sw / n, cyw = syw - sy * sw / n, determinant = cxx * cyy - cxy * cxy;
   if (determinant > 1e-6 * cxx * cyy)
@@ -58,8 +58,8 @@ SurfaceSample SilhouetteFinder::surface(glm::dvec2 pixel, double inverseDepth) c
   return sample;
 }
 
-double SilhouetteFinder::mostExtrapolated() const {
-  return kSameSurface * double(match_.inverseDepthStep);
+double SilhouetteFinder::maxExtrapolation() const {
+  return kMaxSurfaceLevels * double(match_.inverseDepthStep);
 }
 
 double SilhouetteFinder::parallax(glm::dvec2 pixel, double a, double b) const {
@@ -75,7 +75,7 @@ double SilhouetteFinder::parallax(glm::dvec2 pixel, double a, double b) const {
 }
 
 bool SilhouetteFinder::apart(const SurfaceSample& a, const SurfaceSample& b) const {
-  const double limit = kApart * double(match_.inverseDepthStep), most = mostExtrapolated();
+  const double limit = kMinApartLevels * double(match_.inverseDepthStep), most = maxExtrapolation();
   return std::abs(a.at(b.pixel, most) - b.inverseDepth) > limit &&
          std::abs(b.at(a.pixel, most) - a.inverseDepth) > limit &&
          parallax(a.pixel, a.inverseDepth, b.inverseDepth) > kJumpPx;
@@ -107,7 +107,7 @@ std::optional<double> SilhouetteFinder::between(const SurfaceSample& near, const
     along.push_back(
         double(depth.pixel(std::clamp(int(p.x), 0, depth.width - 1), std::clamp(int(p.y), 0, depth.height - 1))[0]));
   }
-  const int width = std::min(steps, int(kJumpWidth / kStep));
+  const int width = std::min(steps, int(kJumpWidthPx / kStep));
   int jump = 0;
   double largest = 0;
   for (int k = 0; k + width <= steps; ++k)
@@ -116,16 +116,16 @@ std::optional<double> SilhouetteFinder::between(const SurfaceSample& near, const
   if (largest < kJumpShare * change) return std::nullopt;
   const double middle = (jump + 0.5 * width) / steps;
 
-  const double reach = kReach / length;
-  double best = middle, strongest = kFaint;
-  for (double part = std::max(middle - reach, kLeastPart); part <= std::min(middle + reach, 1 - kLeastPart);
+  const double reach = kMaxJumpDistancePx / length;
+  double best = middle, strongest = kMinContrast;
+  for (double part = std::max(middle - reach, kMinPart); part <= std::min(middle + reach, 1 - kMinPart);
        part += 0.5 * kStep / length) {
-    const double off = (part - middle) / reach, aside = kAcross / length;
-    const double found = contrast(place(part - aside), place(part + aside), near.at(place(part), mostExtrapolated())) *
+    const double off = (part - middle) / reach, aside = kSampleOffsetPx / length;
+    const double found = contrast(place(part - aside), place(part + aside), near.at(place(part), maxExtrapolation())) *
                          (1 - 0.5 * off * off);
     if (found > strongest) strongest = found, best = part;
   }
-  return std::clamp(best, kLeastPart, 1 - kLeastPart);
+  return std::clamp(best, kMinPart, 1 - kMinPart);
 }
 
 }  // namespace ibr

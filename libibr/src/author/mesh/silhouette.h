@@ -45,7 +45,7 @@ class SilhouetteFinder {
   std::optional<double> between(const SurfaceSample& near, const SurfaceSample& far) const;
 
   /// Maximum change of inverse depth along an extrapolated plane.
-  double mostExtrapolated() const;
+  double maxExtrapolation() const;
 
   const std::vector<FrameToMember>& maps() const { return maps_; }
 

@@ -7,7 +7,7 @@
 namespace ibr {
 
 void widenUncertainty(MorphMesh& mesh, std::span<const double> level) {
-  std::vector<double> apart(mesh.pointCount(), 0.0), neighbours(mesh.pointCount(), 0.0);
+  std::vector<double> apart(mesh.vertexCount(), 0.0), neighbours(mesh.vertexCount(), 0.0);
   for (const glm::uvec3& t : mesh.triangles)
     for (int k = 0; k < 3; ++k) {
       const unsigned a = t[k], b = t[(k + 1) % 3];
@@ -17,7 +17,7 @@ void widenUncertainty(MorphMesh& mesh, std::span<const double> level) {
         ++neighbours[v];
       }
     }
-  for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
     const double own = mesh.uncertainty[v], around = neighbours[v] > 0 ? apart[v] / neighbours[v] : 0.0;
     mesh.uncertainty[v] =
         float(std::sqrt(own * own + around * around + kUncertaintyLevels * kUncertaintyLevels * level[v] * level[v]));

@@ -10,7 +10,7 @@
 
 #include "author/backdrop/complete_depth.h"
 #include "author/geometry/mean_frame.h"
-#include "author/movers/familiar.h"
+#include "author/movers/patch_dissimilarity.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
 #include "author/sweep/window_agreement.h"
@@ -35,16 +35,16 @@ cv::Mat grey(const cv::Mat& colour) {
 }
 
 // A photograph at half the matched size.
-struct Half {
+struct HalfSizeView {
   Camera camera;
   cv::Mat colour;  // float, 3 channels
   cv::Mat used;    // 255: not masked
 };
 
-Half halfOf(const MatchView& view, int maskMargin) {
+HalfSizeView halfSizeView(const MatchView& view, int maskMargin) {
   const int width = std::max(view.picture.width / 2, 1), height = std::max(view.picture.height / 2, 1);
-  Half half{{resized(view.camera.intrinsics, width, height), view.camera.pose}, {}, {}};
-  const Image8 small = shrunk(view.picture, width, height);
+  HalfSizeView half{{resized(view.camera.intrinsics, width, height), view.camera.pose}, {}, {}};
+  const Image8 small = downscaled(view.picture, width, height);
   cvView(small).convertTo(half.colour, CV_32F);
   const Image8 mask = widenedMask(resizedMask(view.mask, width, height), maskMargin);
   half.used = mask.empty() ? cv::Mat(height, width, CV_8U, cv::Scalar(255)) : cvView(mask).clone();
@@ -66,42 +66,42 @@ struct Warped {
   cv::Mat differs;         // from the view, grey levels
 };
 
-class Judge {
+class MoverDetector {
  public:
-  Judge(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
-        const MoverParameters& parameters)
+  MoverDetector(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+                const MoverParameters& parameters)
       : p_(parameters),
-        view_(halfOf(view, p_.maskMarginPx)),
+        view_(halfSizeView(view, p_.maskMarginPx)),
         frame_(view_.camera),
         width_(frame_.intrinsics.width),
         height_(frame_.intrinsics.height),
         nearest_(*std::ranges::max_element(depth.values)),
         matched_(sampled(depth, width_, height_)) {
-    for (const MatchView& other : others) others_.push_back(halfOf(other, p_.maskMarginPx));
+    for (const MatchView& other : others) others_.push_back(halfSizeView(other, p_.maskMarginPx));
   }
 
-  OddRegions run() {
-    keepAlike();
-    OddRegions odd = look();
-    if (!odd.regions.empty()) {
-      forget(odd);
-      odd = look();
+  DifferingRegions run() {
+    dropUnconfirmedDepth();
+    DifferingRegions found = look();
+    if (!found.regions.empty()) {
+      discardDepth(found);
+      found = look();
     }
-    odd.depth = ImageF((width_ + kDepthStep - 1) / kDepthStep, (height_ + kDepthStep - 1) / kDepthStep, 1);
-    for (int y = 0; y < odd.depth.height; ++y)
-      for (int x = 0; x < odd.depth.width; ++x)
-        odd.depth.pixel(x, y)[0] = depth_.pixel(x * kDepthStep, y * kDepthStep)[0];
-    return odd;
+    found.depth = ImageF((width_ + kDepthStep - 1) / kDepthStep, (height_ + kDepthStep - 1) / kDepthStep, 1);
+    for (int y = 0; y < found.depth.height; ++y)
+      for (int x = 0; x < found.depth.width; ++x)
+        found.depth.pixel(x, y)[0] = depth_.pixel(x * kDepthStep, y * kDepthStep)[0];
+    return found;
   }
 
  private:
-  Warped warped(const Half& other, const ImageF& depth) const {
+  Warped warped(const HalfSizeView& other, const ImageF& depth) const {
     return warped(other, {0, 0, width_, height_}, [&](int x, int y) { return depth.pixel(x, y)[0]; });
   }
 
   // `depthAt`: called for pixels of the box.
   template <class DepthAt>
-  Warped warped(const Half& other, cv::Rect box, const DepthAt& depthAt) const {
+  Warped warped(const HalfSizeView& other, cv::Rect box, const DepthAt& depthAt) const {
     const FrameToMember map = frameToMember(frame_, other.camera);
     const Intrinsics& k = other.camera.intrinsics;
     cv::Mat at(box.size(), CV_32FC2);
@@ -118,12 +118,12 @@ class Judge {
     return result;
   }
 
-  cv::Mat looksLike(const cv::Mat& a, const cv::Mat& b) const {
+  cv::Mat texturedMatch(const cv::Mat& a, const cv::Mat& b) const {
     return agreement(grey(a), grey(b), p_.minCorrelation).textured;
   }
 
   // Scales each channel of `b` to the brightness of `a` by the median ratio where both look alike.
-  static cv::Mat alikeExposed(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where) {
+  static cv::Mat exposureMatched(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where) {
     cv::Mat result = b.clone();
     std::array<std::vector<float>, 3> ratios;
     for (int y = 0; y < a.rows; ++y)
@@ -166,9 +166,9 @@ class Judge {
   }
 
   // Drops depth at which no other photograph looks alike, as on a moving object.
-  void keepAlike() {
+  void dropUnconfirmedDepth() {
     cv::Mat alike(height_, width_, CV_8U, cv::Scalar(0));
-    for (const Half& other : others_) {
+    for (const HalfSizeView& other : others_) {
       const Warped w = warped(other, matched_);
       alike |= agreement(grey(view_.colour), grey(w.colour)).alike & w.inside;
     }
@@ -179,37 +179,37 @@ class Judge {
   }
 
   // Finds the regions that differ, with the depth known so far.
-  OddRegions look() {
+  DifferingRegions look() {
     Image8 colours(width_, height_, 3);
     cv::Mat to = cvView(colours);
     view_.colour.convertTo(to, CV_8U);
     depth_ = completeDepth(matched_, colours);
-    if (!forgotten_.empty()) smoothDepth();
+    if (!discarded_.empty()) smoothDepth();
     warped_.clear();
-    for (const Half& other : others_) {
+    for (const HalfSizeView& other : others_) {
       Warped w = warped(other, depth_);
-      w.colour = alikeExposed(view_.colour, w.colour, looksLike(view_.colour, w.colour) & w.inside & view_.used);
+      w.colour = exposureMatched(view_.colour, w.colour, texturedMatch(view_.colour, w.colour) & w.inside & view_.used);
       w.differs = difference(view_.colour, w.colour);
       warped_.push_back(std::move(w));
     }
-    return regions(leastDifference());
+    return regions(minDifferenceMap());
   }
 
   // Drops the depth of moving objects: photographs cannot agree on it, so any match there is chance. Depth completed
   // from such a match would be wrong.
-  void forget(const OddRegions& odd) {
-    forgotten_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
-    for (const OddRegion& region : odd.regions)
-      for (const OddPixel& p : region.pixels) forgotten_.at<std::uint8_t>(p.y, p.x) = 255;
-    cv::dilate(forgotten_, forgotten_, disc(p_.minMatchRadiusPx));
-    cvView(matched_).setTo(kUnknownDepth, forgotten_);
-    known_.setTo(0, forgotten_);
+  void discardDepth(const DifferingRegions& found) {
+    discarded_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
+    for (const DifferingRegion& region : found.regions)
+      for (const DifferingPixel& p : region.pixels) discarded_.at<std::uint8_t>(p.y, p.x) = 255;
+    cv::dilate(discarded_, discarded_, disc(p_.minMatchRadiusPx));
+    cvView(matched_).setTo(kUnknownDepth, discarded_);
+    known_.setTo(0, discarded_);
   }
 
   // Fills depth behind moving objects without using their colours: inverse depth is harmonic, as on any plane.
   void smoothDepth() {
     std::vector<cv::Point> inside;
-    cv::findNonZero(forgotten_, inside);
+    cv::findNonZero(discarded_, inside);
     const auto at = [&](int x, int y) {
       return depth_.pixel(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1))[0];
     };
@@ -222,13 +222,13 @@ class Judge {
   }
 
   // Returns the share of a region that matches another photograph at some depth: a static region of wrong depth.
-  double shareWithDepth(const cv::Mat& region, cv::Rect box) const {
+  double staticShare(const cv::Mat& region, cv::Rect box) const {
     cv::Mat alike(box.size(), CV_8U, cv::Scalar(0));
-    for (const Half& other : others_)
+    for (const HalfSizeView& other : others_)
       for (int level = 0; level < p_.depthLevels; ++level) {
         const float depth = nearest_ * float(level) / float(p_.depthLevels);
         const Warped w = warped(other, box, [&](int, int) { return depth; });
-        cv::Mat same = looksLike(view_.colour(box), w.colour) & w.inside;
+        cv::Mat same = texturedMatch(view_.colour(box), w.colour) & w.inside;
         cv::morphologyEx(same, same, cv::MORPH_OPEN, disc(p_.minPatchRadiusPx));
         alike |= same;
       }
@@ -236,7 +236,7 @@ class Judge {
   }
 
   // Minimum difference over the photographs that see the pixel, grey levels; 0 if none does.
-  cv::Mat leastDifference() const {
+  cv::Mat minDifferenceMap() const {
     cv::Mat least(height_, width_, CV_32F, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
     for (const Warped& w : warped_) {
       const cv::Mat smaller = cv::min(least, w.differs);
@@ -248,13 +248,13 @@ class Judge {
   }
 
   // Splits the differing pixels into regions.
-  OddRegions regions(const cv::Mat& differs) const {
+  DifferingRegions regions(const cv::Mat& differs) const {
     cv::Mat perhaps = differs >= p_.minDifference;
     cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(p_.maxThinWidth * width_));
     cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * p_.maxThinWidth * width_));
     cv::Mat label, stats, centre;
     const int count = cv::connectedComponentsWithStats(perhaps, label, stats, centre);
-    OddRegions odd{width_, height_, {}, {}};
+    DifferingRegions found{width_, height_, {}, {}};
     double all = 0;
     for (int r = 1; r < count; ++r) {
       const cv::Rect box(stats.at<int>(r, cv::CC_STAT_LEFT), stats.at<int>(r, cv::CC_STAT_TOP),
@@ -263,12 +263,12 @@ class Judge {
       if (area < p_.minArea * width_ * height_ || area > p_.maxArea * width_ * height_) continue;
       const cv::Mat region = label == r;
       const double core = cv::countNonZero(region(box) & (differs(box) >= p_.minCoreDifference));
-      if (core < p_.minCoreShare * area || shareWithDepth(region(box), box) > p_.maxStaticShare) continue;
-      blame(region, box, perhaps, odd);
+      if (core < p_.minCoreShare * area || staticShare(region(box), box) > p_.maxStaticShare) continue;
+      assignOwner(region, box, perhaps, found);
       all += area;
     }
-    if (all > p_.maxArea * width_ * height_) odd.regions.clear();  // almost nothing matches: no photograph can judge
-    return odd;
+    if (all > p_.maxArea * width_ * height_) found.regions.clear();  // almost nothing matches: no photograph can judge
+    return found;
   }
 
   // Unmatched-patch distance of a region in the view, and in the other photograph with the least distance; and the
@@ -298,8 +298,8 @@ class Judge {
       if (agrees < p_.minAgreement || cv::countNonZero(around) < p_.minMarginMatches) continue;
       const std::array<cv::Mat, 2> both{view_.colour(at), warped_[j].colour(at)};
       const cv::Mat seen = region & inside;
-      const cv::Mat own = meanAround(unfamiliarity(both[0], seen, both, around), seen);
-      const cv::Mat other = meanAround(unfamiliarity(both[1], seen, both, around), seen);
+      const cv::Mat own = meanAround(patchDissimilarity(both[0], seen, both, around), seen);
+      const cv::Mat other = meanAround(patchDissimilarity(both[1], seen, both, around), seen);
       const cv::Mat less = seen & (other < result.other);
       own.copyTo(result.own, less);
       other.copyTo(result.other, less);
@@ -310,7 +310,7 @@ class Judge {
   }
 
   // Decides to which photograph a region, or each of its parts, belongs.
-  void blame(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, OddRegions& odd) const {
+  void assignOwner(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, DifferingRegions& found) const {
     const int margin = std::max(p_.minMarginPx, std::max(box.width, box.height) / 2);
     const cv::Rect at = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
                         cv::Rect(0, 0, width_, height_);
@@ -327,11 +327,11 @@ class Judge {
       cv::Mat all(height_, width_, CV_8U, cv::Scalar(0)), mask(height_, width_, CV_8U, cv::Scalar(255));
       part.copyTo(all(at));
       mask.setTo(0, all);
-      goOn(all, cv::boundingRect(all), mask);
-      add(mask == 0, {}, {Blame::own, 0, {}}, odd);
+      growMask(all, cv::boundingRect(all), mask);
+      add(mask == 0, {}, {RegionOwner::own, 0, {}}, found);
     }
-    for (const cv::Mat& part : others) add(part, at.tl(), {Blame::another, c.best, {}}, odd);
-    if (own.empty() && others.empty()) add(here, at.tl(), {}, odd);
+    for (const cv::Mat& part : others) add(part, at.tl(), {RegionOwner::another, c.best, {}}, found);
+    if (own.empty() && others.empty()) add(here, at.tl(), {}, found);
   }
 
   // Connected parts of `perhaps` of which a sufficient share is in `surely`.
@@ -350,18 +350,18 @@ class Judge {
     return result;
   }
 
-  void add(const cv::Mat& region, cv::Point at, OddRegion result, OddRegions& odd) const {
+  void add(const cv::Mat& region, cv::Point at, DifferingRegion result, DifferingRegions& found) const {
     for (int y = 0; y < region.rows; ++y)
       for (int x = 0; x < region.cols; ++x)
         if (region.at<std::uint8_t>(y, x))
           result.pixels.push_back(
               {std::uint16_t(at.x + x), std::uint16_t(at.y + y), depth_.pixel(at.x + x, at.y + y)[0]});
-    odd.regions.push_back(std::move(result));
+    found.regions.push_back(std::move(result));
   }
 
   // Extends the mask with GrabCut (Rother, Kolmogorov & Blake 2004) into pixels that no other photograph covers: a
   // half-masked person looks worse than an unmasked one.
-  void goOn(const cv::Mat& region, cv::Rect box, cv::Mat& mask) const {
+  void growMask(const cv::Mat& region, cv::Rect box, cv::Mat& mask) const {
     const cv::Rect whole(0, 0, width_, height_);
     box = cv::Rect(box.x - box.width / 2, box.y - box.height, 2 * box.width, 3 * box.height) & whole;
     cv::Mat unseen(box.size(), CV_8U, cv::Scalar(255)), near, fate(box.size(), CV_8U, cv::Scalar(cv::GC_BGD));
@@ -395,22 +395,22 @@ class Judge {
   }
 
   const MoverParameters& p_;
-  Half view_;
+  HalfSizeView view_;
   Camera frame_;
-  std::vector<Half> others_;
+  std::vector<HalfSizeView> others_;
   int width_, height_;
   float nearest_;               // inverse depth
   ImageF matched_, depth_;      // inverse depth; completed
   std::vector<Warped> warped_;  // others, through the completed depth
   cv::Mat known_;               // 255: depth was not completed
-  cv::Mat forgotten_;           // 255: depth must stay unknown
+  cv::Mat discarded_;           // 255: depth must stay unknown
 };
 
 }  // namespace
 
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
-                      const MoverParameters& parameters) {
-  return Judge(view, others, depth, parameters).run();
+DifferingRegions differingRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+                                  const MoverParameters& parameters) {
+  return MoverDetector(view, others, depth, parameters).run();
 }
 
 }  // namespace ibr

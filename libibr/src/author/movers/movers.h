@@ -10,7 +10,7 @@
 //      thin regions are left out, and also regions of which a share matches another photograph at any depth: such
 //      regions are static, and their depth was wrong
 //   4. the owner of a region: a hidden wall continues beside the region, a person does not; the photograph with
-//      unmatched patches (familiar.h) shows the moving object. Parts of a region may have different owners
+//      unmatched patches (patch_dissimilarity.h) shows the moving object. Parts of a region may have different owners
 //
 // The final decision, and the masks, are made between all photographs (settle_movers.h).
 #pragma once
@@ -52,24 +52,24 @@ struct MoverParameters {
   int outlinePx = 5;             // band on both sides of a region's outline
 };
 
-enum class Blame : std::uint8_t { own, unsure, another };
+enum class RegionOwner : std::uint8_t { own, unsure, another };
 
 /// A pixel of the view at half its size, and the inverse depth of its static background along the view's axis.
-struct OddPixel {
+struct DifferingPixel {
   std::uint16_t x = 0, y = 0;
   float inverseDepth = 0;
 };
 
-struct OddRegion {
-  Blame blame = Blame::unsure;
-  std::uint32_t other = 0;  // Blame::another: index in `others` of the region's owner
-  std::vector<OddPixel> pixels;
+struct DifferingRegion {
+  RegionOwner owner = RegionOwner::unsure;
+  std::uint32_t other = 0;  // RegionOwner::another: index in `others` of the region's owner
+  std::vector<DifferingPixel> pixels;
 };
 
-/// Regions of a view at half its size; regions of equal blame do not overlap. They cover at most a quarter of the view.
-struct OddRegions {
+/// Regions of a view at half its size; regions of equal owner do not overlap. They cover at most a quarter of the view.
+struct DifferingRegions {
   int width = 0, height = 0;
-  std::vector<OddRegion> regions;
+  std::vector<DifferingRegion> regions;
   ImageF depth;  // inverse depth of static surfaces at every kDepthStep-th pixel
 };
 
@@ -77,7 +77,7 @@ inline constexpr int kDepthStep = 4;
 
 /// `others`: at least one, of the same capture site, pinholes like `view`. `depth`: inverse, along the view's axis, at
 /// any size; kUnknownDepth where unknown.
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
-                      const MoverParameters& parameters = {});
+DifferingRegions differingRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
+                                  const MoverParameters& parameters = {});
 
 }  // namespace ibr

@@ -19,13 +19,13 @@
 namespace ibr {
 
 /// A photograph and the regions found in it.
-struct JudgedView {
-  Camera camera;                      // of `odd`'s size
-  std::vector<std::uint32_t> judges;  // views, in the order of OddRegion::other
-  OddRegions odd;
+struct ComparedView {
+  Camera camera;                           // of `found`'s size
+  std::vector<std::uint32_t> comparisons;  // views, in the order of DifferingRegion::other
+  DifferingRegions found;
 };
 
 /// Returns each view's mask; empty if nothing is masked. Takes three bits per pixel of each view.
-std::vector<BitMask> settleMovers(std::span<const JudgedView> views);
+std::vector<BitMask> resolveMoverMasks(std::span<const ComparedView> views);
 
 }  // namespace ibr

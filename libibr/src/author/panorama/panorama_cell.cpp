@@ -48,8 +48,8 @@ struct Vertices {
   std::vector<glm::uvec3> triangulate() const { return delaunaySphere(direction); }
   bool folded(const glm::uvec3& t) const {
     const auto turnsOver = [&](const std::vector<glm::dvec3>& d) {
-      constexpr double kLeast = 1e-9;  // rad²
-      return !(glm::determinant(glm::dmat3(d[t.x], d[t.y], d[t.z])) > kLeast);
+      constexpr double kMinSolidAngle = 1e-9;  // rad²
+      return !(glm::determinant(glm::dmat3(d[t.x], d[t.y], d[t.z])) > kMinSolidAngle);
     };
     return turnsOver(direction) || std::any_of(ray.begin(), ray.end(), turnsOver);
   }
@@ -176,11 +176,11 @@ class Maker {
     MorphMesh& mesh = result.mesh;
     const std::vector<TriangleLabel> label = labels();
     double covered = 0, weighted = 0;
-    for (const Tier tier : {kTierAgrees, kTierRejected})
+    for (const Tier tier : {kTierConsistent, kTierRejected})
       for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const glm::uvec3& corner = triangles_[t];
         const bool agrees = label[t].agrees() && !vertices_.folded(corner);
-        if (agrees != (tier == kTierAgrees)) continue;
+        if (agrees != (tier == kTierConsistent)) continue;
         mesh.triangles.push_back(corner);
         mesh.tier.push_back(tier);
         mesh.ecc.push_back(label[t].ecc);

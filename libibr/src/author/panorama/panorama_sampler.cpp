@@ -20,11 +20,11 @@
 namespace ibr {
 namespace {
 
-constexpr int kRun = 32;             // px
-constexpr int kTile = 64;            // rows of a tile of one run's width: neighbouring rows read the same memory
-constexpr int kMostParts = 16;       // samples of a pixel, in each direction
-constexpr float kMostPlaces = 64;    // along a parallel
-constexpr std::size_t kBehind = 16;  // bytes that may be read behind the last pixel
+constexpr int kRun = 32;                // px
+constexpr int kTile = 64;               // rows of a tile of one run's width: neighbouring rows read the same memory
+constexpr int kMaxSamplesPerAxis = 16;  // samples of a pixel, in each direction
+constexpr float kMaxSamplesPerParallel = 64;  // along a parallel
+constexpr std::size_t kBehind = 16;           // bytes that may be read behind the last pixel
 constexpr float kPi = std::numbers::pi_v<float>;
 
 // Arguments by value, so that loops are vectorised.
@@ -173,7 +173,7 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
   // Panorama pixels per view pixel at the view's centre, where neither image is stretched.
   const double wideX = double(from.width) / (2 * std::numbers::pi * k.fx),
                wideY = double(from.height) / (std::numbers::pi * k.fy);
-  const int parts = std::clamp(int(std::lround(std::max(wideX, wideY))), 1, kMostParts);
+  const int parts = std::clamp(int(std::lround(std::max(wideX, wideY))), 1, kMaxSamplesPerAxis);
   const float wide = float(std::max(wideX, double(from.width) / (2 * std::numbers::pi * k.fy)) / parts);
   std::array<std::uint8_t, kRun * C + 4> row{};
   std::array<std::uint32_t, kRun * 4> sum{};
@@ -188,7 +188,7 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
           const double inX = (part % parts + 0.5) / parts, inY = (part / parts + 0.5) / parts;
           place(from, glm::vec3(corner + (begin + inX) * right + (y + inY) * down), glm::vec3(right), places);
           const float nearest = *std::min_element(places.across.begin(), places.across.begin() + count);
-          const int along = int(std::clamp(wide / most(nearest, 1e-30F) + 0.5F, 1.0F, kMostPlaces));
+          const int along = int(std::clamp(wide / most(nearest, 1e-30F) + 0.5F, 1.0F, kMaxSamplesPerParallel));
           if (parts == 1 && along == 1) {
             sample<C>(from, places, count, wide, 0,
                       [&](int i, const Blended<C>& colour) { colour.store(&row[i * C]); });

@@ -22,11 +22,11 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;  // of a face
-constexpr double kBytesPerPixel = 12;                        // of a face: RGB 3, JPEG's coefficients 6, its file
+constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;  // of a face
+constexpr double kBytesPerPixel = 12;                       // of a face: RGB 3, JPEG's coefficients 6, its file
 
 // Returns the processor time of this thread.
-double processorSeconds() {
+double cpuSeconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
@@ -120,10 +120,10 @@ class Splitter {
   void splitOne(std::size_t number) {
     const PosedImage& image = input_.images[number];
     progressed(number * faces_.size());
-    const double start = processorSeconds();
+    const double start = cpuSeconds();
     const Photograph photo = findPhotograph(folder_, image, 0);
     const PanoramaSampler sampler(loadPhotograph(photo));
-    report_.readSeconds += processorSeconds() - start;
+    report_.readSeconds += cpuSeconds() - start;
 
     const int width = photo.camera.intrinsics.width;
     if (width != 2 * photo.camera.intrinsics.height && log_)
@@ -131,12 +131,12 @@ class Splitter {
                                           photo.source.string(), width, photo.camera.intrinsics.height));
     const double fov = options_.fovDegrees * std::numbers::pi / 180;
     const int size = options_.size > 0 ? options_.size : faceSize(width, fov);
-    check(std::int64_t(size) * size <= kMostPixels, ErrorCode::invalidInput,
+    check(std::int64_t(size) * size <= kMaxPixels, ErrorCode::invalidInput,
           "{}: faces of {} px are too large; give a smaller size or field of view", photo.source.string(), size);
     report_.size = size;
     const Intrinsics intrinsics = faceIntrinsics(size, fov);
-    const bool jpeg =
-        options_.format == PictureFormat::jpeg || (options_.format == PictureFormat::asSource && isJpeg(photo.source));
+    const bool jpeg = options_.format == ImageFileFormat::jpeg ||
+                      (options_.format == ImageFileFormat::asSource && isJpeg(photo.source));
     const fs::path name = fs::path(image.name.substr(commonFolder(input_.images))).replace_extension();
     for (const PanoramaFace& face : faces_)
       result_.images.push_back(
@@ -145,17 +145,17 @@ class Splitter {
 
     std::vector<double> sampled(faces_.size(), 0), written(faces_.size(), 0);
     const auto job = [&](std::size_t f) {
-      const double began = processorSeconds();
+      const double began = cpuSeconds();
       const Image8 picture = sampler.view(intrinsics, faces_[f].rotation);
-      sampled[f] = processorSeconds() - began;
+      sampled[f] = cpuSeconds() - began;
       const fs::path file = pathInside(pictures(), result_.images[number * faces_.size() + f].name);
       makeFolders(file.parent_path());
       writeImage(file, picture, kJpegQuality);
-      written[f] = processorSeconds() - began - sampled[f];
+      written[f] = cpuSeconds() - began - sampled[f];
     };
     makeFolders(pictures());
     const int threads = threadsFor(options_.threads, kBytesPerPixel * size * size);
-    const auto report = [&](std::size_t done) { return wanted(number * faces_.size() + done); };
+    const auto report = [&](std::size_t done) { return reportProgress(number * faces_.size() + done); };
     check(runJobs(faces_.size(), threads, job, report), ErrorCode::cancelled, "the splitting was cancelled");
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       report_.sampleSeconds += sampled[f];
@@ -183,10 +183,12 @@ class Splitter {
   }
 
   fs::path pictures() const { return options_.output / "images"; }
-  bool wanted(std::size_t done) const {
+  bool reportProgress(std::size_t done) const {
     return !progress_ || progress_({"splitting panoramas", done, input_.images.size() * faces_.size()});
   }
-  void progressed(std::size_t done) const { check(wanted(done), ErrorCode::cancelled, "the splitting was cancelled"); }
+  void progressed(std::size_t done) const {
+    check(reportProgress(done), ErrorCode::cancelled, "the splitting was cancelled");
+  }
 
   const SplitOptions& options_;
   const ProgressCallback& progress_;

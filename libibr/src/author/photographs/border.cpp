@@ -31,7 +31,7 @@ BorderCut dropBorder(MorphMesh& mesh, std::span<const Photograph* const> members
   std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 triangle = mesh.triangles[t];
-    const double area = mesh.tier[t] == kTierAgrees ? areaOf(mesh.match[0], triangle) : 0;
+    const double area = mesh.tier[t] == kTierConsistent ? areaOf(mesh.match[0], triangle) : 0;
     before += area;
     bool inside = true;
     for (std::size_t i = 0; i < members.size() && inside; ++i)

@@ -14,7 +14,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kUsed = 191;  // of 255: a pixel is used if more than this share is
+constexpr int kUsedThreshold = 191;  // of 255: a pixel is used if more than this share is
 
 Image8 firstChannel(const Image8& picture) {
   Image8 grey(picture.width, picture.height, 1);
@@ -42,7 +42,7 @@ void fillUnknown(cv::Mat& colours, const cv::Mat& known) {
 
 }  // namespace
 
-std::optional<fs::path> maskFileOf(const fs::path& folder, const std::string& photograph) {
+std::optional<fs::path> findMaskFile(const fs::path& folder, const std::string& photograph) {
   std::error_code ignored;
   for (const fs::path& file : {folder / (photograph + ".png"), (folder / photograph).replace_extension(".png")})
     if (fs::is_regular_file(file, ignored)) return file;
@@ -96,7 +96,7 @@ Image8 resizedMask(const Image8& mask, int width, int height) {
 
 Image8 binaryMask(Image8 means) {
   cv::Mat values = cvView(means);
-  cv::threshold(values, values, kUsed, 255, cv::THRESH_BINARY);
+  cv::threshold(values, values, kUsedThreshold, 255, cv::THRESH_BINARY);
   return means;
 }
 
@@ -109,7 +109,7 @@ Image8 widenedMask(const Image8& mask, int px) {
   return result;
 }
 
-Image8 bothMasks(const Image8& a, const Image8& b) {
+Image8 combinedMask(const Image8& a, const Image8& b) {
   Image8 result(a.width, a.height, 1);
   cv::Mat to = cvView(result);
   cv::min(cvView(a), cvView(b), to);
@@ -121,7 +121,7 @@ double ignoredShare(const Image8& mask) {
   return double(std::ranges::count(mask.values, std::uint8_t(0))) / double(mask.values.size());
 }
 
-Image8 withoutMasked(const Image8& rgb, const Image8& mask) {
+Image8 fillMasked(const Image8& rgb, const Image8& mask) {
   Image8 filled = rgb;
   cv::Mat colours = cvView(filled);
   if (!mask.empty() && ignoredShare(mask) < 1) fillUnknown(colours, cvView(mask));
@@ -129,7 +129,7 @@ Image8 withoutMasked(const Image8& rgb, const Image8& mask) {
 }
 
 Image8 withMask(const Image8& rgb, const Image8& mask) {
-  const Image8 filled = withoutMasked(rgb, mask);
+  const Image8 filled = fillMasked(rgb, mask);
   const cv::Mat colours = cvView(filled);
   Image8 result(rgb.width, rgb.height, 4);
   cv::Mat to = cvView(result);
@@ -139,7 +139,8 @@ Image8 withMask(const Image8& rgb, const Image8& mask) {
   return result;
 }
 
-void dropIgnored(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks, const Image8& mask) {
+void dropMaskedObservations(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks,
+                            const Image8& mask) {
   if (mask.empty()) return;
   const Intrinsics& k = model.images[image].camera.intrinsics;
   const glm::dvec2 scale(double(mask.width) / k.width, double(mask.height) / k.height);
@@ -149,7 +150,7 @@ void dropIgnored(PosedModel& model, std::uint32_t image, const std::vector<std::
     });
 }
 
-void dropUnseen(PosedModel& model) {
+void dropUnobservedTracks(PosedModel& model) {
   std::erase_if(model.tracks, [](const Track& track) { return track.observations.empty(); });
 }
 

@@ -47,7 +47,7 @@ Image8 binaryMask(Image8 means);
 Image8 widenedMask(const Image8& mask, int px);
 
 /// Ignores the pixels that either mask ignores. Precondition: equal sizes.
-Image8 bothMasks(const Image8& a, const Image8& b);
+Image8 combinedMask(const Image8& a, const Image8& b);
 
 /// Share of ignored pixels, 0 to 1; 0 for an empty mask.
 double ignoredShare(const Image8& mask);
@@ -65,13 +65,14 @@ Image8 withMask(const Image8& rgb, const Image8& mask);
 
 /// RGB with masked pixels filled from around, so that no features are found there. Precondition:
 /// equal sizes, or no mask.
-Image8 withoutMasked(const Image8& rgb, const Image8& mask);
+Image8 fillMasked(const Image8& rgb, const Image8& mask);
 
 /// Removes the image's observations that its mask, of any size, covers. `tracks`: the tracks with an observation in the
 /// image. Tracks without observations are kept.
-void dropIgnored(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks, const Image8& mask);
+void dropMaskedObservations(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks,
+                            const Image8& mask);
 
 /// Removes tracks without observations.
-void dropUnseen(PosedModel& model);
+void dropUnobservedTracks(PosedModel& model);
 
 }  // namespace ibr

@@ -91,7 +91,7 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
                       (info.format == ImageFormat::tiff ? kTiffRaster * photo.sourcePixels : 0);
   const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);
   const bool turnedFits = swaps ? sameShape(height, width, camera) : storedFits;
-  photo.turnUnsure = info.orientation != 1 && storedFits && turnedFits;
+  photo.orientationAmbiguous = info.orientation != 1 && storedFits && turnedFits;
   photo.applyOrientation = orientation == Orientation::automatic
                                ? !storedFits && turnedFits
                                : orientation == Orientation::exif && info.orientation != 1;
@@ -125,7 +125,7 @@ void checkEnoughForPoses(const fs::path& folder, std::size_t photographs) {
         "{}: estimating poses needs at least 2 photographs, but there are {}", folder.string(), photographs);
 }
 
-bool isOfFile(const Error& error) {
+bool isFileError(const Error& error) {
   return error.code() == ErrorCode::invalidInput || error.code() == ErrorCode::unsupported;
 }
 
@@ -134,7 +134,7 @@ Image8 loadPhotograph(const Photograph& photo) {
   if (photo.lens) picture = undistort(picture, *photo.lens, photo.whole);
   const Intrinsics& k = photo.camera.intrinsics;
   if (picture.width == k.width && picture.height == k.height) return picture;
-  return shrunk(picture, k.width, k.height);
+  return downscaled(picture, k.width, k.height);
 }
 
 double bytesToLoad(const Photograph& photo) {
@@ -183,7 +183,7 @@ std::uint64_t storePhotograph(Photograph& photo, const fs::path& scene, TextureF
   return withHashOf(mask, hashOf(photo, source, picture));
 }
 
-void storeInstead(Photograph& photo, const Image8& picture, const fs::path& scene, TextureFormat format) {
+void replaceStored(Photograph& photo, const Image8& picture, const fs::path& scene, TextureFormat format) {
   photo.copied = false;
   checkNotOverwritten(photo, scene);
   writeImage(scene / photo.imageFile, picture, kJpegQuality);

@@ -21,13 +21,13 @@ namespace ibr {
 struct Photograph {
   std::string name;
   std::filesystem::path source;
-  bool applyOrientation = false;  // the model's camera is that of the upright image
-  bool turnUnsure = false;        // EXIF says that the image is rotated, and the camera fits both ways
+  bool applyOrientation = false;      // the model's camera is that of the upright image
+  bool orientationAmbiguous = false;  // EXIF says that the image is rotated, and the camera fits both ways
   double sourcePixels = 0;
   double sourceBytes = 0;                        // additional memory while it is read
   std::optional<Lens> lens;                      // distortion to remove before storing, if any
   bool copied = false;                           // stored byte by byte
-  CaptureFacts capture;                          // from the file's metadata
+  CaptureMetadata capture;                       // from the file's metadata
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
@@ -55,7 +55,7 @@ void checkReadable(std::vector<std::string> faults);
 void checkEnoughForPoses(const std::filesystem::path& folder, std::size_t photographs);
 
 /// True if the error concerns the file itself, so that the photograph may be left out.
-bool isOfFile(const Error& error);
+bool isFileError(const Error& error);
 
 /// Loads the source and returns the image as stored (RGB).
 Image8 loadPhotograph(const Photograph& photograph);
@@ -81,8 +81,8 @@ std::uint64_t storePhotograph(Photograph& photograph, const std::filesystem::pat
 
 /// Writes `picture`, of the stored size, and its texture below `scene` in place of the stored photograph. The mask is
 /// kept. Throws as storePicture.
-void storeInstead(Photograph& photograph, const Image8& picture, const std::filesystem::path& scene,
-                  TextureFormat format);
+void replaceStored(Photograph& photograph, const Image8& picture, const std::filesystem::path& scene,
+                   TextureFormat format);
 
 /// Masks the pixels that are 0 in `mask`, of the stored size: writes the mask and the texture. Returns the mask's hash.
 std::uint64_t storeMask(Photograph& photograph, const Image8& mask, const Image8& picture,

@@ -28,7 +28,7 @@ bool isOneOf(std::string_view word, const std::array<std::string_view, N>& words
   return std::ranges::find(words, word) != words.end();
 }
 
-bool isOurs(std::string_view extension) {
+bool isReadable(std::string_view extension) {
   constexpr std::array<std::string_view, 5> kRead{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
   return isOneOf(extension, kRead);
 }
@@ -39,14 +39,14 @@ bool isRaw(std::string_view extension) {
   return isOneOf(extension, kRaw);
 }
 
-bool isForeign(std::string_view extension) {
+bool isUnsupported(std::string_view extension) {
   constexpr std::array<std::string_view, 9> kForeign{".heic", ".heif", ".hif", ".avif", ".webp",
                                                      ".gif",  ".bmp",  ".jxl", ".jp2"};
   return isOneOf(extension, kForeign);
 }
 
 // Folders in which network disks, other systems and galleries keep previews.
-bool holdsPreviews(const std::string& folder) {
+bool isPreviewFolder(const std::string& folder) {
   constexpr std::array<std::string_view, 5> kPreviews{"@eadir", "__macosx", "thumbnails", "thumbs", "previews"};
   return isOneOf(lowered(folder), kPreviews);
 }
@@ -69,7 +69,7 @@ std::string faultOf(const fs::path& file, const std::string& extension) {
   if (isRaw(extension)) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
   std::string foreign;
   try {
-    foreign = foreignImageFormat(file);
+    foreign = unsupportedImageFormat(file);
   } catch (const Error& error) {
     return "cannot be read";
   }
@@ -77,48 +77,48 @@ std::string faultOf(const fs::path& file, const std::string& extension) {
   if (foreign == "HEIC") return "HEIC files are not read: convert them, for example with heif-convert -q 95";
   if (foreign == "video") return "is a video: extract photographs from it, for example with ffmpeg";
   if (!foreign.empty()) return foreign + " files are not read: convert them to JPEG";
-  if (isForeign(extension)) return lowered(extension).substr(1) + " files are not read: convert them to JPEG";
+  if (isUnsupported(extension)) return lowered(extension).substr(1) + " files are not read: convert them to JPEG";
   return isImageFile(file) ? "" : "is not a JPEG, PNG or TIFF file, despite its extension";
 }
 
 }  // namespace
 
-PictureFolder lookInto(const fs::path& folder) {
-  PictureFolder found;
+PhotographFolder scanPhotographFolder(const fs::path& folder) {
+  PhotographFolder found;
   std::set<std::string> stems;
   fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied);
   for (; at != fs::recursive_directory_iterator(); ++at) {
     const std::string file = at->path().filename().string();
     std::error_code ignored;  // dangling links
     if (at->is_directory(ignored)) {
-      if (file.starts_with('.') || holdsPreviews(file) || isScene(at->path())) at.disable_recursion_pending();
+      if (file.starts_with('.') || isPreviewFolder(file) || isScene(at->path())) at.disable_recursion_pending();
       continue;
     }
     const std::string extension = lowered(at->path().extension().string());
     if (file.starts_with('.') || !at->is_regular_file(ignored)) continue;
-    if (!isOurs(extension) && !isRaw(extension) && !isForeign(extension)) continue;
+    if (!isReadable(extension) && !isRaw(extension) && !isUnsupported(extension)) continue;
     const std::string name = at->path().lexically_relative(folder).generic_string();
     std::string fault = faultOf(at->path(), extension);
-    if (fault.empty() && isOurs(extension)) {
+    if (fault.empty() && isReadable(extension)) {
       found.pictures.push_back(name);
       stems.insert(stemOf(name));
     } else {
-      found.unread.push_back({name, std::move(fault)});
+      found.unreadable.push_back({name, std::move(fault)});
     }
   }
-  std::erase_if(found.unread, [&](const auto& unread) { return stems.contains(stemOf(unread.name)); });
+  std::erase_if(found.unreadable, [&](const auto& unreadable) { return stems.contains(stemOf(unreadable.name)); });
   std::ranges::sort(found.pictures);
-  std::ranges::sort(found.unread, {}, &PictureFolder::Unread::name);
+  std::ranges::sort(found.unreadable, {}, &PhotographFolder::UnreadableFile::name);
   return found;
 }
 
-std::string unreadText(const std::vector<PictureFolder::Unread>& unread) {
-  constexpr std::size_t kNamed = 3;
+std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& unreadable) {
+  constexpr std::size_t kMaxListed = 3;
   std::map<std::string, std::vector<std::string>> byReason;
-  for (const auto& [name, reason] : unread) byReason[reason].push_back(name);
+  for (const auto& [name, reason] : unreadable) byReason[reason].push_back(name);
   std::string text;
   for (const auto& [reason, names] : byReason) {
-    const std::size_t named = std::min(names.size(), kNamed);
+    const std::size_t named = std::min(names.size(), kMaxListed);
     text += fmt::format("{}{}", text.empty() ? "" : "; ", fmt::join(names.begin(), names.begin() + long(named), ", "));
     if (names.size() > named) text += fmt::format(" and {} more", names.size() - named);
     text += fmt::format(": {}", reason);

@@ -47,9 +47,9 @@ class Residual final : public ceres::SizedCostFunction<2, kPoseUnknowns, kLensUn
       if (!to) return;
       for (const auto& row : rows) to = std::copy(row.begin(), row.end(), to);
     };
-    copy(found->byPose, jacobians[0]);
-    copy(found->byLens, jacobians[1]);
-    copy(found->byPoint, jacobians[2]);
+    copy(found->poseJacobian, jacobians[0]);
+    copy(found->lensJacobian, jacobians[1]);
+    copy(found->pointJacobian, jacobians[2]);
     return true;
   }
 
@@ -70,7 +70,7 @@ ceres::CostFunction* prior(const std::array<double, n>& deviations) {
 class Adjustment {
  public:
   Adjustment(std::span<const BundleCamera> cameras, std::span<const BundlePoint> points, const BundleOptions& options)
-      : cameras_(cameras), given_(points), options_(options) {
+      : cameras_(cameras), inputPoints_(points), options_(options) {
     unknowns_.poses.resize(cameras.size());
     unknowns_.points.resize(points.size());
     for (const BundleCamera& camera : cameras) lensOf_.try_emplace(camera.intrinsics, lensOf_.size());
@@ -92,7 +92,7 @@ class Adjustment {
       solver.num_threads = 1;
       solver.max_num_iterations = options_.rounds;
       solver.max_num_consecutive_invalid_steps = 20;  // a point that moves behind a camera makes one
-      solver.function_tolerance = options_.enoughDecrease;
+      solver.function_tolerance = options_.minDecrease;
       solver.logging_type = ceres::SILENT;
       ceres::Solver::Summary summary;
       ceres::Solve(solver, &problem_, &summary);
@@ -116,9 +116,9 @@ class Adjustment {
   }
 
   void addPoints() {
-    for (std::size_t p = 0; p < given_.size(); ++p) {
-      if (!counts(given_[p])) continue;
-      for (const BundleObservation& seen : given_[p].seen) {
+    for (std::size_t p = 0; p < inputPoints_.size(); ++p) {
+      if (!counts(inputPoints_[p])) continue;
+      for (const BundleObservation& seen : inputPoints_[p].seen) {
         const BundleCamera& camera = cameras_[seen.camera];
         double* const pose = unknowns_.poses[seen.camera].data();
         double* const lens = unknowns_.lenses[lensOf_.at(camera.intrinsics)].data();
@@ -161,13 +161,13 @@ class Adjustment {
     for (std::size_t i = 0; i < cameras_.size(); ++i)
       bundle.cameras.push_back(movedCamera(cameras_[i].camera, unknowns_.poses[i].data(),
                                            unknowns_.lenses[lensOf_.at(cameras_[i].intrinsics)].data()));
-    for (std::size_t p = 0; p < given_.size(); ++p)
+    for (std::size_t p = 0; p < inputPoints_.size(); ++p)
       bundle.points.push_back(placedPoint(anchored_[p], unknowns_.points[p].data()));
     return bundle;
   }
 
   std::span<const BundleCamera> cameras_;
-  std::span<const BundlePoint> given_;
+  std::span<const BundlePoint> inputPoints_;
   const BundleOptions& options_;
   std::vector<AnchoredPoint> anchored_;
   Unknowns unknowns_;

@@ -47,7 +47,7 @@ struct BundleOptions {
   double focal = 0;       // of the logarithm of the focal lengths; 0: kept
   double centrePx = 0;    // of the principal point; 0: kept
   int rounds = 50;
-  double enoughDecrease = 1e-6;  // minimum relative decrease of the sum for another iteration
+  double minDecrease = 1e-6;  // minimum relative decrease of the sum for another iteration
 };
 
 struct Bundle {

@@ -86,9 +86,9 @@ std::optional<BundleResidual> bundleResidual(const Camera& start, const Anchored
     const glm::dvec3& g = byPlace[std::size_t(r)];
     const glm::dvec3 byTurn = glm::transpose(turning) * glm::cross(g, q);  // a rotation by ε moves q by q × J_r ε
     const glm::dvec3 byShift = -place[2] * (glm::transpose(toCamera) * g);
-    found.byPose[std::size_t(r)] = {byTurn.x, byTurn.y, byTurn.z, byShift.x, byShift.y, byShift.z};
-    found.byLens[std::size_t(r)] = {fromCentre[r], r == 0 ? 1.0 : 0.0, r == 1 ? 1.0 : 0.0};
-    found.byPoint[std::size_t(r)] = {glm::dot(g, e1), glm::dot(g, e2), glm::dot(g, shift)};
+    found.poseJacobian[std::size_t(r)] = {byTurn.x, byTurn.y, byTurn.z, byShift.x, byShift.y, byShift.z};
+    found.lensJacobian[std::size_t(r)] = {fromCentre[r], r == 0 ? 1.0 : 0.0, r == 1 ? 1.0 : 0.0};
+    found.pointJacobian[std::size_t(r)] = {glm::dot(g, e1), glm::dot(g, e2), glm::dot(g, shift)};
   }
   return found;
 }

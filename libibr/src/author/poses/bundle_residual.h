@@ -33,9 +33,9 @@ Camera movedCamera(const Camera& start, const double* pose, const double* lens);
 
 struct BundleResidual {
   glm::dvec2 off;  // projected − seen, px
-  std::array<std::array<double, kPoseUnknowns>, 2> byPose;
-  std::array<std::array<double, kLensUnknowns>, 2> byLens;
-  std::array<std::array<double, kPointUnknowns>, 2> byPoint;
+  std::array<std::array<double, kPoseUnknowns>, 2> poseJacobian;
+  std::array<std::array<double, kLensUnknowns>, 2> lensJacobian;
+  std::array<std::array<double, kPointUnknowns>, 2> pointJacobian;
 };
 
 /// nullopt if the point is behind the camera. Without `derivatives` these are left unset.

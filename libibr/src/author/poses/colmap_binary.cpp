@@ -19,7 +19,7 @@ class Bytes {
  public:
   explicit Bytes(const std::filesystem::path& file) : file_(&file), bytes_(readFile(file, std::uint64_t(16) << 30)) {}
 
-  RecordLocation place() const { return {file_, at_, false}; }
+  RecordLocation location() const { return {file_, at_, false}; }
   std::uint64_t left() const { return bytes_.size() - at_; }
 
   template <class T>
@@ -31,21 +31,21 @@ class Bytes {
     return result;
   }
   double real(const char* field) {
-    const RecordLocation here = place();
+    const RecordLocation here = location();
     const double result = value<double>(field);
     check(std::isfinite(result), ErrorCode::invalidInput, "{}: {} is not a finite number", here.describe(), field);
     return result;
   }
   /// Reads a count of records of at least `size` bytes; a count beyond the file's end fails before any allocation.
   std::uint64_t count(const char* field, std::uint64_t size) {
-    const RecordLocation here = place();
+    const RecordLocation here = location();
     const auto result = value<std::uint64_t>(field);
     check(result <= left() / size, ErrorCode::invalidInput, "{}: {} is {}, but only {} bytes follow", here.describe(),
           field, result, left());
     return result;
   }
   std::string text(const char* field) {
-    const RecordLocation here = place();
+    const RecordLocation here = location();
     const auto* const first = reinterpret_cast<const char*>(bytes_.data() + at_);
     const auto* const end = static_cast<const char*>(left() > 0 ? std::memchr(first, 0, left()) : nullptr);
     check(end != nullptr, ErrorCode::invalidInput, "{}: {} has no terminating zero byte", here.describe(), field);
@@ -57,13 +57,13 @@ class Bytes {
     at_ += size;
   }
   void finish() const {
-    check(left() == 0, ErrorCode::invalidInput, "{}: {} unexpected bytes after the last record", place().describe(),
+    check(left() == 0, ErrorCode::invalidInput, "{}: {} unexpected bytes after the last record", location().describe(),
           left());
   }
 
  private:
   void need(std::uint64_t size, const char* field) const {
-    check(size <= left(), ErrorCode::invalidInput, "{}: the file ends within {}", place().describe(), field);
+    check(size <= left(), ErrorCode::invalidInput, "{}: the file ends within {}", location().describe(), field);
   }
 
   const std::filesystem::path* file_;
@@ -74,12 +74,12 @@ class Bytes {
 void readCameras(Records& records) {
   Bytes file(records.camerasFile);
   for (std::uint64_t n = file.count("number of cameras", 24); n > 0; --n) {
-    CameraRecord camera{file.place(), 0, 0, 0, 0, {}};
+    CameraRecord camera{file.location(), 0, 0, 0, 0, {}};
     camera.id = file.value<std::uint32_t>("CAMERA_ID");
     const auto number = file.value<std::int32_t>("MODEL");
     const auto kind = std::ranges::find(kModelKinds, number, &ModelKind::number);
     check(kind != kModelKinds.end(), ErrorCode::unsupported, "{}: MODEL {} of camera {} is not known",
-          camera.place.describe(), number, camera.id);
+          camera.location.describe(), number, camera.id);
     camera.kind = std::size_t(kind - kModelKinds.begin());
     camera.width = file.value<std::uint64_t>("WIDTH");
     camera.height = file.value<std::uint64_t>("HEIGHT");
@@ -92,7 +92,7 @@ void readCameras(Records& records) {
 void readImages(Records& records) {
   Bytes file(records.imagesFile);
   for (std::uint64_t n = file.count("number of images", 73); n > 0; --n) {
-    ImageRecord image{file.place(), 0, {}, {}, 0, {}, {}};
+    ImageRecord image{file.location(), 0, {}, {}, 0, {}, {}};
     image.id = file.value<std::uint32_t>("IMAGE_ID");
     for (double& q : image.quaternion) q = file.real("QVEC");
     for (double& t : image.translation) t = file.real("TVEC");
@@ -112,7 +112,7 @@ void readImages(Records& records) {
 void readPoints(Records& records) {
   Bytes file(records.pointsFile);
   for (std::uint64_t n = file.count("number of points", 51); n > 0; --n) {
-    PointRecord point{file.place(), 0, {}};
+    PointRecord point{file.location(), 0, {}};
     point.id = file.value<std::uint64_t>("POINT3D_ID");
     for (double& x : point.position) x = file.real("XYZ");
     file.skip(3 + 8, "RGB and ERROR");

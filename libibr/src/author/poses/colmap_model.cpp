@@ -51,11 +51,11 @@ struct ModelCamera {
 };
 
 ModelCamera toCamera(const CameraRecord& camera, Border border) {
-  const std::string at = camera.place.describe();
-  constexpr std::uint64_t kLargest = 1 << 16;
-  check(camera.width >= 1 && camera.height >= 1 && camera.width <= kLargest && camera.height <= kLargest,
+  const std::string at = camera.location.describe();
+  constexpr std::uint64_t kMaxSizePx = 1 << 16;
+  check(camera.width >= 1 && camera.height >= 1 && camera.width <= kMaxSizePx && camera.height <= kMaxSizePx,
         ErrorCode::invalidInput, "{}: size {}x{} of camera {} is not within 1 to {}", at, camera.width, camera.height,
-        camera.id, kLargest);
+        camera.id, kMaxSizePx);
   const std::vector<double>& p = camera.parameters;
   const int width = int(camera.width), height = int(camera.height);
   if (camera.kind == colmap::kEquirectangular) {
@@ -78,7 +78,7 @@ Pose toPose(const ImageRecord& image) {
   const auto& q = image.quaternion;
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   check(std::abs(length - 1.0) <= 1e-3, ErrorCode::invalidInput,
-        "{}: quaternion ({}, {}, {}, {}) of image {} has length {}, not 1", image.place.describe(), q[0], q[1], q[2],
+        "{}: quaternion ({}, {}, {}, {}) of image {} has length {}, not 1", image.location.describe(), q[0], q[1], q[2],
         q[3], image.id, length);
   const glm::dquat toCamera(q[0] / length, q[1] / length, q[2] / length, q[3] / length);
   return poseFromWorldToCamera(toCamera, {image.translation[0], image.translation[1], image.translation[2]});
@@ -93,15 +93,15 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
   std::map<std::uint64_t, ModelCamera> cameras;
   for (const CameraRecord& camera : records.cameras)
     check(cameras.emplace(camera.id, toCamera(camera, border)).second, ErrorCode::invalidInput,
-          "{}: CAMERA_ID {} appears twice", camera.place.describe(), camera.id);
+          "{}: CAMERA_ID {} appears twice", camera.location.describe(), camera.id);
 
   std::set<std::uint64_t> imageIds;
   for (const ImageRecord& image : records.images)
     check(imageIds.insert(image.id).second, ErrorCode::invalidInput, "{}: IMAGE_ID {} appears twice",
-          image.place.describe(), image.id);
+          image.location.describe(), image.id);
   std::erase_if(records.images, [&](const ImageRecord& image) {
     if (image.camera != colmap::kNoCamera) return false;
-    if (log) log(LogLevel::warning, fmt::format("{}: {} is not registered", image.place.describe(), image.name));
+    if (log) log(LogLevel::warning, fmt::format("{}: {} is not registered", image.location.describe(), image.name));
     return true;
   });
   std::sort(records.images.begin(), records.images.end(),
@@ -109,7 +109,7 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
 
   PosedModel model;
   for (const ImageRecord& image : records.images) {
-    const std::string at = image.place.describe();
+    const std::string at = image.location.describe();
     check(!image.name.empty(), ErrorCode::invalidInput, "{}: image {} has no NAME", at, image.id);
     check(model.images.empty() || model.images.back().name != image.name, ErrorCode::invalidInput,
           "{}: NAME \"{}\" appears twice", at, image.name);
@@ -124,7 +124,7 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Borde
   trackOf.reserve(records.points.size());
   for (const colmap::PointRecord& point : records.points) {
     check(trackOf.emplace(point.id, model.tracks.size()).second, ErrorCode::invalidInput,
-          "{}: POINT3D_ID {} appears twice", point.place.describe(), point.id);
+          "{}: POINT3D_ID {} appears twice", point.location.describe(), point.id);
     model.tracks.push_back({{point.position[0], point.position[1], point.position[2]}, {}});
   }
   std::size_t lost = 0;

@@ -67,7 +67,7 @@ ColmapProgram::OptionNames ColmapProgram::optionNames(const char* stage) const {
   runLine(
       {program_, "feature_extractor", "--help"},
       [&](std::string_view text) { newer = newer || text.find("FeatureExtraction.use_gpu") != text.npos; },
-      [&] { return wanted(stage, 0, 1); });
+      [&] { return reportProgress(stage, 0, 1); });
   return newer ? OptionNames{"--FeatureExtraction", "--FeatureMatching"}
                : OptionNames{"--SiftExtraction", "--SiftMatching"};
 }
@@ -91,7 +91,7 @@ void ColmapProgram::run(const std::string& mark, const std::string& command, con
         nothing = nothing || text.find("failed to create sparse model") != text.npos;
         if (const auto now = progressIn(text, photographs)) count = *now;
       },
-      [&] { return wanted(stage, std::min(count.done, count.total), count.total); });
+      [&] { return reportProgress(stage, std::min(count.done, count.total), count.total); });
   check(!result.stopped, ErrorCode::cancelled, "cancelled while {}; start again to resume", stage);
   if (nothing) return;
   check(result.status == 0, ErrorCode::io,
@@ -100,15 +100,15 @@ void ColmapProgram::run(const std::string& mark, const std::string& command, con
   writeFile(doneFile(mark, command), std::string_view("done\n"));
 }
 
-bool ColmapProgram::wanted(const char* stage, std::size_t done, std::size_t total) const {
+bool ColmapProgram::reportProgress(const char* stage, std::size_t done, std::size_t total) const {
   return !progress_ || progress_({stage, done, total});
 }
 
 ChildResult ColmapProgram::runLine(const std::vector<std::string>& line,
                                    const std::function<void(std::string_view)>& print,
-                                   const std::function<bool()>& goesOn) const {
+                                   const std::function<bool()>& shouldContinue) const {
   try {
-    return runChild(line, {{"QT_QPA_PLATFORM", "offscreen"}}, print, goesOn);
+    return runChild(line, {{"QT_QPA_PLATFORM", "offscreen"}}, print, shouldContinue);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::io) throw;
     fail(ErrorCode::io,

@@ -39,9 +39,9 @@ class ColmapProgram {
            const std::vector<std::string>& arguments, std::size_t photographs) const;
 
  private:
-  bool wanted(const char* stage, std::size_t done, std::size_t total) const;
+  bool reportProgress(const char* stage, std::size_t done, std::size_t total) const;
   ChildResult runLine(const std::vector<std::string>& line, const std::function<void(std::string_view)>& print,
-                      const std::function<bool()>& goesOn) const;
+                      const std::function<bool()>& shouldContinue) const;
 
   std::string program_;
   std::filesystem::path folder_;

@@ -44,7 +44,7 @@ inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation 
 inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered
 
 struct CameraRecord {
-  RecordLocation place;
+  RecordLocation location;
   std::uint64_t id;
   std::size_t kind;  // index into kModelKinds
   std::uint64_t width, height;
@@ -55,7 +55,7 @@ struct ObservationRecord {
   std::uint64_t point;  // kNoPoint: none
 };
 struct ImageRecord {
-  RecordLocation place;
+  RecordLocation location;
   std::uint64_t id;
   std::array<double, 4> quaternion;   // w, x, y, z; world to camera
   std::array<double, 3> translation;  // world to camera
@@ -64,7 +64,7 @@ struct ImageRecord {
   std::vector<ObservationRecord> observations;
 };
 struct PointRecord {
-  RecordLocation place;
+  RecordLocation location;
   std::uint64_t id;
   std::array<double, 3> position;
 };

@@ -41,7 +41,7 @@ std::string cameraText(const PosedImage& image) {
 }
 
 // Maps an undistorted pixel to the source photograph, distortion included.
-glm::dvec2 taken(const PosedImage& image, glm::dvec2 pixel) {
+glm::dvec2 sourcePixel(const PosedImage& image, glm::dvec2 pixel) {
   const auto seen = image.lens ? image.lens->project(unproject(image.camera.intrinsics, pixel)) : std::optional(pixel);
   check(seen.has_value(), ErrorCode::invalidInput,
         "{}: the observation at pixel {}, {} is outside the field of view of the image's lens", image.name, pixel.x,
@@ -64,7 +64,7 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
       check(o.image < model.images.size(), ErrorCode::invalidInput,
             "track {} refers to image {}, but there are only {} images", t, o.image, model.images.size());
       append(points, " {} {}", o.image + 1, count[o.image]++);
-      const glm::dvec2 pixel = taken(model.images[o.image], o.pixel);
+      const glm::dvec2 pixel = sourcePixel(model.images[o.image], o.pixel);
       append(seen[o.image], "{}{} {} {}", seen[o.image].empty() ? "" : " ", pixel.x, pixel.y, t + 1);
     }
     points += '\n';

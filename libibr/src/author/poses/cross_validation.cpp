@@ -14,8 +14,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kPatch = 1.0 / 12;  // of a photograph's width
-constexpr std::size_t kFewPatches = 8;
+constexpr double kPatchWidth = 1.0 / 12;  // of a photograph's width
+constexpr std::size_t kMinPatches = 8;
 constexpr double kRoundingPx = 0.01;
 
 // Axes that rotate with the world: the mean of the cameras' axes. If cameras look all around, the world's axes.
@@ -43,20 +43,21 @@ std::vector<std::uint32_t> patchesOf(std::span<const Camera> cameras, std::span<
     const glm::dvec3 way = (glm::dvec3(point.position) - point.position.w * middle) * axes;
     const double length = glm::length(way);
     Hash hash;
-    for (int c = 0; c < 3; ++c) hash.add(length > 0 ? std::int64_t(std::floor(way[c] / length / (kPatch * width))) : 0);
+    for (int c = 0; c < 3; ++c)
+      hash.add(length > 0 ? std::int64_t(std::floor(way[c] / length / (kPatchWidth * width))) : 0);
     patches.push_back(std::uint32_t(hash.value() >> 20));
   }
   return patches;
 }
 
-std::vector<BundleCamera> still(std::span<const BundleCamera> cameras) {
+std::vector<BundleCamera> withFixedCameras(std::span<const BundleCamera> cameras) {
   std::vector<BundleCamera> list(cameras.begin(), cameras.end());
   for (BundleCamera& camera : list) camera.fixed = camera.keepIntrinsics = true;
   return list;
 }
 
 std::vector<double> costsOf(std::span<const BundleCamera> cameras, std::span<const BundlePoint> points, double px) {
-  const Bundle bundle = adjustBundle(still(cameras), points, {.cauchyPx = px});
+  const Bundle bundle = adjustBundle(withFixedCameras(cameras), points, {.cauchyPx = px});
   std::vector<double> costs(points.size(), 0.0);
   for (std::size_t p = 0; p < points.size(); ++p)
     if (points[p].seen.size() > 1)
@@ -82,7 +83,7 @@ double significance(std::span<const double> before, std::span<const double> afte
       patch->points += 1;
     }
   }
-  if (all.size() < kFewPatches) return std::nan("");
+  if (all.size() < kMinPatches) return std::nan("");
   double squares = 0;
   for (const auto& [number, patch] : all) {
     const double off = patch.less - sum.less / sum.points * patch.points;

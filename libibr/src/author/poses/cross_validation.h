@@ -19,7 +19,7 @@ namespace ibr {
 std::vector<std::uint32_t> patchesOf(std::span<const Camera> cameras, std::span<const BundlePoint> points);
 
 /// Returns the cameras with fixed poses and intrinsics: bundle adjustment then only triangulates points.
-std::vector<BundleCamera> still(std::span<const BundleCamera> cameras);
+std::vector<BundleCamera> withFixedCameras(std::span<const BundleCamera> cameras);
 
 /// Returns each point's cost at its best position: Cauchy's loss of scale `px`, summed over its observations. Errors up
 /// to 0.01 px cost nothing, since numbers are rounded; points that a bundle adjustment does not count cost 0.

@@ -22,19 +22,19 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 3;           // of the steps: raise it when their results change
-constexpr std::size_t kMostExhaustive = 60;     // maximum number of photographs for exhaustive matching
-constexpr std::size_t kMostAddedPairs = 10000;  // maximum number of pairs matched to add photographs
-constexpr double kMostAdded = 0.5;              // maximum share of added photographs, of the previous ones
-constexpr double kMostLeft = 0.2;               // maximum share of the previous ones that the model may lack
-constexpr std::size_t kBlocks = 8;              // of photographs, matched pair by pair
-constexpr double kBytesPerPixel = 14;           // memory for reading and rotating a photograph
-constexpr const char* kLooking = "checking photographs";
-constexpr const char* kFeatures = "finding features with COLMAP";
-constexpr const char* kMatching = "matching features with COLMAP";
-constexpr const char* kMapping = "estimating poses with COLMAP";
-constexpr const char* kAdding = "adding photographs with COLMAP";
-constexpr const char* kOnlyCamera = "1";  // COLMAP's camera id, if all photographs share one
+constexpr std::uint64_t kVersion = 3;          // of the steps: raise it when their results change
+constexpr std::size_t kMaxExhaustive = 60;     // maximum number of photographs for exhaustive matching
+constexpr std::size_t kMaxAddedPairs = 10000;  // maximum number of pairs matched to add photographs
+constexpr double kMaxAddedShare = 0.5;         // maximum share of added photographs, of the previous ones
+constexpr double kMaxUnregisteredShare = 0.2;  // maximum share of the previous ones that the model may lack
+constexpr std::size_t kBlocks = 8;             // of photographs, matched pair by pair
+constexpr double kBytesPerPixel = 14;          // memory for reading and rotating a photograph
+constexpr const char* kCheckingStage = "checking photographs";
+constexpr const char* kFeaturesStage = "finding features with COLMAP";
+constexpr const char* kMatchingStage = "matching features with COLMAP";
+constexpr const char* kMappingStage = "estimating poses with COLMAP";
+constexpr const char* kAddingStage = "adding photographs with COLMAP";
+constexpr const char* kSharedCameraId = "1";  // COLMAP's camera id, if all photographs share one
 
 // False if `folder` is an empty path.
 bool isWithin(const fs::path& file, const fs::path& folder) {
@@ -51,9 +51,9 @@ class Estimator {
   PoseReport run() {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     check(!options_.folder.empty(), ErrorCode::invalidInput, "the folder for COLMAP's files is not set");
-    names_ = lookInto(options_.photographs).pictures;
+    names_ = scanPhotographFolder(options_.photographs).pictures;
     std::erase_if(names_, [&](const std::string& name) {
-      return isWithin(options_.photographs / name, options_.without) ||
+      return isWithin(options_.photographs / name, options_.excludedFolder) ||
              std::ranges::find(options_.exclude, name) != options_.exclude.end();
     });
     checkEnoughForPoses(options_.photographs, names_.size());
@@ -89,39 +89,39 @@ class Estimator {
     makeFolders(options_.folder);
     if (added_.empty()) {
       writeFile(file("key"), text);
-      for (std::size_t i = 0; i < names_.size(); ++i) looked_.push_back(i);
+      for (std::size_t i = 0; i < names_.size(); ++i) inThisRun_.push_back(i);
     } else {
       prepareToAdd(text);
     }
     if (!fs::exists(listFile())) {
-      look();
+      checkPhotographs();
       std::string list;
-      for (const std::size_t i : looked_) list += names_[i] + '\n';
+      for (const std::size_t i : inThisRun_) list += names_[i] + '\n';
       writeFile(listFile(), list);
     }
   }
 
-  bool isBegun(const std::string& key) const {
+  bool isAdditionStarted(const std::string& key) const {
     return fs::exists(file("added-key")) && readTextFile(file("added-key")) == key;
   }
 
   // Poor models, and those of few photographs, are estimated again: the result may be a different model.
   bool canAdd(const std::string& key) const {
     const std::size_t before = names_.size() - added_.size();
-    if (added_.empty() || !fs::exists(file("mapper.done")) || double(added_.size()) > kMostAdded * double(before) ||
-        added_.size() * names_.size() > kMostAddedPairs)
+    if (added_.empty() || !fs::exists(file("mapper.done")) || double(added_.size()) > kMaxAddedShare * double(before) ||
+        added_.size() * names_.size() > kMaxAddedPairs)
       return false;
     // COLMAP reads pairs of names word by word.
     if (std::ranges::any_of(names_, [](const std::string& name) { return name.find(' ') != name.npos; })) return false;
-    if (isBegun(key)) return true;
-    return models().size() == 1 && double(largestModel().registered) >= (1 - kMostLeft) * double(before);
+    if (isAdditionStarted(key)) return true;
+    return models().size() == 1 && double(largestModel().registered) >= (1 - kMaxUnregisteredShare) * double(before);
   }
 
   // Discards the steps of another, stopped addition: this one starts from the database before that addition.
   void prepareToAdd(const std::string& key) {
-    looked_ = added_;
+    inThisRun_ = added_;
     mark_ = "added-";
-    if (isBegun(key)) return;
+    if (isAdditionStarted(key)) return;
     fs::remove(file("added-key"));
     for (const char* step : {"feature_extractor", "matches_importer", "image_registrator"})
       fs::remove(colmap_.doneFile(mark_, step));
@@ -147,7 +147,8 @@ class Estimator {
   void probe() {
     std::vector<std::string> faults(names_.size());
     infos_.resize(names_.size());
-    for (std::size_t i = 0; i < names_.size(); ++i) tell(faults[i], [&] { infos_[i] = probeImage(source(names_[i])); });
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      collectFault(faults[i], [&] { infos_[i] = probeImage(source(names_[i])); });
     checkReadable(std::move(faults));
   }
 
@@ -166,71 +167,71 @@ class Estimator {
   }
 
   // Finds damaged files before hours of work. If some photographs are rotated, all are placed in a folder of their own.
-  void look() {
+  void checkPhotographs() {
     double most = 0;
     for (const ImageFileInfo& info : infos_) most = std::max(most, double(info.width) * info.height);
-    const bool turns = turnsAny();
+    const bool turns = anyRotated();
     if (added_.empty()) fs::remove_all(file("upright"));
-    std::vector<std::string> faults(looked_.size());
+    std::vector<std::string> faults(inThisRun_.size());
     const bool finished = runJobs(
-        looked_.size(), threadsFor(options_.threads, kBytesPerPixel * most),
+        inThisRun_.size(), threadsFor(options_.threads, kBytesPerPixel * most),
         [&](std::size_t i) {
-          tell(faults[i], [&] {
+          collectFault(faults[i], [&] {
             if (!turns)
-              readImage(source(names_[looked_[i]]));
+              readImage(source(names_[inThisRun_[i]]));
             else
-              copyUpright(looked_[i]);
+              copyUpright(inThisRun_[i]);
           });
         },
-        [&](std::size_t done) { return wanted(kLooking, done, looked_.size()); });
-    check(finished, ErrorCode::cancelled, "cancelled while {}", kLooking);
+        [&](std::size_t done) { return reportProgress(kCheckingStage, done, inThisRun_.size()); });
+    check(finished, ErrorCode::cancelled, "cancelled while {}", kCheckingStage);
     checkReadable(std::move(faults));
   }
 
   void copyUpright(std::size_t i) const {
     const fs::path to = file("upright") / names_[i];
     makeFolders(to.parent_path());
-    if (isTurned(i)) return writeUpright(source(names_[i]), to);
+    if (isRotated(i)) return writeUpright(source(names_[i]), to);
     readImage(source(names_[i]));
     fs::remove(to);
     fs::create_symlink(fs::absolute(source(names_[i])), to);
   }
 
   template <class F>
-  static void tell(std::string& fault, F&& read) {
+  static void collectFault(std::string& fault, F&& read) {
     try {
       read();
     } catch (const Error& error) {
-      if (!isOfFile(error)) throw;
+      if (!isFileError(error)) throw;
       fault = error.what();
     }
   }
 
   fs::path source(const std::string& name) const { return options_.photographs / name; }
   std::optional<fs::path> maskOf(const std::string& name) const {
-    return options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name);
+    return options_.masks.empty() ? std::nullopt : findMaskFile(options_.masks, name);
   }
-  bool isTurned(std::size_t i) const {
+  bool isRotated(std::size_t i) const {
     return options_.orientation != Orientation::stored && infos_[i].orientation != 1;
   }
-  bool turnsAny() const {
+  bool anyRotated() const {
     for (std::size_t i = 0; i < infos_.size(); ++i)
-      if (isTurned(i)) return true;
+      if (isRotated(i)) return true;
     return false;
   }
   // Folder from which COLMAP reads the photographs.
-  fs::path pictures() const { return turnsAny() ? file("upright") : options_.photographs; }
+  fs::path pictures() const { return anyRotated() ? file("upright") : options_.photographs; }
 
   // True if all photographs, once upright, have the same size.
   bool sameSize(const std::vector<std::size_t>& photographs) const {
     const auto size = [this](std::size_t i) {
-      const bool swaps = isTurned(i) && infos_[i].orientation >= 5;
+      const bool swaps = isRotated(i) && infos_[i].orientation >= 5;
       return swaps ? std::pair(infos_[i].height, infos_[i].width) : std::pair(infos_[i].width, infos_[i].height);
     };
     return std::ranges::all_of(photographs, [&](std::size_t i) { return size(i) == size(photographs[0]); });
   }
 
-  bool wanted(const char* stage, std::size_t done, std::size_t total) const {
+  bool reportProgress(const char* stage, std::size_t done, std::size_t total) const {
     return !progress_ || progress_({stage, done, total});
   }
 
@@ -247,7 +248,7 @@ class Estimator {
       if (const auto mask = maskOf(names_[i])) {
         const fs::path to = file("masks") / (names_[i] + ".png");
         makeFolders(to.parent_path());
-        if (isTurned(i))
+        if (isRotated(i))
           writeImage(to, upright(readImage(*mask), infos_[i].orientation));
         else
           writeFile(to, readFile(*mask));
@@ -257,7 +258,7 @@ class Estimator {
   }
 
   void findFeatures() {
-    option_ = colmap_.optionNames(kFeatures);
+    option_ = colmap_.optionNames(kFeaturesStage);
     // Photographs of one size usually share one lens: a shared focal length is estimated more reliably.
     std::vector<std::string> arguments{"--database_path",
                                        databaseFile().string(),
@@ -266,7 +267,7 @@ class Estimator {
                                        "--image_list_path",
                                        listFile().string(),
                                        "--ImageReader.single_camera",
-                                       sameSize(looked_) ? "1" : "0",
+                                       sameSize(inThisRun_) ? "1" : "0",
                                        option_.extraction + ".use_gpu",
                                        "0",
                                        option_.extraction + ".num_threads",
@@ -274,9 +275,9 @@ class Estimator {
     std::vector<std::size_t> all(names_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     if (!added_.empty() && sameSize(all))
-      arguments.insert(arguments.end(), {"--ImageReader.existing_camera_id", kOnlyCamera});
+      arguments.insert(arguments.end(), {"--ImageReader.existing_camera_id", kSharedCameraId});
     if (copyMasks()) arguments.insert(arguments.end(), {"--ImageReader.mask_path", file("masks").string()});
-    step("feature_extractor", kFeatures, arguments);
+    step("feature_extractor", kFeaturesStage, arguments);
   }
 
   void matchFeatures() {
@@ -290,15 +291,15 @@ class Estimator {
       writePairs();
       arguments.insert(arguments.end(),
                        {"--match_list_path", file("added-pairs.txt").string(), "--match_type", "pairs"});
-      return step("matches_importer", kMatching, arguments);
+      return step("matches_importer", kMatchingStage, arguments);
     }
-    const bool all = names_.size() <= kMostExhaustive;
+    const bool all = names_.size() <= kMaxExhaustive;
     // COLMAP reports and stores matches block by block: a single block shows no progress, and is lost when stopped.
     if (all) {
       const std::size_t side = std::max<std::size_t>(2, (names_.size() + kBlocks - 1) / kBlocks);
       arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
     }
-    step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments);
+    step(all ? "exhaustive_matcher" : "sequential_matcher", kMatchingStage, arguments);
   }
 
   // Pairs each added photograph with all others.
@@ -327,7 +328,7 @@ class Estimator {
         "--database_path", file("database.db").string(), "--image_path",         pictures().string(),
         "--output_path",   file("sparse").string(),      "--Mapper.num_threads", threads()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    step("mapper", kMapping, arguments);
+    step("mapper", kMappingStage, arguments);
   }
 
   // Keeps existing poses and points bit-identical: cached depth that used them stays valid.
@@ -337,7 +338,7 @@ class Estimator {
     const fs::path after = file("added");
     if (!models().empty()) {
       makeFolders(after);
-      step("image_registrator", kAdding,
+      step("image_registrator", kAddingStage,
            {"--database_path", databaseFile().string(), "--input_path", models()[0].string(), "--output_path",
             after.string(), "--Mapper.num_threads", threads()});
     }
@@ -349,11 +350,11 @@ class Estimator {
     }
     if (fs::exists(databaseFile())) fs::rename(databaseFile(), file("database.db"));
     fs::rename(file("added-key"), file("key"));
-    tellUnjoined();
+    warnOfUnregistered();
   }
 
   // Added photographs are registered to existing points only, not to each other.
-  void tellUnjoined() const {
+  void warnOfUnregistered() const {
     std::set<std::string> posed;
     for (const PosedImage& image : readColmapModel(largestModel().model).images) posed.insert(image.name);
     std::vector<std::string> left;
@@ -410,9 +411,9 @@ class Estimator {
   const LogCallback& log_;
   std::vector<std::string> names_;
   std::vector<ImageFileInfo> infos_;
-  std::vector<std::size_t> added_;   // since poses were estimated
-  std::vector<std::size_t> looked_;  // photographs of this run: added_, or all
-  std::string mark_;                 // prefix of this run's files
+  std::vector<std::size_t> added_;      // since poses were estimated
+  std::vector<std::size_t> inThisRun_;  // photographs of this run: added_, or all
+  std::string mark_;                    // prefix of this run's files
   const ColmapProgram colmap_;
   ColmapProgram::OptionNames option_;
 };

@@ -11,7 +11,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMostTracks = 1000, kFewTracks = 20;
+constexpr std::size_t kMaxTracks = 1000, kMinTracks = 20;
 constexpr double kPriorShift = 0.02;  // one standard deviation, in distances from the first member
 
 double medianError(std::span<const Camera> members, std::span<const LocalTrack> tracks) {
@@ -41,7 +41,7 @@ std::vector<LocalTrack> localTracks(const PosedModel& model, std::span<const std
   std::vector<LocalTrack> tracks;
   for (std::size_t count = members.size(); count >= 2; --count) {
     const std::vector<std::uint32_t>& list = seenBy[count];
-    const std::size_t room = kMostTracks - tracks.size(), wanted = std::min(room, list.size());
+    const std::size_t room = kMaxTracks - tracks.size(), wanted = std::min(room, list.size());
     for (std::size_t k = 0; k < wanted; ++k) {  // evenly spaced: neighbours in the model are neighbours in images
       const Track& track = model.tracks[list[k * list.size() / wanted]];
       LocalTrack local{track.position, std::vector<std::optional<glm::dvec2>>(members.size())};
@@ -54,14 +54,15 @@ std::vector<LocalTrack> localTracks(const PosedModel& model, std::span<const std
   return tracks;
 }
 
-std::vector<Pose> locallyAdjusted(std::span<const Camera> members, std::span<const LocalTrack> tracks, double leastPx) {
+std::vector<Pose> locallyAdjusted(std::span<const Camera> members, std::span<const LocalTrack> tracks,
+                                  double minErrorPx) {
   std::vector<BundleCamera> cameras;
   double longest = 0;
   for (const Camera& member : members) {
     cameras.push_back({member, 0, cameras.empty()});
     longest = std::max(longest, glm::distance(member.pose.position, members[0].pose.position));
   }
-  if (tracks.size() >= kFewTracks && medianError(members, tracks) >= leastPx) {
+  if (tracks.size() >= kMinTracks && medianError(members, tracks) >= minErrorPx) {
     std::vector<BundlePoint> points;
     for (const LocalTrack& track : tracks) {
       points.push_back({glm::dvec4(track.position, 1), {}});

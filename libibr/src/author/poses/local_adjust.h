@@ -28,8 +28,8 @@ std::vector<LocalTrack> localTracks(const PosedModel& model, std::span<const std
                                     std::span<const std::uint32_t> members);
 
 /// Returns the members' adjusted poses. They are unchanged if tracks are few, or the median reprojection error is below
-/// `leastPx` already. Cameras are pinholes.
+/// `minErrorPx` already. Cameras are pinholes.
 std::vector<Pose> locallyAdjusted(std::span<const Camera> members, std::span<const LocalTrack> tracks,
-                                  double leastPx = 0.1);
+                                  double minErrorPx = 0.1);
 
 }  // namespace ibr

@@ -72,9 +72,9 @@ Pose poseOf(const JsonValue& entry) {
 PosedModel modelOf(const JsonValue& json) {
   Intrinsics intrinsics;
   intrinsics.model = CameraModel::equirectangular;
-  constexpr int kLargest = 1 << 16;
-  intrinsics.width = int(json["width"].integer(1, kLargest));
-  intrinsics.height = int(json["height"].integer(1, kLargest));
+  constexpr int kMaxSizePx = 1 << 16;
+  intrinsics.width = int(json["width"].integer(1, kMaxSizePx));
+  intrinsics.height = int(json["height"].integer(1, kMaxSizePx));
   const JsonValue list = json["panoramas"];
   if (list.size() == 0) list.fault("has no panorama");
   PosedModel model;

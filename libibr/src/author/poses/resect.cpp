@@ -11,8 +11,10 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kFewPoints = 20;
-constexpr double kRadians = 0.1, kShift = 1;  // standard deviations; kShift: relative to the nearest other's distance
+constexpr std::size_t kMinPoints = 20;
+constexpr double kRotationDeviation = 0.1,
+                 kPositionDeviation =
+                     1;  // standard deviations; kPositionDeviation: relative to the nearest other's distance
 
 bool sameLens(const PosedImage& a, const PosedImage& b) {
   return a.camera.intrinsics == b.camera.intrinsics && a.lens == b.lens;
@@ -48,11 +50,11 @@ std::optional<Camera> resected(const PosedModel& given, const std::string& name,
     }
     if (seen && point.seen.size() > 1) points.push_back(std::move(point));
   }
-  if (points.size() < kFewPoints || !(nearest > 0)) return std::nullopt;
+  if (points.size() < kMinPoints || !(nearest > 0)) return std::nullopt;
   BundleOptions options;
-  options.radians = kRadians;
-  options.shift = kShift * nearest;
-  options.enoughDecrease = 1e-10;
+  options.radians = kRotationDeviation;
+  options.shift = kPositionDeviation * nearest;
+  options.minDecrease = 1e-10;
   return adjustBundle(cameras, points, options).cameras[0];
 }
 

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kRounding = 1e-3;  // tolerance for rotations
-constexpr int kLargest = 1 << 16;
+constexpr int kMaxSizePx = 1 << 16;
 
 Pose poseOf(const JsonValue& matrix) {
   if (matrix.size() != 4 && matrix.size() != 3) matrix.fault(fmt::format("has {} rows, not 4", matrix.size()));
@@ -73,8 +73,8 @@ std::optional<int> sizeOf(const Fields& fields, const char* key) {
   const auto value = fields.find(key);
   if (!value) return std::nullopt;
   const double size = value->number();
-  if (!(size >= 1 && size <= kLargest && size == std::floor(size)))
-    value->fault(fmt::format("{} is not a whole number from 1 to {}", size, kLargest));
+  if (!(size >= 1 && size <= kMaxSizePx && size == std::floor(size)))
+    value->fault(fmt::format("{} is not a whole number from 1 to {}", size, kMaxSizePx));
   return int(size);
 }
 

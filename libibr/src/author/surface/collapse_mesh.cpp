@@ -90,7 +90,7 @@ bool CollapseMesh::keepsTopology(std::uint32_t a, std::uint32_t b) const {
   return facesBetween(mesh_, facesAt_[a], both[0]) > 1 || facesBetween(mesh_, facesAt_[b], both[0]) > 1;
 }
 
-bool CollapseMesh::keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to, double leastCosine) const {
+bool CollapseMesh::keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to, double minCosine) const {
   for (const auto& [vertex, other] : {std::pair(a, b), std::pair(b, a)})
     for (const std::uint32_t f : facesAt_[vertex]) {
       const glm::uvec3& t = mesh_.triangles[f];
@@ -100,11 +100,11 @@ bool CollapseMesh::keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to,
       const glm::dvec3 before = normal(t), after = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
       double longest = 0;
       for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, glm::distance(corner[k], corner[(k + 1) % 3]));
-      constexpr double kThinnest = 1e-3;  // height over longest edge, unless it was as thin before
+      constexpr double kMinThickness = 1e-3;  // height over longest edge, unless it was as thin before
       const double length = glm::length(after), was = glm::length(before);
       if (!(length > 0)) return false;
-      if (length < kThinnest * longest * longest && length < was) return false;
-      if (was > 0 && !(glm::dot(before, after) >= leastCosine * was * length)) return false;
+      if (length < kMinThickness * longest * longest && length < was) return false;
+      if (was > 0 && !(glm::dot(before, after) >= minCosine * was * length)) return false;
     }
   return true;
 }
@@ -112,7 +112,7 @@ bool CollapseMesh::keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to,
 glm::dvec3 CollapseMesh::placement(std::uint32_t a, std::uint32_t b, const Quadric& quadric) const {
   const bool aIsBorder = isBorder(a), bIsBorder = isBorder(b);
   if (aIsBorder != bIsBorder) return mesh_.positions[aIsBorder ? a : b];
-  return quadric.least(0.5 * (mesh_.positions[a] + mesh_.positions[b]));
+  return quadric.minimum(0.5 * (mesh_.positions[a] + mesh_.positions[b]));
 }
 
 void CollapseMesh::collapse(std::uint32_t a, std::uint32_t b, glm::dvec3 to) {

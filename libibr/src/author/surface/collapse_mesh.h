@@ -34,8 +34,8 @@ class CollapseMesh {
   bool keepsTopology(std::uint32_t a, std::uint32_t b) const;
 
   /// True if, with a and b moved to `to`, no remaining face's normal vanishes or turns by more than the angle with
-  /// cosine `leastCosine`.
-  bool keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to, double leastCosine) const;
+  /// cosine `minCosine`.
+  bool keepsNormals(std::uint32_t a, std::uint32_t b, glm::dvec3 to, double minCosine) const;
 
   /// Returns the position of the merged vertex with the least deviation from `quadric`'s planes: at the border vertex
   /// if only one end is on the border; near the edge's midpoint where the planes leave freedom.

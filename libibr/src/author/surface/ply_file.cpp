@@ -42,7 +42,7 @@ class PlyReader {
     TriangleMesh mesh;
     for (const Element& element : elements_) {
       if (element.properties.empty()) continue;
-      checkRoom(element);
+      checkCount(element);
       if (element.name == "vertex")
         vertices(element, mesh);
       else if (element.name == "face")
@@ -115,7 +115,7 @@ class PlyReader {
   }
 
   // Checks a count against the file's size before any allocation.
-  void checkRoom(const Element& element) const {
+  void checkCount(const Element& element) const {
     std::size_t least = 0;
     for (const Property& property : element.properties)
       least += ascii_ ? 1 : kBytes[std::size_t(property.count.value_or(property.type))];

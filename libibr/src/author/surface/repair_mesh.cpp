@@ -14,7 +14,7 @@
 #include <set>
 
 #include "author/geometry/disjoint_sets.h"
-#include "author/surface/flat_faces.h"
+#include "author/surface/degenerate_faces.h"
 #include "scene/scene_faults.h"
 
 namespace ibr {
@@ -32,20 +32,20 @@ class Repair {
   Repair(TriangleMesh& mesh, RepairReport& report) : mesh_(mesh), report_(report) {}
 
   void run() {
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       changed_ = false;
       dropUnusable();
       joinEdges();
       orient();
-      nameVertices();
+      numberVertices();
       dropSurplus();
       dropUnused();
-      if (const FlatFaces flat = removeFlatFaces(mesh_); flat.removed > 0) {
-        report_.flatFaces += flat.removed;
-        report_.flatFacesLeft = flat.left;
+      if (const DegenerateFaceCounts flat = removeDegenerateFaces(mesh_); flat.removed > 0) {
+        report_.degenerateFaces += flat.removed;
+        report_.degenerateFacesLeft = flat.left;
         changed_ = true;
       } else {
-        report_.flatFacesLeft = flat.left;
+        report_.degenerateFacesLeft = flat.left;
       }
       if (!changed_) return;
       report_.changed = true;
@@ -53,7 +53,7 @@ class Repair {
   }
 
  private:
-  static constexpr int kMostRounds = 16;
+  static constexpr int kMaxRounds = 16;
 
   const glm::dvec3& at(std::uint32_t corner) const { return mesh_.positions[vertex(corner)]; }
   std::uint32_t vertex(std::uint32_t corner) const { return mesh_.triangles[corner / 3][int(corner % 3)]; }
@@ -198,7 +198,7 @@ class Repair {
       std::swap(across_[3 * f], across_[3 * f + 2]);
       for (const std::uint32_t h : {3 * f, 3 * f + 2})
         if (across_[h] != kNone) across_[across_[h]] = h;
-      ++report_.turnedFaces;
+      ++report_.flippedFaces;
       changed_ = true;
     }
     report_.cutEdges = std::max(report_.cutEdges, cut_);  // a later round may see the same edges again
@@ -216,7 +216,7 @@ class Repair {
     return closed && volume != 0 ? volume < 0 : 2 * turned > part.size();
   }
 
-  void nameVertices() {
+  void numberVertices() {
     DisjointSets corners(cornerCount());
     for (std::uint32_t h = 0; h < cornerCount(); ++h)
       if (across_[h] != kNone && h < across_[h]) {

@@ -9,14 +9,14 @@
 namespace ibr {
 
 struct RepairReport {
-  std::size_t unusableFaces = 0;   // removed: a corner without vertex or not finite, two corners at one position
-  std::size_t duplicateFaces = 0;  // removed: the same three corners as an earlier face
-  std::size_t stitchedEdges = 0;   // coincident borders, joined
-  std::size_t turnedFaces = 0;     // with reversed corner order
-  std::size_t cutEdges = 0;        // with more than two faces, or two whose orientations cannot agree
-  std::size_t surplusFaces = 0;    // removed, since edges remained non-manifold however they were cut
-  std::size_t flatFaces = 0;       // three corners on a line: replaced by an edge flip, or removed
-  std::size_t flatFacesLeft = 0;   // of these, faces that could not be removed
+  std::size_t unusableFaces = 0;        // removed: a corner without vertex or not finite, two corners at one position
+  std::size_t duplicateFaces = 0;       // removed: the same three corners as an earlier face
+  std::size_t stitchedEdges = 0;        // coincident borders, joined
+  std::size_t flippedFaces = 0;         // with reversed corner order
+  std::size_t cutEdges = 0;             // with more than two faces, or two whose orientations cannot agree
+  std::size_t surplusFaces = 0;         // removed, since edges remained non-manifold however they were cut
+  std::size_t degenerateFaces = 0;      // three corners on a line: replaced by an edge flip, or removed
+  std::size_t degenerateFacesLeft = 0;  // of these, faces that could not be removed
   std::size_t verticesBefore = 0, verticesAfter = 0;  // unused ones are removed; those with several fans split
   bool changed = false;                               // true if the mesh changed
 };

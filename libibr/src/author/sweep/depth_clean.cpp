@@ -9,11 +9,11 @@
 namespace ibr {
 namespace {
 
-constexpr int kPlaneRadius = 3;         // px
-constexpr float kNearby = 6.0f;         // maximum distance from the pixel's own value for the first fit, steps …
-constexpr float kOnPlane = 1.0f;        // … and from that fit for the second
-constexpr float kLeastOnPlane = 12.0f;  // px
-constexpr float kFarthestPull = 2.0f;   // steps; a fit farther off belongs to another surface
+constexpr int kPlaneRadius = 3;             // px
+constexpr float kMaxFirstFitSteps = 6.0f;   // maximum distance from the pixel's own value for the first fit, steps …
+constexpr float kMaxSecondFitSteps = 1.0f;  // … and from that fit for the second
+constexpr float kMinOnPlane = 12.0f;        // px
+constexpr float kMaxPullSteps = 2.0f;       // steps; a fit farther off belongs to another surface
 
 }  // namespace
 
@@ -74,7 +74,7 @@ ImageF fitPlanes(const ImageF& map, float step) {
     for (int x = 0; x < map.width; ++x) {
       const float here = map.pixel(x, y)[0];
       float value = here, slopeX = 0, slopeY = 0;
-      for (const float limit : {kNearby * step, kOnPlane * step}) {
+      for (const float limit : {kMaxFirstFitSteps * step, kMaxSecondFitSteps * step}) {
         // Least squares of value + slopeX·dx + slopeY·dy, by central moments.
         float n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sw = 0, sxw = 0, syw = 0;
         for (int v = std::max(y - kPlaneRadius, 0); v <= std::min(y + kPlaneRadius, map.height - 1); ++v)
@@ -85,7 +85,7 @@ ImageF fitPlanes(const ImageF& map, float step) {
             n += 1, sx += dx, sy += dy, sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
             sw += off, sxw += dx * off, syw += dy * off;
           }
-        if (n < kLeastOnPlane) break;
+        if (n < kMinOnPlane) break;
         constexpr float kRidge = 0.01f;  // keeps a row of pixels from tilting
         const float cxx = sxx - sx * sx / n + kRidge, cyy = syy - sy * sy / n + kRidge, cxy = sxy - sx * sy / n;
         const float cxw = sxw - sx * sw / n, cyw = syw - sy * sw / n, determinant = cxx * cyy - cxy * cxy;
@@ -93,7 +93,7 @@ ImageF fitPlanes(const ImageF& map, float step) {
         slopeY = (cyw * cxx - cxw * cxy) / determinant;
         value = here + (sw - slopeX * sx - slopeY * sy) / n;
       }
-      if (std::abs(value - here) > kFarthestPull * step) value = here, slopeX = slopeY = 0;
+      if (std::abs(value - here) > kMaxPullSteps * step) value = here, slopeX = slopeY = 0;
       const auto plane = planes.pixel(x, y);
       plane[0] = value;
       plane[1] = slopeX;

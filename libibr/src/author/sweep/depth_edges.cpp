@@ -16,15 +16,15 @@
 namespace ibr {
 namespace {
 
-constexpr int kFattened = 4;         // px: radius of the sweep's window plus smoothing
-constexpr float kEdge = 3.0f;        // minimum step of a depth edge, levels
-constexpr float kBorder = 8.0f;      // minimum step of an image edge between neighbours, grey levels
-constexpr float kAsWell = 1.1f;      // tolerance for the surface behind: of the foreground's difference …
-constexpr float kNoise = 0.25f;      // … plus this many grey levels
-constexpr float kBetter = 0.7f;      // at an image edge: of the foreground's difference
-constexpr int kRadius = 2;           // of the window, px
-constexpr float kColour = 10.0f;     // grey levels that divide a pixel's weight by e
-constexpr float kDifferent = 25.0f;  // grey levels: larger differences count as this one
+constexpr int kMaxFatteningPx = 4;       // px: radius of the sweep's window plus smoothing
+constexpr float kMinDepthStep = 3.0f;    // minimum step of a depth edge, levels
+constexpr float kMinImageStep = 8.0f;    // minimum step of an image edge between neighbours, grey levels
+constexpr float kEqualFactor = 1.1f;     // tolerance for the surface behind: of the foreground's difference …
+constexpr float kNoise = 0.25f;          // … plus this many grey levels
+constexpr float kBetterFactor = 0.7f;    // at an image edge: of the foreground's difference
+constexpr int kRadius = 2;               // of the window, px
+constexpr float kColourScale = 10.0f;    // grey levels that divide a pixel's weight by e
+constexpr float kMaxDifference = 25.0f;  // grey levels: larger differences count as this one
 
 float meanOf(std::span<const float> values) {
   return std::accumulate(values.begin(), values.end(), 0.0f) / float(std::max(values.size(), std::size_t(1)));
@@ -53,11 +53,11 @@ class PhotoConsistency {
       for (int u = x - kRadius; u <= x + kRadius; ++u) {
         const Seen here = seen(u, v, inverseDepth);
         if (here.members == 0) continue;
-        const float alike = std::exp(-std::abs(here.mean - centre.mean) / kColour);
+        const float alike = std::exp(-std::abs(here.mean - centre.mean) / kColourScale);
         total += alike * here.difference;
         weight += alike;
       }
-    return weight > 0 ? total / weight : kDifferent;
+    return weight > 0 ? total / weight : kMaxDifference;
   }
 
  private:
@@ -67,7 +67,7 @@ class PhotoConsistency {
   };
 
   Seen seen(int x, int y, double inverseDepth) const {
-    std::array<float, kMostMembers> value;
+    std::array<float, kMaxMembers> value;
     Seen result;
     for (std::size_t i = 0; i < maps_.size(); ++i) {
       const ImageF& grey = views_[i].grey;
@@ -87,7 +87,7 @@ class PhotoConsistency {
     if (members.size() >= 3) members = withoutOutlier(members);
     result.mean = meanOf(members);
     for (const float v : members)
-      result.difference += std::min(std::abs(v - result.mean), kDifferent) / float(members.size());
+      result.difference += std::min(std::abs(v - result.mean), kMaxDifference) / float(members.size());
     return result;
   }
 
@@ -109,15 +109,15 @@ void trimForegrounds(const Camera& frame, std::span<const SweepView> views, cons
     for (const auto& [u, v] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}}) {
       if (u < 0 || v < 0 || u >= before.width || v >= before.height) continue;
       const float there = before.pixel(u, v)[0];
-      if (there > here - kEdge || there >= best) continue;
-      const bool border = std::abs(guide.pixel(u, v)[0] - guide.pixel(x, y)[0]) > kBorder;
+      if (there > here - kMinDepthStep || there >= best) continue;
+      const bool border = std::abs(guide.pixel(u, v)[0] - guide.pixel(x, y)[0]) > kMinImageStep;
       if (!own) own = consistency.difference(x, y, here);
       const float behind = consistency.difference(x, y, there);
-      if (border ? behind <= kBetter * *own : behind <= kAsWell * *own + kNoise) best = there;
+      if (border ? behind <= kBetterFactor * *own : behind <= kEqualFactor * *own + kNoise) best = there;
     }
     return best;
   };
-  for (int round = 0; round < kFattened; ++round) {
+  for (int round = 0; round < kMaxFatteningPx; ++round) {
     const ImageF before = level;
     for (int y = 0; y < level.height; ++y)
       for (int x = 0; x < level.width; ++x) level.pixel(x, y)[0] = trimmed(before, x, y);

@@ -14,7 +14,7 @@ namespace ibr {
 /// image edge it must explain the pixel clearly better. A surface explains a pixel well if members differ little over a
 /// window, whose pixels are weighted by similarity to the pixel's colour (Yoon & Kweon 2006). Of three or more members
 /// the outlier is ignored, since it may see the foreground. `level` is in levels of `range`, in the frame's pixels, as
-/// is `guide`. Precondition: at most kMostMembers views.
+/// is `guide`. Precondition: at most kMaxMembers views.
 void trimForegrounds(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range,
                      const ImageF& guide, ImageF& level);
 

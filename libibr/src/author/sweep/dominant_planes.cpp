@@ -11,9 +11,9 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMost = 3;
-constexpr double kLeastShare = 0.2;  // of the points; with less, chance fits planes through trees
-constexpr std::size_t kNear = 8;     // neighbours of a track, most of which must lie on its plane
+constexpr std::size_t kMaxDominantPlanes = 3;
+constexpr double kMinShare = 0.2;       // of the points; with less, chance fits planes through trees
+constexpr std::size_t kNeighbours = 8;  // neighbours of a track, most of which must lie on its plane
 constexpr std::uint64_t kSeed = 1;
 
 // Projects the points into the frame and the members; keeps those in front of all of them and inside the frame's image.
@@ -36,13 +36,13 @@ std::vector<PlaneTrack> tracksOf(std::span<const Camera> cameras, std::span<cons
 }
 
 // True if most of the nearest tracks were found on the same plane.
-bool amongItsOwn(const PlaneTrack& track, std::span<const PlaneTrack> tracks) {
+bool hasPlaneNeighbours(const PlaneTrack& track, std::span<const PlaneTrack> tracks) {
   std::vector<std::pair<double, int>> near;  // squared distance in the frame's image, plane
   for (const PlaneTrack& other : tracks) {
     const glm::dvec2 off = other.at[0] - track.at[0];
     near.emplace_back(glm::dot(off, off), other.plane);
   }
-  const auto end = near.begin() + std::ptrdiff_t(std::min(kNear + 1, near.size()));
+  const auto end = near.begin() + std::ptrdiff_t(std::min(kNeighbours + 1, near.size()));
   std::partial_sort(near.begin(), end, near.end());
   const auto own = std::count_if(near.begin() + 1, end, [&](const auto& n) { return n.second == track.plane; });
   return 2 * own > end - near.begin() - 1;
@@ -51,7 +51,7 @@ bool amongItsOwn(const PlaneTrack& track, std::span<const PlaneTrack> tracks) {
 // Share of the tracks that lie on the plane together with most of their neighbours. A visible plane has such tracks; a
 // chance plane through trees and houses, or across the ground, has other tracks in between.
 double support(std::span<const PlaneTrack> tracks, int plane) {
-  const auto held = [&](const PlaneTrack& track) { return track.plane == plane && amongItsOwn(track, tracks); };
+  const auto held = [&](const PlaneTrack& track) { return track.plane == plane && hasPlaneNeighbours(track, tracks); };
   return double(std::ranges::count_if(tracks, held)) / double(tracks.size());
 }
 
@@ -60,7 +60,7 @@ double support(std::span<const PlaneTrack> tracks, int plane) {
 std::vector<glm::dvec3> dominantPlanes(const Camera& frame, std::span<const Camera> members,
                                        std::span<const glm::dvec3> points) {
   std::vector<Camera> cameras{frame};
-  for (const Camera& member : members.first(std::min(members.size(), kMostMembers - 1))) cameras.push_back(member);
+  for (const Camera& member : members.first(std::min(members.size(), kMaxMembers - 1))) cameras.push_back(member);
   std::vector<PlaneTrack> tracks = tracksOf(cameras, points);
   const PlaneFitter fit(cameras, true);
   std::vector<FrameToMember> maps;
@@ -70,8 +70,8 @@ std::vector<glm::dvec3> dominantPlanes(const Camera& frame, std::span<const Came
 
   std::vector<PlaneMaps> found;
   std::vector<glm::dvec3> planes;
-  while (found.size() < kMost && sealLargestPlane(fit, tracks, found, kSeed)) {
-    if (support(tracks, int(found.size()) - 1) < kLeastShare) continue;
+  while (found.size() < kMaxDominantPlanes && sealLargestPlane(fit, tracks, found, kSeed)) {
+    if (support(tracks, int(found.size()) - 1) < kMinShare) continue;
     const glm::dmat3 slanted = found.back().to[std::size_t(farthest - maps.begin())] - farthest->a;
     planes.push_back(glm::transpose(slanted) * farthest->b / glm::dot(farthest->b, farthest->b));
   }

@@ -14,12 +14,12 @@
 
 namespace ibr {
 
-inline constexpr double kOnPlanePx = 1.5;        // maximum distance of a match from its homography's prediction, px
-inline constexpr std::size_t kMostPlanes = 400;  // of a cell
+inline constexpr double kMaxPlaneErrorPx = 1.5;  // maximum distance of a match from its homography's prediction, px
+inline constexpr std::size_t kMaxPlanes = 400;   // of a cell
 
 /// Minimum number of matches on a plane: three times the minimum that determines one.
-inline std::size_t leastOnPlane(const PlaneFitter& fit) {
-  return 3 * fit.leastTracks();
+inline std::size_t minOnPlane(const PlaneFitter& fit) {
+  return 3 * fit.minTracks();
 }
 
 /// Finds the largest plane among the tracks whose `plane` is −1, appends it and sets their `plane`; returns true if one

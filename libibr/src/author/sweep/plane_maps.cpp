@@ -12,7 +12,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kLargestScale = 8;
+constexpr double kMaxScale = 8;
 
 // Returns the growth of areas at a pixel under a homography; negative if mirrored.
 double growth(const glm::dmat3& h, glm::dvec2 pixel) {
@@ -25,8 +25,7 @@ bool plausible(const PlaneMaps& plane, std::span<const PlaneTrack* const> tracks
     for (const PlaneTrack* track : tracks) {
       const glm::dvec3 q = h * glm::dvec3(track->at[0], 1.0);
       const double area = growth(h, track->at[0]);
-      if (!(q.z > 0) || !(area > 1 / (kLargestScale * kLargestScale)) || !(area < kLargestScale * kLargestScale))
-        return false;
+      if (!(q.z > 0) || !(area > 1 / (kMaxScale * kMaxScale)) || !(area < kMaxScale * kMaxScale)) return false;
     }
   return true;
 }
@@ -40,8 +39,8 @@ glm::dmat3 fromCv(const cv::Mat& m) {
 
 }  // namespace
 
-std::optional<std::array<glm::dvec2, kMostMembers>> PlaneMaps::operator()(glm::dvec2 pixel) const {
-  std::array<glm::dvec2, kMostMembers> result{};
+std::optional<std::array<glm::dvec2, kMaxMembers>> PlaneMaps::operator()(glm::dvec2 pixel) const {
+  std::array<glm::dvec2, kMaxMembers> result{};
   for (std::size_t i = 0; i < to.size(); ++i) {
     const glm::dvec3 q = to[i] * glm::dvec3(pixel, 1.0);
     if (!(q.z > 0)) return std::nullopt;
@@ -69,7 +68,7 @@ PlaneFitter::PlaneFitter(std::span<const Camera> cameras, bool posed)
 }
 
 std::optional<PlaneMaps> PlaneFitter::operator()(std::span<const PlaneTrack* const> tracks) const {
-  if (tracks.size() < leastTracks()) return std::nullopt;
+  if (tracks.size() < minTracks()) return std::nullopt;
   std::optional<PlaneMaps> plane = posed_ ? withPoses(tracks) : withoutPoses(tracks);
   if (plane && !plausible(*plane, tracks)) return std::nullopt;
   return plane;

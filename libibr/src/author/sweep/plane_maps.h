@@ -23,8 +23,8 @@ inline constexpr std::uint32_t kNoFeature = 0xffffffffu;
 
 /// A point that all members see; px in each one's image.
 struct PlaneTrack {
-  std::array<glm::dvec2, kMostMembers> at{};
-  std::array<std::uint32_t, kMostMembers> feature{kNoFeature, kNoFeature, kNoFeature, kNoFeature};
+  std::array<glm::dvec2, kMaxMembers> at{};
+  std::array<std::uint32_t, kMaxMembers> feature{kNoFeature, kNoFeature, kNoFeature, kNoFeature};
   int plane = -1;  // on which it was first found
 };
 
@@ -32,7 +32,7 @@ struct PlaneMaps {
   std::vector<glm::dmat3> to;  // for each member; the first one's is the identity
 
   /// Maps a pixel of the first member to all members; nullopt if the point is behind a member.
-  std::optional<std::array<glm::dvec2, kMostMembers>> operator()(glm::dvec2 pixel) const;
+  std::optional<std::array<glm::dvec2, kMaxMembers>> operator()(glm::dvec2 pixel) const;
   /// Maximum distance of the track from the plane's prediction for its first position, px; infinite if the prediction
   /// is behind a member.
   double error(const PlaneTrack& track) const;
@@ -43,7 +43,7 @@ class PlaneFitter {
   /// With poses: the first member is the frame. Without: `cameras` only gives the number of members.
   PlaneFitter(std::span<const Camera> cameras, bool posed);
 
-  std::size_t leastTracks() const { return posed_ ? 3 : 4; }
+  std::size_t minTracks() const { return posed_ ? 3 : 4; }
   /// Least squares. nullopt for too few tracks, for tracks that determine no plane, and for planes that are seen
   /// mirrored or at a scale of more than 8 there.
   std::optional<PlaneMaps> operator()(std::span<const PlaneTrack* const> tracks) const;

@@ -15,8 +15,8 @@ namespace {
 constexpr int kBlock = 16;  // levels that are matched before transposing them to lie side by side at each pixel
 // Cost below which a slanted plane is accepted (a correlation of 0.25): in areas without texture, as the sky, planes
 // would otherwise extend without limit.
-constexpr std::uint8_t kBelieved = 90;
-constexpr double kLeastSlant = 0.3;  // of planes, levels per pixel
+constexpr std::uint8_t kMaxBelievedCost = 90;
+constexpr double kMinSlant = 0.3;  // of planes, levels per pixel
 
 // Homography of a member for a plane of inverse depth n·(x, y, 1), as in PlaneMaps.
 glm::dmat3 through(const FrameToMember& map, glm::dvec3 n) {
@@ -78,12 +78,12 @@ class Sweep {
           const int below = int(level);  // between this plane and the previous one
           const float part = float(level - below);
           const float between = float(cost[p]) + part * (float(before[p]) - float(cost[p]));
-          if (between < float(kBelieved)) at(p, below) = std::min(at(p, below), std::uint8_t(between + 0.5f));
+          if (between < float(kMaxBelievedCost)) at(p, below) = std::min(at(p, below), std::uint8_t(between + 0.5f));
         }
       std::swap(cost, before);
     }
     for (std::size_t p = 0; p < pixels_; ++p)
-      if (least[p] >= kBelieved) on[p] = kNoLevel;
+      if (least[p] >= kMaxBelievedCost) on[p] = kNoLevel;
   }
 
   CostVolume take() { return std::move(volume_); }
@@ -130,7 +130,7 @@ CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, con
   Sweep sweep(frame, views, levels);
   sweep.facing();
   for (const glm::dvec3& plane : planes)
-    if (glm::length(glm::dvec2(plane)) >= kLeastSlant * levels.step) sweep.along(plane);
+    if (glm::length(glm::dvec2(plane)) >= kMinSlant * levels.step) sweep.along(plane);
   return sweep.take();
 }
 

@@ -10,20 +10,20 @@ namespace {
 
 // The most influential parameters: with a tenth of them, foliage and cobbles break into speckles, and each speckle that
 // is too near hides other surfaces.
-constexpr int kP1 = 40, kP2 = 400;  // of costs up to kCostLargest
-constexpr float kEdge = 25.0f;      // grey levels that halve P2
+constexpr int kP1 = 40, kP2 = 400;   // of costs up to kMaxSweepCost
+constexpr float kGuideEdge = 25.0f;  // grey levels that halve P2
 constexpr float kDirections = 8;
-constexpr std::int16_t kOutside = 16000;  // cost of the levels before the first and after the last
+constexpr std::int16_t kOutsideCost = 16000;  // cost of the levels before the first and after the last
 
 std::int16_t smoothness(float guide, float neighbour) {
-  return std::int16_t(std::max(float(kP2) / (1.0f + std::abs(guide - neighbour) / kEdge), 3.0f * kP1));
+  return std::int16_t(std::max(float(kP2) / (1.0f + std::abs(guide - neighbour) / kGuideEdge), 3.0f * kP1));
 }
 
 // One step of a path. `before` and `here` have an entry before the first and after the last level; returns min(here).
 std::int16_t step(const std::uint8_t* __restrict cost, const std::int16_t* __restrict before, std::int16_t least,
                   std::int16_t p2, std::int16_t* __restrict here, std::int16_t* __restrict sum, int levels) {
   const std::int16_t jump = std::int16_t(least + p2);
-  std::int16_t smallest = kOutside;
+  std::int16_t smallest = kOutsideCost;
   for (int l = 0; l < levels; ++l) {
     const std::int16_t beside = std::int16_t(std::min(before[l - 1], before[l + 1]) + kP1);
     const std::int16_t value = std::int16_t(std::min(std::min(before[l], beside), jump) - least + cost[l]);
@@ -55,7 +55,7 @@ std::int16_t follow(const std::uint8_t* cost, const std::int16_t* before, std::i
 struct PathRow {
   PathRow(int pixels, int levels) : stride(levels + 2), least(std::size_t(pixels), 0) {
     values.assign(std::size_t(pixels) * std::size_t(stride), 0);
-    for (int p = 0; p < pixels; ++p) at(p)[-1] = at(p)[levels] = kOutside;
+    for (int p = 0; p < pixels; ++p) at(p)[-1] = at(p)[levels] = kOutsideCost;
   }
   std::int16_t* at(int pixel) { return &values[std::size_t(pixel) * std::size_t(stride) + 1]; }
   int stride;
@@ -71,7 +71,7 @@ void sweepOnce(const CostVolume& volume, bool mirrored, std::vector<std::int16_t
   PathRow side(2, levels);
   const float* const guide = volume.guide.values.data();
   std::vector<std::int16_t> zero(std::size_t(levels + 2), 0);
-  zero.front() = zero.back() = kOutside;
+  zero.front() = zero.back() = kOutsideCost;
   for (int row = 0; row < height; ++row) {
     const int y = mirrored ? height - 1 - row : row;
     for (int column = 0; column < width; ++column) {

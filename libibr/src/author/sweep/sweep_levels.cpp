@@ -11,11 +11,12 @@
 namespace ibr {
 namespace {
 
-constexpr double kLeastLevels = 64, kMostLevels = 256;  // range of the number of levels among the tracks
-constexpr double kBehind = 0.7, kBefore = 2.0;  // factors by which the range exceeds the tracks' inverse depths …
-constexpr double kBeforeCompact = 1.4;          // … for similar depths, as over flat ground or along a wall:
-constexpr double kCompact = 0.5;                // the farthest is more than this share of the nearest
-constexpr double kGrowth = 1.3;                 // of steps from there to infinity
+constexpr double kMinLevels = 64, kMaxLevels = 256;  // range of the number of levels among the tracks
+constexpr double kFarFactor = 0.7,
+                 kNearFactor = 2.0;         // factors by which the range exceeds the tracks' inverse depths …
+constexpr double kCompactNearFactor = 1.4;  // … for similar depths, as over flat ground or along a wall:
+constexpr double kCompactRatio = 0.5;       // the farthest is more than this share of the nearest
+constexpr double kGrowth = 1.3;             // of steps from there to infinity
 
 }  // namespace
 
@@ -30,7 +31,8 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
   auto percentile = [&](double share) { return w[std::size_t(share * double(w.size() - 1) + 0.5)]; };
   const double far = percentile(0.005), near = percentile(0.995);
   // Tracks miss areas without texture: the sky and, with wide lenses, the nearest part of the ground.
-  const double highest = (far > kCompact * near ? kBeforeCompact : kBefore) * near, lowest = kBehind * far;
+  const double highest = (far > kCompactRatio * near ? kCompactNearFactor : kNearFactor) * near,
+               lowest = kFarFactor * far;
 
   std::vector<FrameToMember> maps;
   for (const Camera& member : members) maps.push_back(frameToMember(frame, member));
@@ -53,7 +55,7 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
       motion.push_back(largest);
     }
   std::nth_element(motion.begin(), motion.begin() + std::ptrdiff_t(motion.size() * 9 / 10), motion.end());
-  const double pixels = std::clamp(motion[motion.size() * 9 / 10], kLeastLevels, kMostLevels);
+  const double pixels = std::clamp(motion[motion.size() * 9 / 10], kMinLevels, kMaxLevels);
 
   SweepLevels levels{{}, (highest - lowest) / std::ceil(pixels), lowest};
   for (double v = highest, step = levels.step; v > 0.5 * step; v -= step) {

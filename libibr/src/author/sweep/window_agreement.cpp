@@ -6,9 +6,9 @@
 namespace ibr {
 namespace {
 
-constexpr double kAlike = 20.0;   // RMS difference of windows below which they count as alike, grey levels
-constexpr double kTexture = 9.0;  // grey²: minimum variance of a window with texture
-constexpr double kNoise = 25.0;   // grey², added to variances and covariance, so that flat windows correlate
+constexpr double kMaxAlikeRms = 20.0;        // RMS difference of windows below which they count as alike, grey levels
+constexpr double kMinTextureVariance = 9.0;  // grey²: minimum variance of a window with texture
+constexpr double kNoiseVariance = 25.0;  // grey², added to variances and covariance, so that flat windows correlate
 
 }  // namespace
 
@@ -24,12 +24,13 @@ WindowAgreement agreement(const cv::Mat& a, const cv::Mat& b, double correlation
   const cv::Mat shared = mean(a.mul(b)) - meanA.mul(meanB);
   cv::Mat ownRoot;
   cv::sqrt(ownA.mul(ownB), ownRoot);
-  const cv::Mat textured = (cv::min(ownA, ownB) > kTexture) & (shared > correlation * ownRoot);
-  const cv::Mat varianceA = ownA + kNoise, varianceB = ownB + kNoise, covariance = shared + kNoise;
+  const cv::Mat textured = (cv::min(ownA, ownB) > kMinTextureVariance) & (shared > correlation * ownRoot);
+  const cv::Mat varianceA = ownA + kNoiseVariance, varianceB = ownB + kNoiseVariance,
+                covariance = shared + kNoiseVariance;
   cv::Mat root;
   cv::sqrt(varianceA.mul(varianceB), root);
   const cv::Mat square = varianceA + varianceB - 2 * covariance + offset.mul(offset);
-  return {(covariance > correlation * root) | (square < kAlike * kAlike), textured};
+  return {(covariance > correlation * root) | (square < kMaxAlikeRms * kMaxAlikeRms), textured};
 }
 
 }  // namespace ibr

@@ -18,9 +18,10 @@ constexpr int kRadius = 2;  // of the correlation window
 constexpr int kWindow = 2 * kRadius + 1;
 constexpr float kShare = 1.0f / float(kWindow * kWindow);
 constexpr float kUnits = WarpedView::kUnits;
-constexpr float kNoise = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
-constexpr float kNoCorrelation = float(kCostLargest) / 2;
-constexpr float kUnseen = 132;  // cost of a pair that does not both see the pixel: slightly worse than no texture
+constexpr float kNoiseVariance = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
+constexpr float kNoCorrelation = float(kMaxSweepCost) / 2;
+constexpr float kUnseenPairCost =
+    132;  // cost of a pair that does not both see the pixel: slightly worse than no texture
 // Without evidence for any depth the farthest is the best guess: a surface that is too far hides nothing. Costs of the
 // nearest level are higher by this share; good matches have low costs and hardly change. …
 constexpr float kFarther = 0.2f;
@@ -37,7 +38,7 @@ constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
 }
 
 // Sums kWindow × kWindow values row by row: column sums over kWindow rows are kept, then summed sideways.
-[[gnu::always_inline]] inline void sumSideways(const float* __restrict column, float* __restrict out, int width) {
+[[gnu::always_inline]] inline void sumHorizontally(const float* __restrict column, float* __restrict out, int width) {
   // `column` has kRadius valid entries before and after.
   for (int x = 0; x < width; ++x) out[x] = column[x - 2] + column[x - 1] + column[x] + column[x + 1] + column[x + 2];
 }
@@ -49,8 +50,8 @@ constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
                                              float* __restrict count, int n) {
   for (int x = 0; x < n; ++x) {
     const float meanA = sa[x] * kShare, meanB = sb[x] * kShare;
-    const float varianceA = larger(saa[x] * kShare - meanA * meanA, 0.0f) + kNoise;
-    const float varianceB = larger(sbb[x] * kShare - meanB * meanB, 0.0f) + kNoise;
+    const float varianceA = larger(saa[x] * kShare - meanA * meanA, 0.0f) + kNoiseVariance;
+    const float varianceB = larger(sbb[x] * kShare - meanB * meanB, 0.0f) + kNoiseVariance;
     const float covariance = sab[x] * kShare - meanA * meanB;
     const float correlation = covariance / std::sqrt(varianceA * varianceB);
     total[x] += 1.0f - smaller(larger(correlation, -1.0f), 1.0f);
@@ -126,8 +127,8 @@ void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out) {
       continue;
     }
     const Line line{float(start.x), float(start.y), float(start.z), float(step.x), float(step.y), float(step.z)};
-    runWide<readLine>(view.grey.values.data(), sourceWidth, right, bottom, line, first, last, out.corner.data(),
-                      out.fu.data(), out.fv.data(), row);
+    runVectorised<readLine>(view.grey.values.data(), sourceWidth, right, bottom, line, first, last, out.corner.data(),
+                            out.fu.data(), out.fv.data(), row);
     for (int x = first; x <= last; ++x) row[x] = float(int(row[x] * kUnits + 0.5f)) - 128.0f * kUnits;
     if (!view.mask.empty()) {
       std::uint8_t* const ignored = &out.ignored[std::size_t(y) * std::size_t(width)];
@@ -159,7 +160,7 @@ void WindowCorrelation::run(std::span<const WarpedView> warped, glm::dvec3 nearn
     for (std::size_t q = 0; q < column_.size(); ++q) {
       float* const c = column_[q].data() + kRadius;
       for (int r = 1; r <= kRadius; ++r) c[-r] = c[0], c[width_ - 1 + r] = c[width_ - 1];
-      runWide<sumSideways>(static_cast<const float*>(c), sum_[q].data(), width_);
+      runVectorised<sumHorizontally>(static_cast<const float*>(c), sum_[q].data(), width_);
     }
     std::fill(total_.begin(), total_.end(), 0.0f);
     std::fill(count_.begin(), count_.end(), 0.0f);
@@ -177,15 +178,15 @@ void WindowCorrelation::costs(int y, glm::dvec3 nearness, std::uint8_t* __restri
   const float* __restrict const pairs = pairs_.data();
   const float* __restrict const variance = variance_.data();
   const float left = float(glm::dot(nearness, glm::dvec3(0.5, y + 0.5, 1.0))), across = float(nearness.x);
-  const float noise = float(d_) * kNoise;
+  const float noise = float(d_) * kNoiseVariance;
   for (int x = 0; x < width_; ++x) {
     const float near = smaller(larger(left + across * float(x), 0.0f), 1.0f);
-    const float sum = kNoCorrelation * total[x] + kUnseen * (pairs[x] - count[x]);
+    const float sum = kNoCorrelation * total[x] + kUnseenPairCost * (pairs[x] - count[x]);
     const bool none = pairs[x] == 0;
     const float textureless = noise / (noise + variance[x]);
     const float share = 1.0f + near * kFarther, farther = near * kFartherTextureless;
     const float cost = share * sum / larger(pairs[x], 1.0f) + farther * textureless * textureless;
-    out[x] = std::uint8_t(int(smaller((none ? kUnseen : cost) + 0.5f, 255.0f)));
+    out[x] = std::uint8_t(int(smaller((none ? kUnseenPairCost : cost) + 0.5f, 255.0f)));
   }
 }
 
@@ -248,9 +249,9 @@ void WindowCorrelation::addPair(std::span<const WarpedView> warped, int y, int i
   if (first > last) return;
   if (!a.ignored.empty() || !b.ignored.empty()) return addMaskedPair(a, b, y, i, j, product, first, last);
   const auto sum = [&](std::size_t q) { return &sum_[q][std::size_t(first)]; };
-  runWide<correlate>(sum(std::size_t(2 * i)), sum(std::size_t(2 * i + 1)), sum(std::size_t(2 * j)),
-                     sum(std::size_t(2 * j + 1)), sum(product), &total_[std::size_t(first)],
-                     &count_[std::size_t(first)], last - first + 1);
+  runVectorised<correlate>(sum(std::size_t(2 * i)), sum(std::size_t(2 * i + 1)), sum(std::size_t(2 * j)),
+                           sum(std::size_t(2 * j + 1)), sum(product), &total_[std::size_t(first)],
+                           &count_[std::size_t(first)], last - first + 1);
 }
 
 void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matching cost of a sweep plane: the dissimilarity of the members, warped to the frame through that plane.
 //
-//   cost(pixel) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest. Pairs with a masked member
+//   cost(pixel) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kMaxSweepCost. Pairs with a masked member
 //                 are left out, if any pair remains. Near planes cost more, above all in windows without texture: far
 //                 depth is the better guess without evidence
 #pragma once
@@ -25,7 +25,7 @@ struct SweepView {
   Image8 mask = {};  // of grey's size; 0: the window at the pixel or its neighbour holds masked pixels. Or empty
 };
 
-inline constexpr int kCostLargest = 240;  // perfectly opposite; 120: no correlation, no texture
+inline constexpr int kMaxSweepCost = 240;  // perfectly opposite; 120: no correlation, no texture
 
 /// A member's image warped to the frame as if everything lay on one plane. Beyond the image's border the edge is
 /// repeated; `first` and `last` bound the pixels of each row that are inside.

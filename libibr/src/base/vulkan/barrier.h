@@ -30,8 +30,8 @@ inline constexpr BufferUse kUniformRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | 
 inline constexpr BufferUse kComputeReadWrite{
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
 inline constexpr BufferUse kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};
-inline constexpr BufferUse kAnything{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                     VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+inline constexpr BufferUse kAllCommands{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                        VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }  // namespace use
 
 /// `to.layout` is not UNDEFINED; `from` = kUndefined discards the contents. Covers all levels and layers.

@@ -13,7 +13,7 @@ constexpr bool isSrgb(VkFormat format) noexcept {
   return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
 }
 /// True if a caller's target may have the format: 8-bit RGBA or BGRA.
-constexpr bool isPictureFormat(VkFormat format) noexcept {
+constexpr bool isRgba8Format(VkFormat format) noexcept {
   return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
 }
 

@@ -12,7 +12,7 @@
 namespace ibr {
 namespace {
 
-std::uint64_t leastBytes(const GpuImageInfo& info) {
+std::uint64_t minBytes(const GpuImageInfo& info) {
   std::uint64_t blocks = 0;
   for (std::uint32_t level = 0; level < info.mipLevels; ++level)
     blocks += std::uint64_t(blockCount(info.format, std::max(1u, info.extent.width >> level))) *
@@ -36,7 +36,7 @@ void checkSupport(const Device& device, const GpuImageInfo& info, std::string_vi
   checkLimit("height", info.extent.height, can.maxExtent.height);
   checkLimit("layers", info.layers, can.maxArrayLayers);
   checkLimit("mip levels", info.mipLevels, can.maxMipLevels);
-  const std::uint64_t bytes = leastBytes(info);
+  const std::uint64_t bytes = minBytes(info);
   check(bytes <= can.maxResourceSize, ErrorCode::outOfMemory,
         "{}: {} bytes exceed the maximum image size of {} bytes on {}", name, bytes, can.maxResourceSize,
         device.name());

@@ -10,11 +10,11 @@
 namespace ibr {
 namespace {
 
-struct Wish {
+struct MemoryPreference {
   VkMemoryPropertyFlags required, preferred, unwanted;
 };
 
-Wish wish(MemoryKind kind) {
+MemoryPreference preference(MemoryKind kind) {
   constexpr VkMemoryPropertyFlags kMapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   switch (kind) {
     case MemoryKind::upload:
@@ -29,7 +29,8 @@ Wish wish(MemoryKind kind) {
 }
 
 /// Best of the allowed types, the first among equals as Vulkan orders them by speed; −1 if there is none.
-int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed, const Wish& wish) {
+int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
+               const MemoryPreference& preference) {
   // Protected, lazily allocated and vendor-specific memory needs features or usages that libibr does not enable.
   constexpr VkMemoryPropertyFlags kOrdinary = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT |
                                               VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
@@ -37,8 +38,8 @@ int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t all
   int best = -1, bestScore = 0;
   for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
     const VkMemoryPropertyFlags flags = memory.memoryTypes[i].propertyFlags;
-    if (!(allowed >> i & 1) || (flags & wish.required) != wish.required || (flags & ~kOrdinary)) continue;
-    const int score = 4 * std::popcount(flags & wish.preferred) - std::popcount(flags & wish.unwanted);
+    if (!(allowed >> i & 1) || (flags & preference.required) != preference.required || (flags & ~kOrdinary)) continue;
+    const int score = 4 * std::popcount(flags & preference.preferred) - std::popcount(flags & preference.unwanted);
     if (best < 0 || score > bestScore) {
       best = int(i);
       bestScore = score;
@@ -53,7 +54,7 @@ MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirem
                       std::string_view name) {
   checkAlive(device, "vkAllocateMemory");
   const VkPhysicalDeviceMemoryProperties& memory = device.memoryProperties();
-  const int type = memoryType(memory, requirements.memoryTypeBits, wish(kind));
+  const int type = memoryType(memory, requirements.memoryTypeBits, preference(kind));
   check(type >= 0, ErrorCode::unsupported, "{}: {} has no suitable memory type", name, device.name());
   const VkDeviceSize heap = memory.memoryHeaps[memory.memoryTypes[type].heapIndex].size;
   check(requirements.size <= heap, ErrorCode::outOfMemory, "{}: {} bytes exceed the {} bytes of the memory heap on {}",

@@ -45,7 +45,7 @@ VkPipelineColorBlendAttachmentState blendState(Blending blending) {
 }  // namespace
 
 ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv) {
-  spirv = shaderReplacements(device).inUse(spirv);
+  spirv = shaderReplacements(device).currentWords(spirv);
   const VkShaderModuleCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
   return make<ShaderModuleHandle>(device, vkCreateShaderModule, info, "vkCreateShaderModule");
@@ -54,9 +54,9 @@ ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint3
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info) {
   const bool depthOnly = info.depthFormat != VK_FORMAT_UNDEFINED && info.colourFormats.empty();
   assert((info.renderPass != VK_NULL_HANDLE) + !info.colourFormats.empty() + depthOnly + !info.attachments == 1);
-  constexpr std::uint32_t kMostColours = 4;
+  constexpr std::uint32_t kMaxColours = 4;
   const auto colours = info.renderPass ? 1u : std::uint32_t(info.colourFormats.size());
-  assert(colours <= kMostColours);
+  assert(colours <= kMaxColours);
   const ShaderModuleHandle vertex = shaderModule(device, info.vertex);
   const ShaderModuleHandle fragment =
       info.fragment.empty() ? ShaderModuleHandle() : shaderModule(device, info.fragment);
@@ -90,7 +90,7 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
                                                                           ? VK_COMPARE_OP_ALWAYS
                                                                       : info.depthEqual ? VK_COMPARE_OP_LESS_OR_EQUAL
                                                                                         : VK_COMPARE_OP_LESS};
-  std::array<VkPipelineColorBlendAttachmentState, kMostColours> blends{};
+  std::array<VkPipelineColorBlendAttachmentState, kMaxColours> blends{};
   blends.fill(blendState(info.blending));
   const VkPipelineColorBlendStateCreateInfo blending{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                      .attachmentCount = colours,

@@ -18,20 +18,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::array<char, 8> kMagic{'i', 'b', 'r', 'p', 'i', 'p', 'e', '1'};
-constexpr std::size_t kHeadBytes = kMagic.size() + sizeof(std::uint64_t);
-constexpr std::uint64_t kLargestFile = std::uint64_t(256) << 20;
+constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t(256) << 20;
 static_assert(std::endian::native == std::endian::little);
 
 // Reads Vulkan's data from a file. Throws Error if the file is damaged.
 std::vector<std::byte> unpacked(const fs::path& file) {
-  std::vector<std::byte> bytes = readFile(file, kLargestFile);
-  const std::vector<std::byte> data(bytes.begin() + std::ptrdiff_t(std::min(kHeadBytes, bytes.size())), bytes.end());
+  std::vector<std::byte> bytes = readFile(file, kMaxFileBytes);
+  const std::vector<std::byte> data(bytes.begin() + std::ptrdiff_t(std::min(kHeaderBytes, bytes.size())), bytes.end());
   check(data.size() >= sizeof(VkPipelineCacheHeaderVersionOne) && bytes == packedPipelineCache(data),
         ErrorCode::invalidInput, "{}: not a valid pipeline cache", file.string());
   return data;
 }
 
-bool isOf(const VkPhysicalDeviceProperties& properties, std::span<const std::byte> data) {
+bool matchesDevice(const VkPhysicalDeviceProperties& properties, std::span<const std::byte> data) {
   VkPipelineCacheHeaderVersionOne header;
   std::memcpy(&header, data.data(), sizeof header);
   return header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE && header.vendorID == properties.vendorID &&
@@ -45,7 +45,7 @@ std::vector<std::byte> dataFor(const VkPhysicalDeviceProperties& properties, con
   if (file.empty() || !fs::exists(file, ignored)) return {};
   try {
     std::vector<std::byte> data = unpacked(file);
-    if (isOf(properties, data)) {
+    if (matchesDevice(properties, data)) {
       messages.send(LogLevel::debug, fmt::format("{}: {} bytes of compiled pipelines", file.string(), data.size()));
       return data;
     }
@@ -63,10 +63,10 @@ std::vector<std::byte> packedPipelineCache(std::span<const std::byte> data) {
   Hash hash;
   hash.add(data);
   const std::uint64_t value = hash.value();
-  std::vector<std::byte> bytes(kHeadBytes + data.size());
+  std::vector<std::byte> bytes(kHeaderBytes + data.size());
   std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
   std::memcpy(bytes.data() + kMagic.size(), &value, sizeof value);
-  std::ranges::copy(data, bytes.begin() + kHeadBytes);
+  std::ranges::copy(data, bytes.begin() + kHeaderBytes);
   return bytes;
 }
 

@@ -16,7 +16,7 @@ struct ShaderReplacements {
   std::map<const std::uint32_t*, std::vector<std::uint32_t>> words;  // by the address of the embedded words
   std::uint64_t generation = 0;                                      // Device::shaderGeneration()
 
-  std::span<const std::uint32_t> inUse(std::span<const std::uint32_t> embedded) const noexcept {
+  std::span<const std::uint32_t> currentWords(std::span<const std::uint32_t> embedded) const noexcept {
     const auto found = words.find(embedded.data());
     return found == words.end() ? embedded : std::span<const std::uint32_t>(found->second);
   }

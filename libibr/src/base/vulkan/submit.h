@@ -14,7 +14,7 @@ namespace ibr {
 
 /// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this
 /// lock.
-[[nodiscard]] std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex);
+[[nodiscard]] std::unique_lock<std::mutex> lockQueue(std::mutex* queueMutex);
 
 /// vkDeviceWaitIdle, which uses the queue. Marks the device lost if the call reports that (Device::isLost).
 VkResult waitIdle(const Device& device);

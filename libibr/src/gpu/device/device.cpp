@@ -100,13 +100,13 @@ Device Device::adopt(const DeviceHandles& handles) {
         : !handles.device         ? "device"
                                   : "queue");
   DeviceDescription description = ibr::describe(handles.physicalDevice);
-  for (std::string& lack : lackingOfQueueFamily(handles.physicalDevice, handles.queueFamily))
-    description.lacking.push_back(std::move(lack));
+  for (std::string& lack : missingQueueCapabilities(handles.physicalDevice, handles.queueFamily))
+    description.missing.push_back(std::move(lack));
   // Vulkan cannot report enabled features, but a device created for an older version lacks this function.
-  if (description.lacking.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
-    description.lacking.push_back("Vulkan 1.3 (created for an older version)");
-  check(description.lacking.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
-        description.name, fmt::join(description.lacking, ", "));
+  if (description.missing.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
+    description.missing.push_back("Vulkan 1.3 (created for an older version)");
+  check(description.missing.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
+        description.name, fmt::join(description.missing, ", "));
 
   auto state = std::make_unique<State>(handles.log);
   state->instance = handles.instance;
@@ -137,10 +137,10 @@ std::vector<DeviceDescription> Device::list() {
   }
 }
 
-std::optional<DeviceDescription> Device::preferred(const std::string& wish) {
+std::optional<DeviceDescription> Device::preferred(const std::string& selector) {
   const std::vector<DeviceDescription> descriptions = list();
   try {
-    return descriptions[choose(descriptions, wish)];
+    return descriptions[choose(descriptions, selector)];
   } catch (const Error& error) {
     if (error.code() == ErrorCode::unsupported) return std::nullopt;
     throw;
@@ -192,7 +192,7 @@ bool Device::supportsMultiview() const noexcept {
   return state_->features.vulkan11.multiview;
 }
 DeviceKind Device::kind() const noexcept {
-  return kindOf(state_->properties.deviceType);
+  return deviceKindOf(state_->properties.deviceType);
 }
 std::string Device::name() const {
   return state_->name;

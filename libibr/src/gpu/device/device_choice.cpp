@@ -66,24 +66,24 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
   return families;
 }
 
-std::vector<std::string> lackingFeatures(VkPhysicalDevice device) {
+std::vector<std::string> missingFeatures(VkPhysicalDevice device) {
   DeviceFeatures has = featuresOf(device);
-  std::vector<std::string> lacking;
+  std::vector<std::string> missing;
   for (const Feature& feature : kFeatures)
-    if (!feature.of(has)) lacking.push_back(feature.name);
-  return lacking;
+    if (!feature.of(has)) missing.push_back(feature.name);
+  return missing;
 }
 
-std::vector<std::string> lackingExtensions(VkPhysicalDevice device, std::span<const std::string> wanted) {
+std::vector<std::string> missingExtensions(VkPhysicalDevice device, std::span<const std::string> wanted) {
   std::uint32_t count = 0;
   vk(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
   std::vector<VkExtensionProperties> has(count);
   vk(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, has.data()), "vkEnumerateDeviceExtensionProperties");
-  std::vector<std::string> lacking;
+  std::vector<std::string> missing;
   for (const std::string& name : wanted)
     if (std::none_of(has.begin(), has.end(), [&](const auto& e) { return name == e.extensionName; }))
-      lacking.push_back(name);
-  return lacking;
+      missing.push_back(name);
+  return missing;
 }
 
 std::string driverText(VkPhysicalDevice device, const VkPhysicalDeviceProperties& core) {
@@ -208,23 +208,23 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
       description.memoryBytes += memory.memoryHeaps[i].size;
 
   const DeviceRequirements requirements = Device::requirements();
-  std::vector<std::string>& lacking = description.lacking;
+  std::vector<std::string>& missing = description.missing;
   if (properties.apiVersion < requirements.apiVersion) {
-    lacking.push_back(fmt::format("Vulkan {} (device has {})", versionText(requirements.apiVersion),
+    missing.push_back(fmt::format("Vulkan {} (device has {})", versionText(requirements.apiVersion),
                                   versionText(properties.apiVersion)));
     return description;  // an older device does not report these features
   }
   DeviceFeatures has = featuresOf(device);
   for (const Feature& feature : kOptionalFeatures)
     if (feature.of(has)) description.features.emplace_back(feature.name);
-  lacking = lackingFeatures(device);
-  for (std::string& name : lackingExtensions(device, extensions)) lacking.push_back(std::move(name));
+  missing = missingFeatures(device);
+  for (std::string& name : missingExtensions(device, extensions)) missing.push_back(std::move(name));
   description.queueFamily = queueFamily(device);
-  if (!description.queueFamily) lacking.push_back("a queue for graphics and compute");
+  if (!description.queueFamily) missing.push_back("a queue for graphics and compute");
   return description;
 }
 
-std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family) {
+std::vector<std::string> missingQueueCapabilities(VkPhysicalDevice device, std::uint32_t family) {
   const auto families = queueFamilies(device);
   if (family >= families.size())
     return {fmt::format("queue family {} (device has {} families)", family, families.size())};
@@ -236,7 +236,7 @@ std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint
 std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device) {
   const auto count = std::uint32_t(queueFamilies(device).size());
   for (std::uint32_t family = 0; family < count; ++family)
-    if (lackingOfQueueFamily(device, family).empty()) return family;
+    if (missingQueueCapabilities(device, family).empty()) return family;
   return std::nullopt;
 }
 
@@ -251,8 +251,8 @@ std::size_t choose(std::span<const DeviceDescription> devices, const std::string
     const DeviceDescription& device = devices[i];
     if (!wish.empty() && !matches(wish, i, devices.size(), device.name))
       rejected.push_back(fmt::format("{} '{}' does not match", i, device.name));
-    else if (!device.lacking.empty())
-      rejected.push_back(fmt::format("{} '{}' lacks {}", i, device.name, fmt::join(device.lacking, ", ")));
+    else if (!device.missing.empty())
+      rejected.push_back(fmt::format("{} '{}' lacks {}", i, device.name, fmt::join(device.missing, ", ")));
     else if (!best || typeRank(device.type) < typeRank(devices[*best].type))
       best = i;
   }

@@ -18,7 +18,7 @@ namespace ibr {
 /// Devices in the loader's order, which is their numbering for users.
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance);
 
-/// `lacking` covers Device::requirements() and the further extensions.
+/// `missing` covers Device::requirements() and the further extensions.
 DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string> extensions = {});
 
 /// Adds the device's features of requirements().optionalFeatures that DeviceOptions::disabledFeatures does not name.
@@ -28,7 +28,7 @@ void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, cons
 void removeFeatures(DeviceFeatures& features, const std::string& disabled = {});
 
 /// Requirements of requirements() that the queue family does not meet.
-std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family);
+std::vector<std::string> missingQueueCapabilities(VkPhysicalDevice device, std::uint32_t family);
 
 /// Index of the first queue family that meets the requirements, if any.
 std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device);

@@ -84,8 +84,8 @@ RenderPassHandle makeRenderPass(const Device& device, std::uint32_t layers) {
 
 }  // namespace
 
-Canvas::Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse, std::uint32_t layers)
-    : colour_(makeImage(device, largest, layers, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | furtherUse,
+Canvas::Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags extraUsage, std::uint32_t layers)
+    : colour_(makeImage(device, largest, layers, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | extraUsage,
                         VK_IMAGE_ASPECT_COLOR_BIT, "canvas colour")),
       depth_(makeImage(device, largest, layers, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                        VK_IMAGE_ASPECT_DEPTH_BIT, "canvas depth")),

@@ -83,8 +83,8 @@ class SpirvReader {
     return found == names_.end() ? std::string() : found->second;
   }
   static std::string shortened(std::string text) {  // limits the text of nested types
-    constexpr std::size_t kLongest = 200;
-    if (text.size() > kLongest) text.resize(kLongest);
+    constexpr std::size_t kMaxBytes = 200;
+    if (text.size() > kMaxBytes) text.resize(kMaxBytes);
     return text;
   }
   void define(Type type) {

@@ -29,7 +29,7 @@ std::vector<std::byte> readImage(const Device& device, VkImage image, VkExtent2D
 std::vector<std::byte> readBuffer(const Device& device, const Buffer& buffer) {
   const Buffer host(device, buffer.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "buffer readback");
   submitAndWait(device, [&](VkCommandBuffer commands) {
-    bufferBarrier(commands, use::kAnything, use::kTransferRead);
+    bufferBarrier(commands, use::kAllCommands, use::kTransferRead);
     const VkBufferCopy region{0, 0, buffer.size()};
     vkCmdCopyBuffer(commands, buffer.get(), host.get(), 1, &region);
     bufferBarrier(commands, use::kTransferWrite, use::kHostRead);

@@ -18,24 +18,24 @@ constexpr VkDeviceSize aligned(VkDeviceSize bytes) {
 StagingRing::StagingRing(const Device& device, VkDeviceSize bytes)
     : buffer_(device, aligned(bytes), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload, "staging ring") {}
 
-VkDeviceSize StagingRing::room() const noexcept {
-  if (taken_.empty()) return buffer_.size();
-  const VkDeviceSize tail = taken_.front().begin;
+VkDeviceSize StagingRing::freeBytes() const noexcept {
+  if (allocations_.empty()) return buffer_.size();
+  const VkDeviceSize tail = allocations_.front().begin;
   return head_ > tail ? std::max(buffer_.size() - head_, tail) : tail - head_;
 }
 
-StagingRing::Piece StagingRing::take(VkDeviceSize bytes, std::uint64_t frame) {
-  assert(bytes > 0 && bytes <= room());
-  assert(taken_.empty() || taken_.back().frame <= frame);
-  if (taken_.empty() || buffer_.size() - head_ < bytes) head_ = 0;
+StagingRing::Piece StagingRing::allocate(VkDeviceSize bytes, std::uint64_t frame) {
+  assert(bytes > 0 && bytes <= freeBytes());
+  assert(allocations_.empty() || allocations_.back().frame <= frame);
+  if (allocations_.empty() || buffer_.size() - head_ < bytes) head_ = 0;
   const Piece piece{head_, buffer_.mapped().subspan(head_, bytes)};
   head_ += aligned(bytes);
-  taken_.push_back({piece.offset, head_, frame});
+  allocations_.push_back({piece.offset, head_, frame});
   return piece;
 }
 
 void StagingRing::release(std::uint64_t completedFrame) {
-  while (!taken_.empty() && taken_.front().frame <= completedFrame) taken_.pop_front();
+  while (!allocations_.empty() && allocations_.front().frame <= completedFrame) allocations_.pop_front();
 }
 
 }  // namespace ibr

@@ -21,27 +21,27 @@ class StagingRing {
 
   VkBuffer buffer() const noexcept { return buffer_.get(); }
 
-  /// Number of bytes that one take() can return at present.
-  VkDeviceSize room() const noexcept;
+  /// Number of bytes that one allocate() can return at present.
+  VkDeviceSize freeBytes() const noexcept;
 
   struct Piece {
     VkDeviceSize offset;
     std::span<std::byte> memory;  // mapped, coherent
   };
-  /// Takes 1 to room() bytes, aligned for copies of any format, for commands of `frame`. Frame numbers ascend.
-  Piece take(VkDeviceSize bytes, std::uint64_t frame);
+  /// Takes 1 to freeBytes() bytes, aligned for copies of any format, for commands of `frame`. Frame numbers ascend.
+  Piece allocate(VkDeviceSize bytes, std::uint64_t frame);
 
   /// Frees the pieces of all frames up to completedFrame, which the device has finished.
   void release(std::uint64_t completedFrame);
 
  private:
-  struct Taken {
+  struct Allocation {
     VkDeviceSize begin, end;
     std::uint64_t frame;
   };
   Buffer buffer_;
-  VkDeviceSize head_ = 0;    // begin of the next piece, unless the end is too near
-  std::deque<Taken> taken_;  // oldest first; contiguous but for the wrap-around
+  VkDeviceSize head_ = 0;               // begin of the next piece, unless the end is too near
+  std::deque<Allocation> allocations_;  // oldest first; contiguous but for the wrap-around
 };
 
 }  // namespace ibr

@@ -12,9 +12,9 @@
 namespace ibr {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 16;                    // bytes; a multiple of every texel and block, for copies
-constexpr VkDeviceSize kSmallest = VkDeviceSize(1) << 20;  // bytes; holds a row of any image
-constexpr VkDeviceSize kLargestOnce = VkDeviceSize(32) << 20;
+constexpr VkDeviceSize kAlignment = 16;  // bytes; a multiple of every texel and block, for copies
+constexpr VkDeviceSize kMinStagingBytes = VkDeviceSize(1) << 20;  // bytes; holds a row of any image
+constexpr VkDeviceSize kMaxOneShotStagingBytes = VkDeviceSize(32) << 20;
 
 VkImageSubresourceRange levelOf(const VkImageSubresourceLayers& layers) {
   return {layers.aspectMask, layers.mipLevel, 1, layers.baseArrayLayer, 1};
@@ -24,7 +24,7 @@ VkImageSubresourceRange levelOf(const VkImageSubresourceLayers& layers) {
 
 Uploader::Uploader(const Device& device, VkDeviceSize stagingBytes)
     : submission_(device),
-      staging_(device, std::max(stagingBytes, kSmallest), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload,
+      staging_(device, std::max(stagingBytes, kMinStagingBytes), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload,
                "upload staging") {}
 
 void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t level, VkExtent2D extent,
@@ -43,7 +43,7 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
   if (again) flush();  // copies of one batch are not ordered among themselves
 
   for (std::uint32_t row = 0; row < extent.height;) {
-    const auto rows = std::uint32_t(std::min<VkDeviceSize>(room() / rowBytes, extent.height - row));
+    const auto rows = std::uint32_t(std::min<VkDeviceSize>(freeBytes() / rowBytes, extent.height - row));
     if (rows == 0) {
       flush();
       continue;
@@ -69,7 +69,7 @@ void Uploader::buffer(const Buffer& to, VkDeviceSize offset, std::span<const std
   if (again) flush();
 
   while (!bytes.empty()) {
-    const std::size_t count = std::min<VkDeviceSize>(room(), bytes.size());
+    const std::size_t count = std::min<VkDeviceSize>(freeBytes(), bytes.size());
     if (count == 0) {
       flush();
       continue;
@@ -87,23 +87,23 @@ void Uploader::flush() {
   const auto buffers = std::exchange(buffers_, {});
   used_ = 0;
   submission_.run([&](VkCommandBuffer commands) {
-    constexpr ImageUse kReplaced{VK_IMAGE_LAYOUT_UNDEFINED, use::kAnything.stages, VK_ACCESS_2_NONE};
-    constexpr ImageUse kReadable{use::kSampled.layout, use::kAnything.stages, VK_ACCESS_2_MEMORY_READ_BIT};
+    constexpr ImageUse kReplaced{VK_IMAGE_LAYOUT_UNDEFINED, use::kAllCommands.stages, VK_ACCESS_2_NONE};
+    constexpr ImageUse kReadable{use::kSampled.layout, use::kAllCommands.stages, VK_ACCESS_2_MEMORY_READ_BIT};
     for (const ImagePiece& piece : images)
       if (piece.first)
         transition(commands, piece.image, kReplaced, use::kTransferDestination, levelOf(piece.region.imageSubresource));
-    if (!buffers.empty()) bufferBarrier(commands, use::kAnything, use::kTransferWrite);
+    if (!buffers.empty()) bufferBarrier(commands, use::kAllCommands, use::kTransferWrite);
     for (const ImagePiece& piece : images)
       vkCmdCopyBufferToImage(commands, staging_.get(), piece.image, use::kTransferDestination.layout, 1, &piece.region);
     for (const BufferPiece& piece : buffers) vkCmdCopyBuffer(commands, staging_.get(), piece.buffer, 1, &piece.region);
-    if (!buffers.empty()) bufferBarrier(commands, use::kTransferWrite, use::kAnything);
+    if (!buffers.empty()) bufferBarrier(commands, use::kTransferWrite, use::kAllCommands);
     for (const ImagePiece& piece : images)
       if (piece.last)
         transition(commands, piece.image, use::kTransferDestination, kReadable, levelOf(piece.region.imageSubresource));
   });
 }
 
-VkDeviceSize Uploader::room() const {
+VkDeviceSize Uploader::freeBytes() const {
   return staging_.size() - used_;
 }
 
@@ -116,7 +116,7 @@ VkDeviceSize Uploader::stage(std::span<const std::byte> bytes) {
 
 void uploadBuffer(const Device& device, const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes) {
   if (bytes.empty()) return;
-  Uploader uploader(device, std::min<VkDeviceSize>(bytes.size(), kLargestOnce));
+  Uploader uploader(device, std::min<VkDeviceSize>(bytes.size(), kMaxOneShotStagingBytes));
   uploader.buffer(to, offset, bytes);
   uploader.flush();
 }

@@ -45,8 +45,8 @@ class Uploader {
     VkBufferCopy region;
   };
 
-  VkDeviceSize room() const;
-  VkDeviceSize stage(std::span<const std::byte> bytes);  // copies as much as fits into room(); returns the offset
+  VkDeviceSize freeBytes() const;
+  VkDeviceSize stage(std::span<const std::byte> bytes);  // copies as much as fits into freeBytes(); returns the offset
 
   Submission submission_;
   Buffer staging_;

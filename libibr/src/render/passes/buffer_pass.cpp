@@ -35,7 +35,7 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
     for (const CellVariant& variant : variantsOf(cell, requirements.dissolve, kBlends))
       for (const bool depth : {false, true}) {
         const Key key{variant, depth};
-        if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
+        if (!(depth ? requirements.depthOrder : requirements.painterOrder) || pipelines_.contains(key)) continue;
         pipelines_.emplace(key, makeCellPipeline(device, variant,
                                                  {.name = "buffers",
                                                   .fragment = shaders::buffers_frag,

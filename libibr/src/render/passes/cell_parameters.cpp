@@ -43,7 +43,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.principal = {float(k.cx / k.width), float(k.cy / k.height)};
     member.position = float(item.weights.position[i]);
     member.blend = float(item.weights.blend[i]);
-    if (item.mesh->masked) member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
+    if (item.mesh->masked) member.blend = std::max(member.blend, shader::kMinMaskedWeight);
     member.layer = item.mesh->layers[i];
     shift += item.weights.position[i] * (camera.pose.position - eye.pose.position);
   }

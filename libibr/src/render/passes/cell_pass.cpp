@@ -23,10 +23,10 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
     : scene_(&stateOf(scene)),
       views_(options.maxViews),
       maxItems_(requirements.maxDrawItems),
-      mixes_(requirements.switchMixing),
+      crossFades_(requirements.crossFadeOrders),
       mayMap_(colourTables != VK_NULL_HANDLE) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  const std::uint32_t parameters = firstParameter(mixes_ ? Order::previous : Order::current, views_);
+  const std::uint32_t parameters = firstParameter(crossFades_ ? Order::previous : Order::current, views_);
   parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
                        "cell parameters");
   if (requirements.gains)
@@ -66,7 +66,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
           for (const bool eyes : {false, true}) {
             const Key key{variant, depth, mapped, eyes};
             if ((mapped && !mayMap_) || (eyes && !eyesPass)) continue;
-            if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
+            if (!(depth ? requirements.depthOrder : requirements.painterOrder) || pipelines_.contains(key)) continue;
             CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
             if (eyes) {
               info.renderPass = eyesPass;
@@ -88,8 +88,8 @@ bool CellPass::isPainters(const RenderSettings& settings) const noexcept {
 
 bool CellPass::isMapped(const FramePlan& plan, const DrawItem& item) const noexcept {
   // Most of an image is the main cell, whose table is the identity except during the fade after a switch.
-  const bool isIdentity = item.table == kColourSlotCount ||
-                          (!plan.colour.mainMapped && !plan.cells.empty() && item.table == plan.cells[0].colourSlot);
+  const bool isIdentity = item.table == kColourSlotCount || (!plan.colour.mainTableFading && !plan.cells.empty() &&
+                                                             item.table == plan.cells[0].colourSlot);
   return mayMap_ && plan.settings.colourMapping != ColourMapping::off && !isIdentity;
 }
 
@@ -104,7 +104,7 @@ void CellPass::update(VkCommandBuffer commandBuffer, const PlanDraws& draws) con
   bufferBarrier(commandBuffer, use::kShaderRead, use::kTransferWrite);
   for (const Order order : {Order::current, Order::previous})
     for (std::size_t view = 0; view < plan.views.size(); ++view) {
-      if (order == Order::previous && (!mixes_ || plan.previousWeight <= 0)) continue;
+      if (order == Order::previous && (!crossFades_ || plan.previousWeight <= 0)) continue;
       const DrawList& list = draws.list(order, view);
       assert(list.count <= maxItems_);
       const auto write = [&]<class Parameters>(const Buffer& buffer, const Parameters& parametersOf) {

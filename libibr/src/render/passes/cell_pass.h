@@ -74,7 +74,7 @@ class CellPass {
 
   const GpuScene::State* scene_;
   std::uint32_t views_, maxItems_;  // largest number of a plan; of a draw list
-  bool mixes_;                      // parameters have room for the previous order
+  bool crossFades_;                 // parameters have room for the previous order
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;
@@ -91,11 +91,11 @@ void CellPass::eachItem(VkCommandBuffer commandBuffer, const PlanDraws& draws, O
   const DrawList& list = draws.list(order, view);
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
-  const bool painters = isPainters(draws.plan.settings);
+  const bool painterOrder = isPainters(draws.plan.settings);
   const float slots = float(list.count + 1);
   for (std::uint32_t k = 0; k < list.count; ++k) {
-    const std::uint32_t s = painters ? list.count - 1 - k : k;
-    if (list.items[s].hidden && !painters) continue;
+    const std::uint32_t s = painterOrder ? list.count - 1 - k : k;
+    if (list.items[s].hidden && !painterOrder) continue;
     const VkViewport viewport{
         0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);

@@ -17,7 +17,7 @@ namespace {
 
 struct Constants {  // specialisation constants of the cell shaders
   std::int32_t members;
-  VkBool32 onePage;
+  VkBool32 singleArray;
   VkBool32 dissolve;
   std::uint32_t panoramas;
   std::uint32_t blending;
@@ -36,7 +36,7 @@ CellVariant variantOf(const DrawItem& item, BlendMode blend) noexcept {
           .panoramas = item.mesh->panoramas,
           .cubic = item.mesh->cubic,
           .masked = item.mesh->masked,
-          .onePage = item.mesh->onePage,
+          .singleArray = item.mesh->singleArray,
           .dissolve = item.opacity < 1.0f,
           .exposed = item.mesh->exposed,
           .blend = blend};
@@ -48,7 +48,7 @@ std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayD
   for (const BlendMode blend : blends)
     for (const bool dissolve : {false, true})
       if (!dissolve || mayDissolve)
-        variants.push_back({mesh.cameras.size(), mesh.panoramas, mesh.cubic, mesh.masked, mesh.onePage, dissolve,
+        variants.push_back({mesh.cameras.size(), mesh.panoramas, mesh.cubic, mesh.masked, mesh.singleArray, dissolve,
                             mesh.exposed, blend});
   return variants;
 }
@@ -63,7 +63,7 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
   constexpr std::array<VkSpecializationMapEntry, 11> kEntries{{{0, offsetof(Constants, members), 4},
-                                                               {1, offsetof(Constants, onePage), 4},
+                                                               {1, offsetof(Constants, singleArray), 4},
                                                                {2, offsetof(Constants, dissolve), 4},
                                                                {3, offsetof(Constants, panoramas), 4},
                                                                {4, offsetof(Constants, blending), 4},
@@ -73,9 +73,9 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
                                                                {10, offsetof(Constants, overlay), 4},
                                                                {11, offsetof(Constants, exposed), 4},
                                                                {12, offsetof(Constants, masked), 4}}};
-  const Constants constants{std::int32_t(members),         variant.onePage, variant.dissolve,  variant.panoramas,
-                            std::uint32_t(variant.blend),  wanted.mapped,   wanted.viewStride, variant.cubic,
-                            std::uint32_t(wanted.overlay), variant.exposed, variant.masked};
+  const Constants constants{std::int32_t(members),         variant.singleArray, variant.dissolve,  variant.panoramas,
+                            std::uint32_t(variant.blend),  wanted.mapped,       wanted.viewStride, variant.cubic,
+                            std::uint32_t(wanted.overlay), variant.exposed,     variant.masked};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:

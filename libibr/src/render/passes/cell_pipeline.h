@@ -20,7 +20,7 @@ struct CellVariant {
   std::uint32_t panoramas;  // bit i: member i is a panorama
   bool cubic;               // TextureFilter::bicubic
   bool masked;              // a member's photograph has a mask
-  bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
+  bool singleArray;         // all members' photographs are layers of one image: dithering takes one sample
   bool dissolve;            // opacity below 1
   bool exposed;             // a photograph of the scene has a gain other than 1
   BlendMode blend;

@@ -51,7 +51,7 @@ std::uint32_t methodOf(ColourTable table) {
 
 // True if the proxy shows the item: a wanted cell whose table is needed.
 bool isCounted(const FramePlan& plan, const DrawItem& item) {
-  return item.cell != kNoCell && plan.cells[item.cell].colourNeeded;
+  return item.cell != kNoCell && plan.cells[item.cell].colourTableNeeded;
 }
 
 bool startsWithMain(const DrawList& list) {
@@ -145,16 +145,16 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   for (std::uint32_t k = 0; k < frame.count; ++k) {
     frame.slot[k] = plan.cells[k].colourSlot;
     frame.owner[k] = plan.cells[k].cell + 1;
-    const bool fresh = plan.cells[k].colourFresh || !eyesShare(plan);
-    frame.fresh[k] = (fresh ? shader::kColourFresh : 0) | (plan.cells[k].colourNeeded ? 0 : shader::kColourUnseen);
+    const bool fresh = plan.cells[k].colourTableIsNew || !eyesShare(plan);
+    frame.fresh[k] = (fresh ? shader::kColourFresh : 0) | (plan.cells[k].colourTableNeeded ? 0 : shader::kColourUnseen);
   }
   // A proxy of a small image would have too few pixels for reliable tables, so its pixels are closer together.
   constexpr double kEnoughPixels = 20'000;
   const double pixels = double(extent.width) * double(extent.height);
   const int most = std::max(1, int(std::sqrt(pixels / kEnoughPixels)));
-  const auto largestDivisor = int(std::min(extent.width, extent.height));
+  const auto maxDivisor = int(std::min(extent.width, extent.height));
   for (int divisor = std::clamp(settings.colourProxy, 1, most);
-       plan.colour.counted && divisor <= largestDivisor && !frame.measured; ++divisor) {
+       plan.colour.countHistograms && divisor <= maxDivisor && !frame.measured; ++divisor) {
     frame.tileWidth = extent.width / std::uint32_t(divisor);
     frame.tileHeight = extent.height / std::uint32_t(divisor);
     frame.tileColumns = canvas.width / frame.tileWidth;

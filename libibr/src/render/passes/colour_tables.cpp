@@ -19,9 +19,9 @@
 namespace ibr {
 namespace {
 
-static_assert(shader::kLargestMapped == int(kMaxCellCount));
+static_assert(shader::kMaxMappedCells == int(kMaxCellCount));
 
-constexpr std::uint32_t kLargestSetCount = 4;
+constexpr std::uint32_t kMaxSetCount = 4;
 
 // Stages and accesses of all passes that use these buffers.
 constexpr BufferUse kAnyPass{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
@@ -47,7 +47,7 @@ ColourTables::ColourTables(Device& device, std::uint32_t cells)
       slots_(storage(device, kColourSlotCount * sizeof(shader::ColourSlot), "colour slots")),
       tables_(storage(device, (kColourSlotCount + 1) * shader::kLevels * 4, "colour tables")),
       noise_(storage(device, 4 * shader::kNoiseSize * shader::kNoiseSize, "colour noise")) {
-  assert(cells >= 1 && cells <= std::uint32_t(shader::kLargestMapped));
+  assert(cells >= 1 && cells <= std::uint32_t(shader::kMaxMappedCells));
   const std::vector<shader::ColourSlot> nobody(kColourSlotCount);
   uploadBuffer(device, slots_, 0, std::as_bytes(std::span(nobody)));
   std::vector<std::uint32_t> identity;
@@ -67,10 +67,10 @@ ColourTables::ColourTables(Device& device, std::uint32_t cells)
   bindings[shader::kBindingPicture].descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   bindings[shader::kBindingCanvas].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
   setLayout_ = makeSetLayout(device, bindings);
-  const std::array<VkDescriptorPoolSize, 3> sizes{{{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 5 * kLargestSetCount},
-                                                   {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kLargestSetCount},
-                                                   {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kLargestSetCount}}};
-  pool_ = makeDescriptorPool(device, kLargestSetCount, sizes);
+  const std::array<VkDescriptorPoolSize, 3> sizes{{{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 5 * kMaxSetCount},
+                                                   {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kMaxSetCount},
+                                                   {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kMaxSetCount}}};
+  pool_ = makeDescriptorPool(device, kMaxSetCount, sizes);
 
   const VkDescriptorSetLayout set = setLayout_.get();
   const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(SlotRange)};

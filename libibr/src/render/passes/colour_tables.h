@@ -20,7 +20,7 @@ namespace ibr {
 
 class ColourTables {
  public:
-  /// Allocates for `cells` cells per frame, 1 to shader::kLargestMapped.
+  /// Allocates for `cells` cells per frame, 1 to shader::kMaxMappedCells.
   ColourTables(Device& device, std::uint32_t cells);
 
   /// For compute and fragment stages; bindings of shared/colour_map.h.

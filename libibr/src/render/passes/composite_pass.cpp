@@ -39,7 +39,7 @@ glm::vec2 vectorOf(VkExtent2D extent) {
 }  // namespace
 
 bool CompositePass::supports(VkFormat format) noexcept {
-  return isPictureFormat(format);
+  return isRgba8Format(format);
 }
 
 CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* previous,

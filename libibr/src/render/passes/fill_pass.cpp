@@ -118,13 +118,13 @@ void FillPass::record(VkCommandBuffer commands, VkExtent2D extent, std::size_t s
   const auto [extents, used] = levelsIn(extent);
 
   // Contents are discarded; passes of the previous frame may still read them.
-  constexpr ImageUse kReadBefore{VK_IMAGE_LAYOUT_UNDEFINED,
-                                 VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                 VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+  constexpr ImageUse kReadInitial{VK_IMAGE_LAYOUT_UNDEFINED,
+                                  VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                  VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
   bufferBarrier(commands, {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
                 {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT});
   for (std::size_t l = 0; l < used; ++l) {
-    transition(commands, levels_[l].get(), kReadBefore, use::kStorage);
+    transition(commands, levels_[l].get(), kReadInitial, use::kStorage);
     dispatch(commands, l == 0 ? pullCanvas_.get() : pullLevel_.get(), l == 0 ? pullFirst_[source] : pull_[l - 1],
              extents[l], extents[l + 1], extents[l + 1]);
     transition(commands, levels_[l].get(), use::kStorage, kComputeSampled);

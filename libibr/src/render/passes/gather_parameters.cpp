@@ -56,7 +56,7 @@ shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& pla
     const glm::dquat toPhotograph = glm::conjugate(camera.pose.rotation);
     const glm::dvec3 between = (camera.pose.position - eye.pose.position) / spacing;
     const double distance = planned.distance / spacing, focal = focalPx(own);
-    const GatherTextures::Place place = scene.gather->place(i, planned.node);
+    const GatherTextures::TextureSlots place = scene.gather->place(i, planned.node);
     const glm::dvec3 gain = plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * mesh.gains[0];
     steps[i] = kStepPx / focal;
     shader::GatherCandidate& c = result.candidate[i];

@@ -31,7 +31,7 @@ constexpr BufferUse kParametersRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_P
 constexpr ImageUse kRead{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                          VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                          VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-constexpr ImageUse kReadBefore{VK_IMAGE_LAYOUT_UNDEFINED, kRead.stages, kRead.access};
+constexpr ImageUse kReadInitial{VK_IMAGE_LAYOUT_UNDEFINED, kRead.stages, kRead.access};
 
 struct Constants {  // specialisation constants of the shaders
   std::int32_t candidates, layers, colours, slots, depthSlots;
@@ -181,7 +181,7 @@ void GatherPass::vote(VkCommandBuffer commands, const FramePlan& plan, std::size
                       VkExtent2D extent) const noexcept {
   const shader::GatherConstants pushed = constants(plan, view, extent, 0);
   layers_->record(commands, plan, viewSet_, pushed);
-  transition(commands, surfaces_.get(), kReadBefore, use::kStorage);
+  transition(commands, surfaces_.get(), kReadInitial, use::kStorage);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, vote_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, voteLayout_.get(), shader::kSetGatherView, 1,
                           &viewSet_, 0, nullptr);

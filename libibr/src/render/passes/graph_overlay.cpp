@@ -169,7 +169,7 @@ void GraphOverlay::State::makePipelines(const Device& device, const std::vector<
       {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Line, from)},
        {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Line, to)}}};
   for (const VkFormat format : formats) {
-    check(isPictureFormat(format), ErrorCode::unsupported, "graph overlay: VkFormat {} is not 8-bit RGBA or BGRA",
+    check(isRgba8Format(format), ErrorCode::unsupported, "graph overlay: VkFormat {} is not 8-bit RGBA or BGRA",
           int(format));
     pipelines.emplace(format, makeGraphicsPipeline(device, {.name = "graph",
                                                             .vertex = shaders::graph_vert,

@@ -16,7 +16,7 @@
 namespace ibr {
 namespace {
 
-constexpr float kFurthest = 1e6f;  // tangent: larger values exceed the precision of float
+constexpr float kMaxTangent = 1e6f;  // tangent: larger values exceed the precision of float
 
 // Maps tangents to normalised device coordinates, for any size of the image.
 glm::vec4 toClip(const Intrinsics& k) {
@@ -31,9 +31,9 @@ void checkHiddenArea(const std::array<std::vector<glm::vec2>, 2>& triangles) {
           "renderer: hiddenArea[{}] has {} corners, not a multiple of three", view, triangles[view].size());
     for (std::size_t i = 0; i < triangles[view].size(); ++i) {
       const glm::vec2 corner = triangles[view][i];
-      check(std::abs(corner.x) <= kFurthest && std::abs(corner.y) <= kFurthest, ErrorCode::invalidInput,
+      check(std::abs(corner.x) <= kMaxTangent && std::abs(corner.y) <= kMaxTangent, ErrorCode::invalidInput,
             "renderer: hiddenArea[{}][{}] is ({}, {}), coordinates are limited to ±{}", view, i, corner.x, corner.y,
-            kFurthest);
+            kMaxTangent);
     }
   }
 }

@@ -55,7 +55,7 @@ OverlayPass::OverlayPass(const Device& device, const CellPass& cells, VkRenderPa
         for (const bool depth : {false, true})
           for (const bool mapped : {false, true}) {
             if (mapped && !(requirements.colourTables && showsPicture(overlay))) continue;
-            if (overlay == Overlay::overlap ? !depth : !(depth ? requirements.depthOrder : requirements.painters))
+            if (overlay == Overlay::overlap ? !depth : !(depth ? requirements.depthOrder : requirements.painterOrder))
               continue;
             require(device, renderPass, {overlay, variant, depth, mapped});
           }

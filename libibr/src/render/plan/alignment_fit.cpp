@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kRounds = 4;
 constexpr double kScale = 1.5;            // of the median residual: at this residual a pair has half its weight
-constexpr double kLeastScale = 1e-5;      // radians
+constexpr double kMinScale = 1e-5;        // radians
 constexpr double kRegularisation = 1e-4;  // share of the pairs' weight, per unknown: holds undetermined unknowns
 
 // Weighted sums over pairs of the normal equations above, at unit directions u.
@@ -50,7 +50,7 @@ struct Sums {
 };
 
 // `squares`: squared residual of each pair.
-double explained(std::span<const SightPair> pairs, std::span<const double> squares, double scale) {
+double explained(std::span<const ObservationPair> pairs, std::span<const double> squares, double scale) {
   double before = 0, after = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const double weight = pairs[p].weight / (1 + squares[p] / scale);
@@ -90,7 +90,7 @@ Motion solved(std::array<Motion, 6> a, Motion b) {
   return b;
 }
 
-MotionFit fitMotion(std::span<const SightPair> pairs) {
+MotionFit fitMotion(std::span<const ObservationPair> pairs) {
   MotionFit fit;
   std::vector<glm::dvec3> seen(pairs.size()), error(pairs.size());
   std::vector<double> sorted;
@@ -105,7 +105,7 @@ MotionFit fitMotion(std::span<const SightPair> pairs) {
     }
     std::vector<double> squares = sorted;
     std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-    const double scale = std::max(kScale * kScale * sorted[sorted.size() / 2], kLeastScale * kLeastScale);
+    const double scale = std::max(kScale * kScale * sorted[sorted.size() / 2], kMinScale * kMinScale);
     Sums sums;
     for (std::size_t p = 0; p < pairs.size(); ++p)
       sums.add(pairs[p].weight / (1 + squares[p] / scale), seen[p], pairs[p].from.nearness, error[p]);

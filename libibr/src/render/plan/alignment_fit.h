@@ -14,14 +14,14 @@ namespace ibr {
 using Motion = std::array<double, 6>;
 
 /// Direction and nearness of a point, seen from the eye.
-struct Sight {
+struct Observation {
   glm::dvec3 direction;  // unit
   double nearness;       // >= 0, in the inverse of the translation's unit
 };
 
 /// One point, as two meshes show it.
-struct SightPair {
-  Sight from, to;
+struct ObservationPair {
+  Observation from, to;
   double weight;  // > 0
 };
 
@@ -31,7 +31,7 @@ struct MotionFit {
   std::array<Motion, 6> information{};
   double explained = 0;  // 0 … 1: share of the pairs' squared distances that the motion removes
 };
-MotionFit fitMotion(std::span<const SightPair> pairs);
+MotionFit fitMotion(std::span<const ObservationPair> pairs);
 
 glm::dquat rotationOf(const Motion& motion);
 

@@ -15,15 +15,15 @@ namespace ibr {
 namespace {
 
 constexpr double kRegularisation = 1e-3;  // κ
-constexpr double kLeastAngle = 1e-6;      // radians: smaller motions are dropped; exact scenes stay bit-identical
-constexpr std::size_t kLeastPairs = 8;
+constexpr double kMinAngle = 1e-6;        // radians: smaller motions are dropped; exact scenes stay bit-identical
+constexpr std::size_t kMinPairs = 8;
 
 using Anchors = std::span<const CellBounds::Anchor>;
-using Sights = std::vector<Sight>;
+using Observations = std::vector<Observation>;
 
 // Returns the directions and nearnesses of a cell's anchors, seen from the eye.
-Sights sightsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Weights& weights, glm::dvec3 eye,
-                const Correction& correction) {
+Observations observationsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Weights& weights,
+                            glm::dvec3 eye, const Correction& correction) {
   std::array<glm::dmat3, 4> toWorld;
   glm::dvec3 shift(0.0);
   for (std::size_t i = 0; i < cell.members.size(); ++i) {
@@ -32,15 +32,15 @@ Sights sightsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Wei
     shift += weights[i] * (pose.position - eye);
   }
   shift = corrected(correction, shift, eye);
-  Sights sights;
-  sights.reserve(anchors.size());
+  Observations observations;
+  observations.reserve(anchors.size());
   for (const CellBounds::Anchor& anchor : anchors) {
     glm::dvec3 direction = double(anchor.point.inverseDistance) * shift;
     for (std::size_t i = 0; i < cell.members.size(); ++i) direction += toWorld[i] * glm::dvec3(anchor.point.point[i]);
     const double length = glm::length(direction);
-    sights.push_back({direction / length, double(anchor.point.inverseDistance) / length});
+    observations.push_back({direction / length, double(anchor.point.inverseDistance) / length});
   }
-  return sights;
+  return observations;
 }
 
 // Calls `visit` with both anchors' indices for each grid point that two cells share.
@@ -60,7 +60,7 @@ bool sharePhotograph(const Cell& a, const Cell& b) {
 }
 
 // Two cells, and the motion that aligns the second with the first.
-struct Tie {
+struct CellLink {
   std::size_t a, b;
   MotionFit fit;
   double strength;
@@ -71,18 +71,18 @@ class Aligner {
   Aligner(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle)
       : scene_(scene), cells_(cells), middle_(middle) {
     for (const CellToAlign& cell : cells)
-      sights_.push_back(sightsOf(scene, *cell.cell, cell.anchors, cell.weights, middle, {}));
+      observations_.push_back(observationsOf(scene, *cell.cell, cell.anchors, cell.weights, middle, {}));
     normaliseNearness();
     findMasses();
     for (std::size_t a = 0; a < cells.size(); ++a)
       for (std::size_t b = a + 1; b < cells.size(); ++b)
-        if (sharePhotograph(*cells[a].cell, *cells[b].cell)) tie(a, b);
+        if (sharePhotograph(*cells[a].cell, *cells[b].cell)) link(a, b);
   }
 
   std::vector<Correction> run() {
     const std::vector<Motion> motions = solve();
     std::vector<Correction> corrections;
-    for (std::size_t m = 0; m < cells_.size(); ++m) corrections.push_back(correctionOf(motions[m], sights_[m]));
+    for (std::size_t m = 0; m < cells_.size(); ++m) corrections.push_back(correctionOf(motions[m], observations_[m]));
     return corrections;
   }
 
@@ -91,12 +91,12 @@ class Aligner {
   void normaliseNearness() {
     double sum = 0;
     std::size_t count = 0;
-    for (const Sights& sights : sights_)
-      for (const Sight& sight : sights)
-        if (std::isfinite(sight.nearness)) sum += sight.nearness, ++count;
+    for (const Observations& observations : observations_)
+      for (const Observation& observation : observations)
+        if (std::isfinite(observation.nearness)) sum += observation.nearness, ++count;
     if (sum > 0 && std::isfinite(sum)) unit_ = double(count) / sum;
-    for (Sights& sights : sights_)
-      for (Sight& sight : sights) sight.nearness *= unit_;
+    for (Observations& observations : observations_)
+      for (Observation& observation : observations) observation.nearness *= unit_;
   }
 
   void findMasses() {
@@ -115,7 +115,7 @@ class Aligner {
     return 1 / (glm::dot(away, away) + std::max(least_, 1e-300));
   }
 
-  void tie(std::size_t a, std::size_t b) {
+  void link(std::size_t a, std::size_t b) {
     pairs_.clear();
     double total = 0;
     std::uint32_t last = ~0u;
@@ -126,16 +126,16 @@ class Aligner {
         count = countOf(last = anchors[i].photograph);
         total += count;
       }
-      const Sight &to = sights_[a][i], &from = sights_[b][j];
+      const Observation &to = observations_[a][i], &from = observations_[b][j];
       const double apart = glm::distance(to.direction, from.direction);
-      if (apart < 3 * kLargestCorrection) pairs_.push_back({from, to, count});  // skips NaN
+      if (apart < 3 * kMaxCorrectionRadians) pairs_.push_back({from, to, count});  // skips NaN
     });
-    if (pairs_.size() < kLeastPairs) return;
-    for (SightPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
+    if (pairs_.size() < kMinPairs) return;
+    for (ObservationPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
     MotionFit fit = fitMotion(pairs_);
     // Residuals that a rigid motion does not explain come from wrong matches or shapes, not from poses: scale down.
     for (double& value : fit.motion) value *= fit.explained;
-    ties_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
+    links_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
   }
 
   // Returns A·x of the normal equations.
@@ -143,19 +143,19 @@ class Aligner {
     std::vector<Motion> result(x.size());
     for (std::size_t m = 0; m < x.size(); ++m)
       for (std::size_t i = 0; i < 6; ++i) result[m][i] = kRegularisation * masses_[m] * x[m][i];
-    for (const Tie& tie : ties_) {
+    for (const CellLink& link : links_) {
       Motion apart;
-      for (std::size_t i = 0; i < 6; ++i) apart[i] = x[tie.b][i] - x[tie.a][i];
-      pull(tie, apart, result);
+      for (std::size_t i = 0; i < 6; ++i) apart[i] = x[link.b][i] - x[link.a][i];
+      pull(link, apart, result);
     }
     return result;
   }
-  static void pull(const Tie& tie, const Motion& apart, std::vector<Motion>& to) {
+  static void pull(const CellLink& link, const Motion& apart, std::vector<Motion>& to) {
     for (std::size_t i = 0; i < 6; ++i) {
       double sum = 0;
-      for (std::size_t j = 0; j < 6; ++j) sum += tie.fit.information[i][j] * apart[j];
-      to[tie.a][i] -= tie.strength * sum;
-      to[tie.b][i] += tie.strength * sum;
+      for (std::size_t j = 0; j < 6; ++j) sum += link.fit.information[i][j] * apart[j];
+      to[link.a][i] -= link.strength * sum;
+      to[link.b][i] += link.strength * sum;
     }
   }
 
@@ -164,10 +164,10 @@ class Aligner {
     const std::size_t n = cells_.size();
     std::vector<Motion> x(n), residual(n), diagonal(n), direction;
     for (std::size_t m = 0; m < n; ++m) diagonal[m].fill(kRegularisation * masses_[m]);
-    for (const Tie& tie : ties_) {
-      pull(tie, tie.fit.motion, residual);
-      for (const std::size_t m : {tie.a, tie.b})
-        for (std::size_t i = 0; i < 6; ++i) diagonal[m][i] += tie.strength * tie.fit.information[i][i];
+    for (const CellLink& link : links_) {
+      pull(link, link.fit.motion, residual);
+      for (const std::size_t m : {link.a, link.b})
+        for (std::size_t i = 0; i < 6; ++i) diagonal[m][i] += link.strength * link.fit.information[i][i];
     }
     const auto scaled = [&](const std::vector<Motion>& v) {
       std::vector<Motion> result = v;
@@ -202,13 +202,13 @@ class Aligner {
     return x;
   }
 
-  Correction correctionOf(Motion motion, const Sights& sights) const {
+  Correction correctionOf(Motion motion, const Observations& observations) const {
     double nearest = 0;
-    for (const Sight& sight : sights) nearest = std::max(nearest, sight.nearness);
+    for (const Observation& observation : observations) nearest = std::max(nearest, observation.nearness);
     const double angle =
         std::hypot(motion[0], motion[1], motion[2]) + nearest * std::hypot(motion[3], motion[4], motion[5]);
-    if (!(angle >= kLeastAngle)) return {};
-    for (double& value : motion) value *= std::min(1.0, kLargestCorrection / angle);
+    if (!(angle >= kMinAngle)) return {};
+    for (double& value : motion) value *= std::min(1.0, kMaxCorrectionRadians / angle);
     Correction correction{rotationOf(motion), middle_, {}};
     correction.shift = glm::conjugate(correction.rotation) * (unit_ * glm::dvec3(motion[3], motion[4], motion[5]));
     return correction;
@@ -217,10 +217,10 @@ class Aligner {
   const Scene& scene_;
   std::span<const CellToAlign> cells_;
   glm::dvec3 middle_;
-  std::vector<Sights> sights_;
+  std::vector<Observations> observations_;
   std::vector<double> masses_;
-  std::vector<Tie> ties_;
-  std::vector<SightPair> pairs_;
+  std::vector<CellLink> links_;
+  std::vector<ObservationPair> pairs_;
   double unit_ = 1;   // length unit of translations, world units
   double least_ = 0;  // lower bound of squared distances, world units²
 };
@@ -231,30 +231,30 @@ std::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAli
   return Aligner(scene, cells, middle).run();
 }
 
-std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
-                                  std::size_t view, bool corrected) {
+std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
+                                    std::size_t view, bool corrected) {
   const Camera& camera = plan.views[view];
-  const auto pixelOf = [&](const Sight& sight) -> std::optional<glm::dvec2> {
-    const auto pixel = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * sight.direction);
+  const auto pixelOf = [&](const Observation& observation) -> std::optional<glm::dvec2> {
+    const auto pixel = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * observation.direction);
     const bool inside = pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= camera.intrinsics.width &&
                         pixel->y <= camera.intrinsics.height;
     return inside ? pixel : std::nullopt;
   };
   struct Drawn {
     Anchors anchors;
-    Sights sights;
+    Observations observations;
   };
   std::vector<Drawn> drawn;
   for (const PlannedCell& cell : plan.cells) {
     const Anchors anchors = bounds.anchors->of(scene)[cell.cell];
-    drawn.push_back({anchors, sightsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
-                                       camera.pose.position, corrected ? cell.correction : Correction{})});
+    drawn.push_back({anchors, observationsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
+                                             camera.pose.position, corrected ? cell.correction : Correction{})});
   }
   std::vector<double> apart;
   for (std::size_t a = 0; a < drawn.size(); ++a)
     for (std::size_t b = a + 1; b < drawn.size(); ++b)
       forCommon(drawn[a].anchors, drawn[b].anchors, [&](std::size_t i, std::size_t j) {
-        const auto here = pixelOf(drawn[a].sights[i]), there = pixelOf(drawn[b].sights[j]);
+        const auto here = pixelOf(drawn[a].observations[i]), there = pixelOf(drawn[b].observations[j]);
         if (here && there) apart.push_back(glm::distance(*here, *there));
       });
   return apart;

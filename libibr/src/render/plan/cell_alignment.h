@@ -18,7 +18,7 @@
 
 namespace ibr {
 
-inline constexpr double kLargestCorrection = 0.035;  // largest angle of a correction, radians, about 2°
+inline constexpr double kMaxCorrectionRadians = 0.035;  // largest angle of a correction, radians, about 2°
 
 struct CellToAlign {
   const Cell* cell;

@@ -23,7 +23,7 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
   CellBounds bounds;
   for (std::size_t i = 0; i < cell.members.size(); ++i) {
     CellBounds::Member& member = bounds.members.emplace_back();
-    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       const glm::vec3 point(memberPoint(scene, cell, i, p)), ray = glm::normalize(point);
       member.low = p ? glm::min(member.low, point) : point;
       member.high = p ? glm::max(member.high, point) : point;
@@ -57,14 +57,14 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
   std::vector<std::array<std::uint32_t, 3>> edges;  // lower, higher index; 1: from higher to lower
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 v = mesh.triangles[t];
-    if (mesh.tier[t] != kTierAgrees || !usable[v.x] || !usable[v.y] || !usable[v.z]) continue;
+    if (mesh.tier[t] != kTierConsistent || !usable[v.x] || !usable[v.y] || !usable[v.z]) continue;
     for (int e = 0; e < 3; ++e) {
       const std::uint32_t from = v[e], to = v[(e + 1) % 3];
       if (from != to) edges.push_back({std::min(from, to), std::max(from, to), from > to});
     }
   }
   std::sort(edges.begin(), edges.end());
-  std::vector<std::uint32_t> cornerOf(mesh.pointCount(), kNone);
+  std::vector<std::uint32_t> cornerOf(mesh.vertexCount(), kNone);
   const auto corner = [&](std::uint32_t p) {
     if (cornerOf[p] == kNone) {
       cornerOf[p] = std::uint32_t(bounds.corners.size());
@@ -83,8 +83,8 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
       bounds.outline.push_back(sum > 0 ? glm::uvec2(low, high) : glm::uvec2(high, low));
     }
   }
-  constexpr std::size_t kLongest = 16384;
-  if (bounds.outline.size() > std::min(kLongest, edges.size() / 3)) {
+  constexpr std::size_t kMaxEdges = 16384;
+  if (bounds.outline.size() > std::min(kMaxEdges, edges.size() / 3)) {
     bounds.outline.clear();
     bounds.corners.clear();
   }
@@ -95,7 +95,7 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
 SceneBounds sceneBounds(const Scene& scene) {
   SceneBounds bounds;
   for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
-  if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherBounds(scene);
+  if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherStatistics(scene);
   bounds.anchors = std::make_shared<SceneBounds::Anchors>();
   return bounds;
 }

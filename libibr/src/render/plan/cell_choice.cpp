@@ -8,17 +8,17 @@
 namespace ibr {
 namespace {
 
-constexpr double kKeepDistance = 0.02;  // margin to overtake in extrapolation, of a cell's size
-constexpr double kKeepAngle = 0.02;     // margin to overtake in rotation, radians, about 1°
-constexpr double kKeepWorth = 1.1;      // factor on the worth of a cell that was drawn in the previous frame
-constexpr double kNear = 0.05;          // of the best cell's size: at this distance a cell is worth half
-constexpr double kGathered = 0.085;     // worth of the gather: a cell is better up to about half its size away
-                                        // (libibr/docs/quality.md, "Cells chosen by what they add")
+constexpr double kDistanceHysteresis = 0.02;  // margin to overtake in extrapolation, of a cell's size
+constexpr double kAngleHysteresis = 0.02;     // margin to overtake in rotation, radians, about 1°
+constexpr double kWorthHysteresis = 1.1;      // factor on the worth of a cell that was drawn in the previous frame
+constexpr double kHalfWorthDistance = 0.05;   // of the best cell's size: at this distance a cell is worth half
+constexpr double kGatherWorth = 0.085;        // worth of the gather: a cell is better up to about half its size away
+                                              // (libibr/docs/quality.md, "Cells chosen by what they add")
 
 // Worth of the cell in each tile that it shows, > 0. `size`: of the best cell.
 double worthOf(const CellCandidate& cell, double size) {
-  const double worth = kNear / (kNear + (size > 0 ? cell.distance / size : 0.0));
-  return cell.rank == kNotShown ? worth : kKeepWorth * worth;
+  const double worth = kHalfWorthDistance / (kHalfWorthDistance + (size > 0 ? cell.distance / size : 0.0));
+  return cell.rank == kNotShown ? worth : kWorthHysteresis * worth;
 }
 
 class Order {
@@ -32,10 +32,10 @@ class Order {
   }
 
   // Sorts with a bonus for cells of the previous frame. A bonus per cell, unlike a margin per pair, is a strict order.
-  bool deservesMore(const CellCandidate& a, const CellCandidate& b) const {
+  bool ranksBefore(const CellCandidate& a, const CellCandidate& b) const {
     if (a.nearlyInView != b.nearlyInView) return b.nearlyInView;
     if (a.first != b.first) return a.first;
-    return better(favoured(a), favoured(b));
+    return better(withHysteresis(a), withHysteresis(b));
   }
 
   // Compares with margins between pairs, which is not a strict order: only for the insertion sort below.
@@ -48,17 +48,17 @@ class Order {
   }
 
  private:
-  static CellCandidate favoured(CellCandidate c) {
+  static CellCandidate withHysteresis(CellCandidate c) {
     if (c.rank == kNotShown) return c;
-    c.extrapolation = std::max(0.0, c.extrapolation - kKeepDistance * c.size);
-    c.rotation -= kKeepAngle;
+    c.extrapolation = std::max(0.0, c.extrapolation - kDistanceHysteresis * c.size);
+    c.rotation -= kAngleHysteresis;
     return c;
   }
 
   // True if `a` is better by more than the margin, so that the order of the two changes.
   static bool clearlyBetter(const CellCandidate& a, const CellCandidate& b) {
-    if (a.extrapolation != b.extrapolation) return a.extrapolation + kKeepDistance * a.size < b.extrapolation;
-    return a.rotation + kKeepAngle < b.rotation;
+    if (a.extrapolation != b.extrapolation) return a.extrapolation + kDistanceHysteresis * a.size < b.extrapolation;
+    return a.rotation + kAngleHysteresis < b.rotation;
   }
 
   const Scene& scene_;
@@ -69,12 +69,12 @@ class Order {
 CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
                        std::vector<CellCandidate> candidates, std::size_t most, bool gathers) {
   const Order order(scene);
-  std::ranges::sort(candidates, [&](const auto& a, const auto& b) { return order.deservesMore(a, b); });
+  std::ranges::sort(candidates, [&](const auto& a, const auto& b) { return order.ranksBefore(a, b); });
   std::vector<bool> chosen(candidates.size(), candidates.size() <= most && !gathers);
   if (gathers || candidates.size() > most) {
     std::vector<CellCover> covers;
     std::vector<double> worths;
-    const std::size_t count = std::min(candidates.size(), std::max(most, kMostCovering));
+    const std::size_t count = std::min(candidates.size(), std::max(most, kMaxCoverCandidates));
     std::size_t forced = count;
     for (std::size_t c = 0; c < count; ++c) {
       const CellCandidate& candidate = candidates[c];
@@ -83,7 +83,8 @@ CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<
       worths.push_back(worthOf(candidate, candidates[0].size));
       if (candidate.first) forced = c;
     }
-    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGathered : 0.0, most, forced)) chosen[c] = true;
+    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGatherWorth : 0.0, most, forced))
+      chosen[c] = true;
   }
   CellChoice choice;
   for (std::size_t c = 0; c < candidates.size(); ++c) (chosen[c] ? choice.drawn : choice.left).push_back(candidates[c]);

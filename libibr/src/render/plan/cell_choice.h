@@ -36,7 +36,7 @@ struct CellChoice {
 };
 
 /// Maximum number of candidates, best first, that the cover search considers.
-inline constexpr std::size_t kMostCovering = 64;
+inline constexpr std::size_t kMaxCoverCandidates = 64;
 
 /// Chooses at most `most` of the candidates; all if there are no more and nothing is gathered. `gathers`: the gather
 /// draws what cells leave open, so only cells worth more than the gather are chosen. `bounds`: of the scene.

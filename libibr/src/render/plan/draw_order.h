@@ -21,7 +21,7 @@ void forCells(const FramePlan& plan, Order order, Visit&& visit) {
   const std::vector<PlannedCell>& cells = order == Order::current ? plan.cells : plan.previous;
   std::size_t left = order == Order::current ? 0 : plan.fadingOut.size();
   for (std::size_t c = 0; c <= cells.size(); ++c) {
-    for (; left < plan.fadingOut.size() && plan.fadingOut[left].before <= c; ++left)
+    for (; left < plan.fadingOut.size() && plan.fadingOut[left].drawnBefore <= c; ++left)
       visit(plan.fadingOut[left].planned, kNoCell, std::uint32_t(c));
     if (c < cells.size()) visit(cells[c], std::uint32_t(c), std::uint32_t(c));
   }

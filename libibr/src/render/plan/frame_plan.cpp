@@ -104,7 +104,7 @@ class Planner {
   }
 
   FramePlan run() {
-    mixing_ = !state_.previous.empty() && seconds_ < settings_.switchSeconds;
+    crossFading_ = !state_.previous.empty() && seconds_ < settings_.switchSeconds;
     choosePhotographs();
     std::vector<PlannedCell> cells = chooseCells();
     align(cells);
@@ -113,7 +113,7 @@ class Planner {
     // The paper's methods draw all cells and count their colours, so no cell is marked as hidden.
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
-    mixSwitch();
+    crossFadeSwitch();
     if (plan_.settings.composition == Composition::gathered) plan_.previousWeight = 0;
     if (gathers() && plan_.cells.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
     plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
@@ -172,7 +172,7 @@ class Planner {
   // `cells` receives the planned cells; CellCandidate::index refers to them.
   std::vector<CellCandidate> candidates(std::vector<PlannedCell>& cells) {
     std::map<std::uint32_t, std::int64_t> rank;
-    for (const ShownCell& shown : state_.cells)
+    for (const DrawOrderEntry& shown : state_.cells)
       if (!shown.fadingOut) rank.emplace(shown.cell, std::int64_t(rank.size()));
     std::vector<CellCandidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
@@ -185,18 +185,18 @@ class Planner {
       PlannedCell cell = planned(c, distance);
       const bool inView = visible(cell);
       const auto moved = [&] { return aligned() && !bounds_.anchors->of(scene_)[c].empty(); };
-      if (!inView && !(moved() && visible(cell, kLargestCorrection))) {
+      if (!inView && !(moved() && visible(cell, kMaxCorrectionRadians))) {
         ++plan_.culledByFrustum;
         continue;
       }
       if (!isChosen(c)) {
-        ++plan_.culledByChoice;
+        ++plan_.culledByMuting;
         plan_.next.hiddenCells.push_back(c);  // fades in when it is unmuted
         continue;
       }
       const auto before = rank.find(c);
       result.push_back({c, distance.extrapolation, distance.rotation, size, !inView,
-                        mixing_ && std::int64_t(c) == state_.mainCell,
+                        crossFading_ && std::int64_t(c) == state_.mainCell,
                         before == rank.end() ? kNotShown : before->second,
                         0.5 * (distance.extrapolation + cell.photographDistance), cells.size()});
       cells.push_back(cell);
@@ -207,7 +207,7 @@ class Planner {
   // Returns the chosen cells, best first. Corrections may still move some of them out of view.
   std::vector<PlannedCell> chooseCells() {
     std::vector<PlannedCell> cells, ordered;
-    const CellChoice choice = ibr::chooseCells(scene_, bounds_, plan_.views, candidates(cells), mostCells(), gathers());
+    const CellChoice choice = ibr::chooseCells(scene_, bounds_, plan_.views, candidates(cells), cellLimit(), gathers());
     for (const CellCandidate& left : choice.left) {
       ++(left.nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
       if (!left.nearlyInView) plan_.next.hiddenCells.push_back(left.cell);
@@ -230,7 +230,7 @@ class Planner {
   bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
 
   // Plans a cell of a previous draw order with this frame's weights; nullopt: not in view.
-  std::optional<PlannedCell> plannedAgain(const ShownCell& shown) const {
+  std::optional<PlannedCell> plannedAgain(const DrawOrderEntry& shown) const {
     if (shown.cell >= scene_.cells.size()) return std::nullopt;  // the state is of another scene
     PlannedCell again =
         planned(shown.cell, cellDistance(scene_, scene_.cells[shown.cell], bounds_.cells[shown.cell].size, middle_));
@@ -257,9 +257,9 @@ class Planner {
                                return plannedAgain({cell, 1.0, false}).has_value();
                              },
                              gathers()};
-    plan_.next.cells = showCells(state_.cells, wanted, switched() ? 1.0 : fadeStep());
+    plan_.next.cells = advanceFades(state_.cells, wanted, switched() ? 1.0 : fadeStep());
     std::uint32_t place = 0;
-    for (const ShownCell& shown : plan_.next.cells) {
+    for (const DrawOrderEntry& shown : plan_.next.cells) {
       if (!shown.fadingOut)
         plan_.cells[place++].opacity *= shown.opacity;
       else if (const auto leaving = plannedAgain(shown))
@@ -277,8 +277,8 @@ class Planner {
     if (!aligned()) return;
     std::vector<std::uint32_t> toMove;
     for (const PlannedCell& cell : cells) toMove.push_back(cell.cell);
-    for (const std::vector<ShownCell>* shown : {&state_.cells, &state_.previous})
-      for (const ShownCell& cell : *shown)
+    for (const std::vector<DrawOrderEntry>* shown : {&state_.cells, &state_.previous})
+      for (const DrawOrderEntry& cell : *shown)
         if (cell.cell < scene_.cells.size() && std::ranges::find(toMove, cell.cell) == toMove.end())
           toMove.push_back(cell.cell);
     const SceneBounds::Anchors::OfCells& anchors = bounds_.anchors->of(scene_);
@@ -307,20 +307,20 @@ class Planner {
     else
       plan_.gather = bounds_.gather;
   }
-  std::size_t mostCells() const { return std::min(settings_.maxCells, gathers() ? kHybridCells : kMaxCellCount); }
+  std::size_t cellLimit() const { return std::min(settings_.maxCells, gathers() ? kHybridCells : kMaxCellCount); }
   bool gathers() const { return plan_.settings.composition != Composition::cells; }
 
-  void mixSwitch() {
+  void crossFadeSwitch() {
     PlanState& next = plan_.next;
     if (switched() && settings_.switchSeconds > 0) {
       next.previous = state_.cells;  // the frame of the switch still shows the previous order
       next.secondsSinceSwitch = 0;
-    } else if (mixing_) {
+    } else if (crossFading_) {
       next.previous = state_.previous;
       next.secondsSinceSwitch = seconds_;
     }
     if (next.previous.empty()) return;
-    for (const ShownCell& shown : next.previous)
+    for (const DrawOrderEntry& shown : next.previous)
       if (const auto cell = plannedAgain(shown)) plan_.previous.push_back(*cell);
     const double share = next.secondsSinceSwitch / settings_.switchSeconds;
     plan_.previousWeight = 1.0 - share * share * (3.0 - 2.0 * share);
@@ -336,7 +336,7 @@ class Planner {
   std::map<std::uint32_t, Correction> corrections_;  // by cell
   double dt_ = 0;                                    // seconds since the previous frame
   double seconds_ = 0;                               // since the last switch, at this frame
-  bool mixing_ = false;
+  bool crossFading_ = false;
 };
 
 }  // namespace

@@ -18,13 +18,13 @@ namespace {
 
 constexpr int kColumns = 16, kRows = 9;
 constexpr std::array kDepths{1.6, 0.4};  // of the median ρ
-constexpr std::size_t kPlaces = std::size_t(kColumns) * kRows * kDepths.size();
-constexpr std::size_t kPool = 64;  // photographs, best by themselves, that take part in exchanges
+constexpr std::size_t kSamplePoints = std::size_t(kColumns) * kRows * kDepths.size();
+constexpr std::size_t kMaxPoolSize = 64;  // photographs, best by themselves, that take part in exchanges
 constexpr double kFadeShare =
     0.25;  // a member whose loss exceeds the best outsider's gain by this share counts in full
-constexpr double kLeastProgress = 1e-9;  // relative gain of F below which no exchange is made
+constexpr double kMinRelativeGain = 1e-9;  // relative gain of F below which no exchange is made
 
-using Values = std::array<float, kPlaces>;  // of a photograph, by ray and depth
+using Values = std::array<float, kSamplePoints>;  // of a photograph, by ray and depth
 
 struct Candidate {
   std::uint32_t backdrop = 0;
@@ -61,10 +61,10 @@ Values valuesOf(const Camera& photograph, const Pose& middle, const std::vector<
   const glm::dmat3 turn = glm::mat3_cast(toPhotograph * middle.rotation);
   const glm::dvec3 shift = toPhotograph * (middle.position - photograph.pose.position);
   Values values{};
-  std::size_t place = 0;
+  std::size_t point = 0;
   for (const double depth : kDepths)
     for (const glm::dvec3& ray : rays) {
-      float& value = values[place++];
+      float& value = values[point++];
       const glm::dvec3 turned = turn * ray, direction = turned + depth * medianInverseDepth * shift;
       double border = 1;
       if (k.model == CameraModel::pinhole) {
@@ -87,12 +87,12 @@ float coverage(const Values& sum) {
 
 float coverageWith(const Values& sum, const Values& more) {
   float total = 0;
-  for (std::size_t p = 0; p < kPlaces; ++p) total += std::sqrt(sum[p] + more[p]);
+  for (std::size_t p = 0; p < kSamplePoints; ++p) total += std::sqrt(sum[p] + more[p]);
   return total;
 }
 
 void add(Values& sum, const Values& more) {
-  for (std::size_t p = 0; p < kPlaces; ++p) sum[p] += more[p];
+  for (std::size_t p = 0; p < kSamplePoints; ++p) sum[p] += more[p];
 }
 
 // Adds the others instead of subtracting one: a difference would leave rounding errors where the sum is 0.
@@ -108,8 +108,8 @@ float gatherWeight(float value, double distance) {
   if (!(value > 0)) return 0;
   const double beyond =
       1 / double(value) - double(shader::kGatherAngleFloor) + double(shader::kGatherDistanceCost) * distance;
-  const double t = std::clamp(beyond / double(shader::kGatherOwnPlace), 0.0, 1.0), apart = t * t * (3 - 2 * t);
-  return value / std::max(float(apart), shader::kGatherLeastApart);
+  const double t = std::clamp(beyond / double(shader::kGatherOwnPoseCost), 0.0, 1.0), apart = t * t * (3 - 2 * t);
+  return value / std::max(float(apart), shader::kGatherMinApart);
 }
 
 // Shares as the gather blends: at each ray and depth the four best photographs, each by its worth above that of the
@@ -119,10 +119,10 @@ std::vector<double> sharesOf(const std::vector<Candidate>& pool, const std::vect
   constexpr std::size_t kColours = 4;
   std::vector<double> shares(members.size(), 0.0);
   std::vector<std::pair<float, std::size_t>> best(members.size());
-  for (std::size_t place = 0; place < kPlaces; ++place) {
+  for (std::size_t point = 0; point < kSamplePoints; ++point) {
     for (std::size_t m = 0; m < members.size(); ++m) {
       const Candidate& one = pool[members[m]];
-      best[m] = {fade[m] * gatherWeight(one.value[place], one.distance / spacing), m};
+      best[m] = {fade[m] * gatherWeight(one.value[point], one.distance / spacing), m};
     }
     std::ranges::sort(best, std::ranges::greater());
     const float least = best.size() > kColours ? best[kColours].first : 0;
@@ -136,14 +136,14 @@ std::vector<double> sharesOf(const std::vector<Candidate>& pool, const std::vect
   return shares;
 }
 
-struct Outsider {
+struct Replacement {
   std::size_t candidate = 0;
   float coverage = 0;
 };
 
 // Returns the best photograph outside the set to replace a member.
-Outsider bestInstead(const std::vector<Candidate>& pool, const std::vector<bool>& taken, const Values& others) {
-  Outsider best{pool.size(), coverage(others)};
+Replacement bestReplacement(const std::vector<Candidate>& pool, const std::vector<bool>& taken, const Values& others) {
+  Replacement best{pool.size(), coverage(others)};
   for (std::size_t i = 0; i < pool.size(); ++i)
     if (!taken[i])
       if (const float with = coverageWith(others, pool[i].value); with > best.coverage) best = {i, with};
@@ -162,7 +162,7 @@ std::vector<std::uint32_t> gatherableBackdrops(const Scene& scene) {
   return result;
 }
 
-std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const GatherBounds& bounds,
+std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const GatherStatistics& bounds,
                                                  const std::vector<Camera>& views, const Pose& middle,
                                                  std::size_t count) {
   const std::vector<glm::dvec3> rays = raysOf(views, middle);
@@ -175,7 +175,7 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
     if (candidate.alone > 0) pool.push_back(candidate);
   }
   std::stable_sort(pool.begin(), pool.end(), [](const Candidate& a, const Candidate& b) { return a.alone > b.alone; });
-  if (pool.size() > kPool) pool.resize(kPool);
+  if (pool.size() > kMaxPoolSize) pool.resize(kMaxPoolSize);
   count = std::min(count, pool.size());
   if (count == 0) return {};
 
@@ -183,7 +183,7 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
   std::vector<bool> taken(pool.size(), false);
   Values sum{};
   while (members.size() < count) {
-    const Outsider best = bestInstead(pool, taken, sum);
+    const Replacement best = bestReplacement(pool, taken, sum);
     if (best.candidate == pool.size()) break;
     taken[best.candidate] = true;
     add(sum, pool[best.candidate].value);
@@ -191,26 +191,26 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
   }
   std::vector<float> fade(members.size(), 1.0f);
   if (members.size() < pool.size()) {
-    const std::size_t mostRounds = 2 * members.size();
-    for (std::size_t round = 0; round < mostRounds; ++round) {
+    const std::size_t maxRounds = 2 * members.size();
+    for (std::size_t round = 0; round < maxRounds; ++round) {
       float most = 0;
-      std::size_t leaving = 0, coming = pool.size();
+      std::size_t outgoing = 0, incoming = pool.size();
       for (std::size_t m = 0; m < members.size(); ++m) {
         const Values others = sumWithout(pool, members, m);
         const float here = coverageWith(others, pool[members[m]].value);
-        const Outsider best = bestInstead(pool, taken, others);
+        const Replacement best = bestReplacement(pool, taken, others);
         const float loss = here - coverage(others), gain = best.coverage - coverage(others);
         fade[m] = gain > 0 ? float(std::clamp((double(loss) / double(gain) - 1) / kFadeShare, 0.0, 1.0)) : 1.0f;
-        if (const float won = best.coverage - here; won > most && double(won) > kLeastProgress * double(here)) {
+        if (const float won = best.coverage - here; won > most && double(won) > kMinRelativeGain * double(here)) {
           most = won;
-          leaving = m;
-          coming = best.candidate;
+          outgoing = m;
+          incoming = best.candidate;
         }
       }
-      if (coming == pool.size()) break;
-      taken[members[leaving]] = false;
-      taken[coming] = true;
-      members[leaving] = coming;
+      if (incoming == pool.size()) break;
+      taken[members[outgoing]] = false;
+      taken[incoming] = true;
+      members[outgoing] = incoming;
     }
   }
   const std::vector<double> shares = sharesOf(pool, members, fade, bounds.spacing);
@@ -229,8 +229,8 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
   return sorted;
 }
 
-GatherBounds gatherBounds(const Scene& scene) {
-  GatherBounds bounds;
+GatherStatistics gatherStatistics(const Scene& scene) {
+  GatherStatistics bounds;
   std::vector<Camera> cameras;
   for (const Node& node : scene.nodes) cameras.push_back(node.camera);
   if (!cameras.empty()) bounds.spacing = captureSpacing(cameras);

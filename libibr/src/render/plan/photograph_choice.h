@@ -20,11 +20,11 @@ std::vector<std::uint32_t> gatherableBackdrops(const Scene& scene);
 /// Returns at most `count` photographs, best first. PlannedPhotograph::share is each photograph's share of the views'
 /// colours if the gather blends the best four; exposure adapts with these shares. `middle`: pose between the views.
 /// Pure. Does not depend on the order of the scene's photographs, except among photographs of equal poses.
-std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const GatherBounds& bounds,
+std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const GatherStatistics& bounds,
                                                  const std::vector<Camera>& views, const Pose& middle,
                                                  std::size_t count);
 
-/// GatherBounds of a scene.
-GatherBounds gatherBounds(const Scene& scene);
+/// GatherStatistics of a scene.
+GatherStatistics gatherStatistics(const Scene& scene);
 
 }  // namespace ibr

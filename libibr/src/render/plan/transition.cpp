@@ -12,7 +12,7 @@ struct Common {
   std::vector<bool> before, wanted;  // true: the entry shown, or the wanted cell, is in the common subsequence
 };
 
-Common longestCommon(std::span<const ShownCell> before, std::span<const std::uint32_t> cells) {
+Common longestCommonSubsequence(std::span<const DrawOrderEntry> before, std::span<const std::uint32_t> cells) {
   const std::size_t n = before.size(), m = cells.size();
   std::vector<std::uint32_t> length((n + 1) * (m + 1), 0);  // of the common subsequence of the rests from (i, j) on
   const auto at = [&](std::size_t i, std::size_t j) -> std::uint32_t& { return length[i * (m + 1) + j]; };
@@ -33,17 +33,17 @@ Common longestCommon(std::span<const ShownCell> before, std::span<const std::uin
 }
 
 // Merges both lists; a cell that fades out comes before its successor.
-std::vector<ShownCell> merged(std::span<const ShownCell> before, const WantedOrder& wanted) {
-  const Common common = longestCommon(before, wanted.cells);
+std::vector<DrawOrderEntry> merged(std::span<const DrawOrderEntry> before, const WantedOrder& wanted) {
+  const Common common = longestCommonSubsequence(before, wanted.cells);
   const std::set<std::uint32_t> all(wanted.cells.begin(), wanted.cells.end());
   std::multiset<std::uint32_t> ahead;   // cells of entries that fade out, not merged yet
   std::map<std::uint32_t, double> met;  // the largest opacity of those already merged
   for (std::size_t i = 0; i < before.size(); ++i)
     if (!common.before[i]) ahead.insert(before[i].cell);
-  std::vector<ShownCell> shown;
+  std::vector<DrawOrderEntry> shown;
   for (std::size_t i = 0, j = 0; i < before.size() || j < wanted.cells.size();) {
     if (i < before.size() && !common.before[i]) {
-      ShownCell gone = before[i++];
+      DrawOrderEntry gone = before[i++];
       gone.fadingOut = true;
       ahead.erase(ahead.find(gone.cell));
       met[gone.cell] = std::max(met[gone.cell], gone.opacity);
@@ -62,10 +62,10 @@ std::vector<ShownCell> merged(std::span<const ShownCell> before, const WantedOrd
 
 // Advances all fades by one step. A copy behind the front copy of a cell waits until the front copy is opaque. A cell
 // that is not wanted any more waits until all arriving cells are opaque, so that no hole opens between them.
-std::vector<ShownCell> faded(std::vector<ShownCell> shown, double step) {
+std::vector<DrawOrderEntry> faded(std::vector<DrawOrderEntry> shown, double step) {
   std::map<std::uint32_t, double> wanted;  // opacity
   bool arriving = false;
-  for (ShownCell& entry : shown)
+  for (DrawOrderEntry& entry : shown)
     if (!entry.fadingOut) {
       entry.opacity = std::min(1.0, entry.opacity + step);
       wanted[entry.cell] = entry.opacity;
@@ -73,7 +73,7 @@ std::vector<ShownCell> faded(std::vector<ShownCell> shown, double step) {
     }
   std::map<std::uint32_t, double> inFront;  // largest opacity of the copies so far
   std::set<std::uint32_t> passed;           // wanted cells so far
-  std::erase_if(shown, [&](ShownCell& entry) {
+  std::erase_if(shown, [&](DrawOrderEntry& entry) {
     double& front = inFront[entry.cell];
     bool gone = false;
     if (!entry.fadingOut) {
@@ -92,21 +92,22 @@ std::vector<ShownCell> faded(std::vector<ShownCell> shown, double step) {
 
 }  // namespace
 
-std::vector<ShownCell> showCells(std::span<const ShownCell> before, const WantedOrder& wanted, double step) {
-  std::vector<ShownCell> shown;
+std::vector<DrawOrderEntry> advanceFades(std::span<const DrawOrderEntry> before, const WantedOrder& wanted,
+                                         double step) {
+  std::vector<DrawOrderEntry> shown;
   if ((before.empty() && !wanted.backed) || step >= 1) {
     for (const std::uint32_t cell : wanted.cells) shown.push_back({cell, 1.0, false});
     return shown;
   }
   shown = merged(before, wanted);
   // Cut if no opaque cell of the previous frame is left in view: a fade would begin with an empty image.
-  if (!wanted.backed && std::ranges::none_of(shown, [](const ShownCell& entry) { return entry.opacity >= 1; }))
-    return showCells({}, wanted, step);
+  if (!wanted.backed && std::ranges::none_of(shown, [](const DrawOrderEntry& entry) { return entry.opacity >= 1; }))
+    return advanceFades({}, wanted, step);
   shown = faded(std::move(shown), step);
   // Above the limit, drop the faintest; among equals, the one farthest back.
-  const auto isLeaving = [](const ShownCell& entry) { return entry.fadingOut; };
-  while (std::ranges::count_if(shown, isLeaving) > std::ptrdiff_t(kMaxFadingOutCount)) {
-    auto faintest = std::ranges::find_if(shown, isLeaving);
+  const auto isFadingOut = [](const DrawOrderEntry& entry) { return entry.fadingOut; };
+  while (std::ranges::count_if(shown, isFadingOut) > std::ptrdiff_t(kMaxFadingOutCount)) {
+    auto faintest = std::ranges::find_if(shown, isFadingOut);
     for (auto entry = faintest; entry != shown.end(); ++entry)
       if (entry->fadingOut && entry->opacity <= faintest->opacity) faintest = entry;
     shown.erase(faintest);

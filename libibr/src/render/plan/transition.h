@@ -29,6 +29,7 @@ struct WantedOrder {
 /// Returns the cells of this frame: the wanted cells in their order, and between them at most kMaxFadingOutCount that
 /// fade out. `step`: this frame's share of a fade; 1 or more cuts. Also cuts, unless the order is backed, if `before`
 /// is empty or leaves nothing in view.
-std::vector<ShownCell> showCells(std::span<const ShownCell> before, const WantedOrder& wanted, double step);
+std::vector<DrawOrderEntry> advanceFades(std::span<const DrawOrderEntry> before, const WantedOrder& wanted,
+                                         double step);
 
 }  // namespace ibr

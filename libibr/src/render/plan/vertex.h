@@ -31,7 +31,7 @@ inline bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
 
 /// Returns raysAgree for each point; triangles with a point that is not usable are left out.
 inline std::vector<bool> usablePoints(const Scene& scene, const Cell& cell) {
-  std::vector<bool> usable(cell.mesh.pointCount());
+  std::vector<bool> usable(cell.mesh.vertexCount());
   for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);
   return usable;
 }

@@ -9,7 +9,7 @@
 #include "base/check.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/texture.h"
-#include "render/resident/pages.h"
+#include "render/resident/texture_arrays.h"
 
 namespace ibr {
 namespace {
@@ -28,7 +28,7 @@ Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& s
 
 DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
                              const TextureSource& source, std::uint64_t stagingBytes)
-    : places_(scene.nodes.size()) {
+    : slots_(scene.nodes.size()) {
   // A depth texture has a quarter of its photograph's sides, so all may be in memory while they are sorted by size.
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, Texture>>> bySize;
   for (const std::uint32_t node : nodes) {
@@ -53,7 +53,7 @@ DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std
       for (std::size_t i = 0; i < count; ++i) {
         const auto& [node, texture] = textures[first + i];
         uploader.image(array, std::uint32_t(i), 0, extent, std::span(texture.levels[0]));
-        places_[node] = {array.view(), std::uint32_t(i), scene.nodes[node].depthScale};
+        slots_[node] = {array.view(), std::uint32_t(i), scene.nodes[node].depthScale};
       }
     }
   uploader.flush();

@@ -24,13 +24,13 @@ class DepthTextures {
     double scale = 0;  // Node::depthScale
   };
   /// Precondition: `node` is one of the constructor's nodes.
-  const Sampled& at(std::uint32_t node) const noexcept { return places_[node]; }
+  const Sampled& at(std::uint32_t node) const noexcept { return slots_[node]; }
 
   std::uint64_t allocatedBytes() const noexcept;
 
  private:
   std::vector<GpuImage> arrays_;
-  std::vector<Sampled> places_;  // by node
+  std::vector<Sampled> slots_;  // by node
 };
 
 }  // namespace ibr

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kSlots = shader::kMaxGathered;
 constexpr std::uint32_t kSetsPerPool = 64;
-constexpr std::size_t kMostSets = 1024;  // above this number, sets of finished frames are reused
+constexpr std::size_t kMaxSets = 1024;  // above this number, sets of finished frames are reused
 
 DescriptorSetLayoutHandle makeLayout(const Device& device) {
   constexpr VkShaderStageFlags kStage = VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -65,7 +65,7 @@ GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const
   bound_ = get(slots, 0, 0);
 }
 
-GatherTextures::Place GatherTextures::place(std::size_t candidate, std::uint32_t node) const noexcept {
+GatherTextures::TextureSlots GatherTextures::place(std::size_t candidate, std::uint32_t node) const noexcept {
   const auto frameSlot = std::uint32_t(candidate);
   const DepthTextures::Sampled& depth = depths_->at(node);
   return {.slot = bindsFrames_ ? frameSlot : slotOf_[node],
@@ -95,7 +95,7 @@ VkDescriptorSet GatherTextures::get(const Slots& slots, std::uint64_t frame, std
     found->second.lastFrame = frame;
     return found->second.handle;
   }
-  if (sets_.size() >= kMostSets && frame > 0)
+  if (sets_.size() >= kMaxSets && frame > 0)
     std::erase_if(sets_, [&](const auto& entry) {
       const bool idle = entry.second.lastFrame <= completedFrame;
       if (idle) unused_.push_back(entry.second.handle);

@@ -29,12 +29,12 @@ class GatherTextures {
   GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
                  const DepthTextures& depths, const std::vector<std::uint32_t>& nodes);
 
-  struct Place {
+  struct TextureSlots {
     std::uint32_t slot = 0, layer = 0, depthSlot = 0, depthLayer = 0;
     double depthScale = 0;
   };
   /// Slots and layers of a photograph that has the index `candidate` in the last bound plan.
-  Place place(std::size_t candidate, std::uint32_t node) const noexcept;
+  TextureSlots place(std::size_t candidate, std::uint32_t node) const noexcept;
 
   /// True if bind() must be called for every frame.
   bool bindsFrames() const noexcept { return bindsFrames_; }

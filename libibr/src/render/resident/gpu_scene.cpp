@@ -22,7 +22,7 @@ struct Geometry {
 void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::Mesh& out) {
   out.vertexOffset = geometry.vertices.size() * sizeof(float);
   const std::vector<bool> usable = usablePoints(scene, cell);
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     for (std::size_t i = 0; i < cell.members.size(); ++i) {
       const glm::vec3 q(memberPoint(scene, cell, i, p));
       geometry.vertices.insert(geometry.vertices.end(), {q.x, q.y, q.z});
@@ -81,7 +81,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
   for (Mesh& cell : cells) {
     const std::uint32_t first = cell.members[0];
     cell.cubic = options.filter == TextureFilter::bicubic;
-    cell.onePage = std::ranges::all_of(cell.members, [&](std::uint32_t member) {
+    cell.singleArray = std::ranges::all_of(cell.members, [&](std::uint32_t member) {
       return member == first ||
              (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
               photographs->at(member).view == photographs->at(first).view);
@@ -126,7 +126,7 @@ void GpuScene::State::addEvidence(Device& device, const Scene& scene, std::uint6
   for (const std::uint32_t b : gatherableBackdrops(scene)) {
     const MorphMesh& mesh = scene.backdrops[b].mesh;
     backdrops[b].evidenceOffset = values.size() * sizeof values[0];
-    for (std::size_t p = 0; p < mesh.pointCount(); ++p)
+    for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
       values.emplace_back(share(shader::gatherTrust(mesh.confirmations[p])), share(mesh.consensus[p]));
   }
   Uploader uploader(device, stagingBytes);
@@ -191,25 +191,25 @@ GpuScene::GpuScene(GpuScene&&) noexcept = default;
 GpuScene& GpuScene::operator=(GpuScene&&) noexcept = default;
 GpuScene::~GpuScene() = default;
 
-GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
-                                    std::uint64_t completedFrame) {
+GpuScene::StreamStatus GpuScene::stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
+                                        std::uint64_t completedFrame) {
   State& state = *state_;
   if (!state.photographs->streams()) {
     if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
     return {};
   }
-  const WantedNodes wanted = wantedNodes(state, plan, state.photographs->mostResident());
-  const Streamed streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame, completedFrame,
-                                                      [&](VkImageView view) {
-                                                        state.sets.forget(view);
-                                                        if (state.gather) state.gather->forget(view);
-                                                      });
+  const WantedNodes wanted = wantedNodes(state, plan, state.photographs->maxResident());
+  const StreamStatus streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame,
+                                                          completedFrame, [&](VkImageView view) {
+                                                            state.sets.forget(view);
+                                                            if (state.gather) state.gather->forget(view);
+                                                          });
   visitDrawn(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
   if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
   return streamed;
 }
 
-bool GpuScene::streams() const noexcept {
+bool GpuScene::needsStreaming() const noexcept {
   return state_->photographs->streams() || (state_->gather && state_->gather->bindsFrames());
 }
 

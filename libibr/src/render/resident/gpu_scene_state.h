@@ -36,7 +36,7 @@ struct GpuScene::State {
     bool cubic = false;                  // bicubic filter where the photographs are magnified
     std::vector<glm::dvec3> gains;       // of the members' photographs, Node::gain
     bool exposed = false;                // a photograph of the scene has a gain other than 1
-    bool onePage = false;                // all photographs are layers of one array, permanently, with one sampler
+    bool singleArray = false;            // all photographs are layers of one array, permanently, with one sampler
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     IndexRange indices;                  // of its triangles of tier 0; no others are drawn
     VkDeviceSize evidenceOffset = 0;     // of its triangles of tier 0; other tiers are not drawn

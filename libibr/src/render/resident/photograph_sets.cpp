@@ -10,7 +10,7 @@ namespace ibr {
 namespace {
 
 constexpr std::uint32_t kSetsPerPool = 256;
-constexpr std::size_t kMostSets = 4096;  // above this number, sets of finished frames are reused
+constexpr std::size_t kMaxSets = 4096;  // above this number, sets of finished frames are reused
 
 VkSamplerMipmapMode mipmapMode(const Device& device, TextureFilter filter) {
   const bool software = device.kind() == DeviceKind::software;
@@ -49,7 +49,7 @@ VkDescriptorSet PhotographSets::get(const Slots& slots, std::uint64_t frame, std
     found->second.lastFrame = frame;
     return found->second.handle;
   }
-  if (sets_.size() >= kMostSets && frame > 0)
+  if (sets_.size() >= kMaxSets && frame > 0)
     std::erase_if(sets_, [&](const auto& entry) {
       const bool idle = entry.second.lastFrame <= completedFrame;
       if (idle) unused_.push_back(entry.second.handle);

@@ -14,12 +14,12 @@ namespace {
 
 // Reads of texture arrays in all shader stages; nothing else uses the arrays.
 constexpr ImageUse kReadable{use::kSampled.layout, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT};
-constexpr VkDeviceSize kLeastRing = VkDeviceSize(1) << 20;  // room for several rows of any image
+constexpr VkDeviceSize kMinRingBytes = VkDeviceSize(1) << 20;  // room for several rows of any image
 
 }  // namespace
 
 PhotographStream::PhotographStream(const Device& device, std::uint64_t stagingBytes)
-    : ring_(device, std::max<VkDeviceSize>(stagingBytes, kLeastRing)) {}
+    : ring_(device, std::max<VkDeviceSize>(stagingBytes, kMinRingBytes)) {}
 
 void PhotographStream::begin(std::uint64_t frame, std::uint64_t completedFrame) {
   assert(frame >= frame_);
@@ -27,18 +27,18 @@ void PhotographStream::begin(std::uint64_t frame, std::uint64_t completedFrame) 
   frameBytes_ = 0;
   if (frame == frame_) return;
   frame_ = frame;
-  newPages_.clear();
+  newArrays_.clear();
   copies_.clear();
 }
 
-void PhotographStream::addPage(const GpuImage& page) {
-  newPages_.push_back(page.get());
+void PhotographStream::addArray(const GpuImage& array) {
+  newArrays_.push_back(array.get());
 }
 
-void PhotographStream::start(const GpuImage& page, std::uint32_t layer, Texture texture) {
-  assert(!job_ && !texture.levels.empty() && texture.levels.size() == page.info().mipLevels);
+void PhotographStream::start(const GpuImage& array, std::uint32_t layer, Texture texture) {
+  assert(!job_ && !texture.levels.empty() && texture.levels.size() == array.info().mipLevels);
   const std::size_t smallest = texture.levels.size() - 1;
-  job_ = Job{page.get(), page.info().format, layer, std::move(texture), smallest, 0};
+  job_ = Job{array.get(), array.info().format, layer, std::move(texture), smallest, 0};
 }
 
 bool PhotographStream::advance() {
@@ -50,9 +50,9 @@ bool PhotographStream::advance() {
     const std::size_t rowBytes = std::size_t(blockCount(job.format, width)) * blockBytes(job.format);
     const std::uint32_t rowCount = blockCount(job.format, height), side = blockSide(job.format);
     assert(bytes.size() == rowBytes * rowCount);
-    const auto rows = std::uint32_t(std::min<VkDeviceSize>(ring_.room() / rowBytes, rowCount - job.row));
+    const auto rows = std::uint32_t(std::min<VkDeviceSize>(ring_.freeBytes() / rowBytes, rowCount - job.row));
     if (rows == 0) return false;
-    const StagingRing::Piece piece = ring_.take(rows * rowBytes, frame_);
+    const StagingRing::Piece piece = ring_.allocate(rows * rowBytes, frame_);
     std::memcpy(piece.memory.data(), &bytes[job.row * rowBytes], piece.memory.size());
     frameBytes_ += piece.memory.size();
     copies_.push_back({job.image,
@@ -71,7 +71,7 @@ bool PhotographStream::advance() {
 }
 
 void PhotographStream::record(VkCommandBuffer commandBuffer) const noexcept {
-  for (const VkImage page : newPages_) transition(commandBuffer, page, use::kUndefined, kReadable);
+  for (const VkImage array : newArrays_) transition(commandBuffer, array, use::kUndefined, kReadable);
   const auto forLayers = [&](ImageUse from, ImageUse to) {
     for (auto first = copies_.begin(); first != copies_.end();) {
       const VkImageSubresourceLayers& of = first->region.imageSubresource;

@@ -22,10 +22,10 @@ class PhotographStream {
   void begin(std::uint64_t frame, std::uint64_t completedFrame);
 
   /// Adds a new texture array in an undefined layout.
-  void addPage(const GpuImage& page);
+  void addArray(const GpuImage& array);
 
   /// Starts a copy of all levels of `texture`, smallest first. Precondition: !busy().
-  void start(const GpuImage& page, std::uint32_t layer, Texture texture);
+  void start(const GpuImage& array, std::uint32_t layer, Texture texture);
   bool busy() const noexcept { return job_.has_value(); }
 
   /// Copies as much as fits into the ring. True: the texture is complete, and this frame's draws may use it.
@@ -56,8 +56,8 @@ class PhotographStream {
   StagingRing ring_;
   std::optional<Job> job_;
   std::uint64_t frame_ = 0, frameBytes_ = 0;
-  std::vector<VkImage> newPages_;  // of the frame
-  std::vector<Copy> copies_;       // of the frame; copies into one layer are consecutive
+  std::vector<VkImage> newArrays_;  // of the frame
+  std::vector<Copy> copies_;        // of the frame; copies into one layer are consecutive
 };
 
 }  // namespace ibr

@@ -27,7 +27,7 @@ Requirements ofScene(const Scene& scene) {
   }
   r.masked = std::uint32_t(std::ranges::count_if(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); }));
   for (const Cell& cell : scene.cells) {
-    ++r.cellsOf[cell.members.size()];
+    ++r.cellsByMemberCount[cell.members.size()];
     const auto panoramas =
         std::ranges::count_if(cell.members, [&](std::uint32_t member) { return isPanorama(scene, member); });
     r.mixedCells += panoramas != 0 && std::size_t(panoramas) != cell.members.size();
@@ -41,14 +41,14 @@ Requirements ofScene(const Scene& scene) {
 Requirements withOptions(Requirements r, const RendererOptions& options) {
   const bool several = r.cells > 1;  // one cell needs no order, no switch and no colour mapping
   const bool any = r.cells + r.gatherable > 0;
-  r.colourTables = several && r.severalExposures && options.colour != ColourSupport::off;
+  r.colourTables = several && r.exposuresDiffer && options.colour != ColourSupport::off;
   r.colourSequence = r.colourTables && options.colour == ColourSupport::all;
   r.depthOrder = any && has(options.orders, DrawOrder::ours);
-  r.painters = r.cells > 0 && (has(options.orders, DrawOrder::paper) || r.colourSequence);
+  r.painterOrder = r.cells > 0 && (has(options.orders, DrawOrder::paper) || r.colourSequence);
   r.dissolve = r.cells > 0 && options.dissolve;
   r.noise = r.dissolve || r.colourSequence ||  // its counting chooses pixels by noise
             (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
-  r.switchMixing = several && options.switchMixing;
+  r.crossFadeOrders = several && options.crossFadeOrders;
   r.fill = any && options.fill && r.masked == 0;  // planFrame does not fill scenes with masks
   r.depth = options.depth;
   r.multiview = any && options.maxViews == 2 && options.multiview;
@@ -70,23 +70,24 @@ Requirements requirementsOf(const Scene& scene, const RendererOptions& options) 
   return withOptions(ofScene(scene), options);
 }
 
-std::vector<StageReason> explain(const Requirements& r, const RendererOptions& options) {
-  std::vector<StageReason> stages;
+std::vector<StageExplanation> explain(const Requirements& r, const RendererOptions& options) {
+  std::vector<StageExplanation> stages;
   const auto add = [&](std::string name, bool runs, std::string why) {
     stages.push_back({std::move(name), runs, std::move(why)});
   };
   const char* const kinds[] = {"", "", "lines", "triangles", "tetrahedra"};
   for (std::size_t d = 2; d <= 4; ++d)
-    add(fmt::format("shaders for cells of {} photographs", d), r.cellsOf[d] > 0,
-        fmt::format("{} cells are {}", r.cellsOf[d], kinds[d]));
+    add(fmt::format("shaders for cells of {} photographs", d), r.cellsByMemberCount[d] > 0,
+        fmt::format("{} cells are {}", r.cellsByMemberCount[d], kinds[d]));
   add("pinhole coordinates", r.pinholes > 0, fmt::format("{} photographs are pinholes", r.pinholes));
   add("panorama coordinates", r.panoramas > 0,
       fmt::format("{} photographs are panoramas, {} cells are mixed", r.panoramas, r.mixedCells));
   add("masks", r.masked > 0, fmt::format("{} photographs have a mask", r.masked));
   add("depth test", r.depthOrder, r.depthOrder ? "cells and folds within a cell occlude one another" : "not requested");
-  add("painter's algorithm", r.painters,
-      r.painters ? (r.colourSequence ? "required by the paper's colour mapping" : "the paper's draw order is requested")
-                 : "not requested");
+  add("painter's algorithm", r.painterOrder,
+      r.painterOrder
+          ? (r.colourSequence ? "required by the paper's colour mapping" : "the paper's draw order is requested")
+          : "not requested");
   add("dissolve", r.dissolve, r.dissolve ? "reordered and distant cells fade" : "not requested, or no cells");
   add("blue noise", r.noise, r.noise ? "used by dithering or dissolve" : "no dithering or dissolve");
   const char* const alone = "at most one cell: no switches and no colours to match";
@@ -94,8 +95,8 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
       r.gather ? fmt::format("{} photographs have a depth texture and evidence in the backdrop mesh", r.gatherable)
       : r.gatherable > 0 ? "not requested"
                          : "no photograph has a depth texture and evidence in the backdrop mesh");
-  add("cross-fade of main cell switches", r.switchMixing,
-      r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not requested" : alone));
+  add("cross-fade of main cell switches", r.crossFadeOrders,
+      r.crossFadeOrders ? "the main cell can change" : (r.cells > 1 ? "not requested" : alone));
   add("exposure gains", r.gains, r.gains ? "exposures of photographs differ" : "one exposure, or none measured");
   add("colour tables", r.colourTables,
       r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not requested" : alone));

@@ -34,28 +34,30 @@ std::optional<Residency::Step> Residency::next() {
   for (; cursor_ < wanted_.size(); ++cursor_) {
     const std::uint32_t p = wanted_[cursor_];
     Photograph& urgent = photographs_[p];
-    if (urgent.state == State::leaving && urgent.claimedFrame < frame_) urgent.state = State::here;  // claim has lapsed
-    if (urgent.classIndex == kNone || urgent.state != State::away) continue;
-    for (std::uint32_t page = 0; page < pages_.size(); ++page) {
-      if (pages_[page].classIndex != urgent.classIndex) continue;
-      const auto free = std::ranges::find(pages_[page].layers, kNone);
-      if (free != pages_[page].layers.end()) return load(p, page, std::uint32_t(free - pages_[page].layers.begin()));
+    if (urgent.state == State::evicting && urgent.claimedFrame < frame_)
+      urgent.state = State::here;  // claim has lapsed
+    if (urgent.classIndex == kNone || urgent.state != State::absent) continue;
+    for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
+      if (arrays_[array].classIndex != urgent.classIndex) continue;
+      const auto free = std::ranges::find(arrays_[array].layers, kNone);
+      if (free != arrays_[array].layers.end())
+        return load(p, array, std::uint32_t(free - arrays_[array].layers.begin()));
     }
-    if (usedBytes_ + classes_[urgent.classIndex].pageBytes <= budget_) return makePage(urgent.classIndex);
+    if (usedBytes_ + classes_[urgent.classIndex].arrayBytes <= budget_) return makeArray(urgent.classIndex);
     std::uint32_t found = kNone;
     const Room victim = findVictim(urgent, found);
     if (victim == Room::found) {
       const Photograph left = photographs_[found];
       remove(found);
-      return load(p, left.page, left.layer);
+      return load(p, left.array, left.layer);
     }
-    const Room freed = findPageToFree(urgent, found);
+    const Room freed = findArrayToFree(urgent, found);
     if (freed == Room::found) {
-      for (const std::uint32_t other : pages_[found].layers)
+      for (const std::uint32_t other : arrays_[found].layers)
         if (other != kNone) remove(other);
-      usedBytes_ -= classes_[pages_[found].classIndex].pageBytes;
-      pages_[found] = {};
-      return Step{.kind = Step::Kind::freePage, .page = found};
+      usedBytes_ -= classes_[arrays_[found].classIndex].arrayBytes;
+      arrays_[found] = {};
+      return Step{.kind = Step::Kind::freeArray, .array = found};
     }
     urgent.refused = victim == Room::none && freed == Room::none;
     if (cursor_ >= needed_) break;  // less urgent photographs find no room either, or wait
@@ -64,22 +66,22 @@ std::optional<Residency::Step> Residency::next() {
   return std::nullopt;
 }
 
-Residency::Step Residency::load(std::uint32_t photograph, std::uint32_t page, std::uint32_t layer) {
+Residency::Step Residency::load(std::uint32_t photograph, std::uint32_t array, std::uint32_t layer) {
   Photograph& p = photographs_[photograph];
   p.state = State::loading;
-  p.page = page;
+  p.array = array;
   p.layer = layer;
-  pages_[page].layers[layer] = photograph;
-  return {.kind = Step::Kind::load, .page = page, .photograph = photograph, .layer = layer};
+  arrays_[array].layers[layer] = photograph;
+  return {.kind = Step::Kind::load, .array = array, .photograph = photograph, .layer = layer};
 }
 
-Residency::Step Residency::makePage(std::uint32_t classIndex) {
-  const auto gone = std::ranges::find(pages_, kNone, &Page::classIndex);
-  const auto page = std::uint32_t(gone - pages_.begin());
-  if (gone == pages_.end()) pages_.emplace_back();
-  pages_[page] = {classIndex, frame_, std::vector<std::uint32_t>(classes_[classIndex].pageLayers, kNone)};
-  usedBytes_ += classes_[classIndex].pageBytes;
-  return {.kind = Step::Kind::makePage, .page = page, .photographClass = classIndex};
+Residency::Step Residency::makeArray(std::uint32_t classIndex) {
+  const auto gone = std::ranges::find(arrays_, kNone, &TextureArray::classIndex);
+  const auto array = std::uint32_t(gone - arrays_.begin());
+  if (gone == arrays_.end()) arrays_.emplace_back();
+  arrays_[array] = {classIndex, frame_, std::vector<std::uint32_t>(classes_[classIndex].layersPerArray, kNone)};
+  usedBytes_ += classes_[classIndex].arrayBytes;
+  return {.kind = Step::Kind::makeArray, .array = array, .photographClass = classIndex};
 }
 
 // The least urgent photograph of the same class; among equals, the one not shown for the longest time. Photographs
@@ -87,9 +89,9 @@ Residency::Step Residency::makePage(std::uint32_t classIndex) {
 Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& victim) {
   std::uint32_t idle = kNone, busy = kNone;
   const auto worth = [&](std::uint32_t p) { return std::tuple(~photographs_[p].rank, photographs_[p].lastFrame, p); };
-  for (const Page& page : pages_) {
-    if (page.classIndex != urgent.classIndex) continue;
-    for (const std::uint32_t p : page.layers) {
+  for (const TextureArray& array : arrays_) {
+    if (array.classIndex != urgent.classIndex) continue;
+    for (const std::uint32_t p : array.layers) {
       if (p == kNone || photographs_[p].rank <= urgent.rank || photographs_[p].claimedFrame == frame_) continue;
       const bool free = photographs_[p].state != State::loading && photographs_[p].lastFrame <= completed_;
       std::uint32_t& best = free ? idle : busy;
@@ -103,13 +105,13 @@ Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& v
   return Room::claimed;
 }
 
-// The page not used for the longest time. Frees a page only if enough pages can be freed for the new page.
-Residency::Room Residency::findPageToFree(const Photograph& urgent, std::uint32_t& best) {
+// The array not used for the longest time. Frees an array only if enough arrays can be freed for the new array.
+Residency::Room Residency::findArrayToFree(const Photograph& urgent, std::uint32_t& best) {
   std::uint64_t now = 0, later = 0;  // bytes that can be freed at once, and when frames have finished
   std::vector<std::uint32_t> busy;
   best = kNone;
-  for (std::uint32_t page = 0; page < pages_.size(); ++page) {
-    const Page& candidate = pages_[page];
+  for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
+    const TextureArray& candidate = arrays_[array];
     if (candidate.classIndex == kNone || candidate.classIndex == urgent.classIndex) continue;
     bool lessUrgent = true, idle = candidate.lastFrame <= completed_;
     for (const std::uint32_t p : candidate.layers)
@@ -118,19 +120,19 @@ Residency::Room Residency::findPageToFree(const Photograph& urgent, std::uint32_
         idle &= photographs_[p].state != State::loading;
       }
     if (!lessUrgent) continue;
-    (idle ? now : later) += classes_[candidate.classIndex].pageBytes;
+    (idle ? now : later) += classes_[candidate.classIndex].arrayBytes;
     if (!idle)
-      busy.push_back(page);
-    else if (best == kNone || candidate.lastFrame < pages_[best].lastFrame)
-      best = page;
+      busy.push_back(array);
+    else if (best == kNone || candidate.lastFrame < arrays_[best].lastFrame)
+      best = array;
   }
-  const std::uint64_t wanted = usedBytes_ + classes_[urgent.classIndex].pageBytes;
+  const std::uint64_t wanted = usedBytes_ + classes_[urgent.classIndex].arrayBytes;
   if (wanted <= budget_ + now) return Room::found;
   if (wanted > budget_ + now + later) return Room::none;
-  for (const std::uint32_t page : busy) {
-    for (const std::uint32_t p : pages_[page].layers)
+  for (const std::uint32_t array : busy) {
+    for (const std::uint32_t p : arrays_[array].layers)
       if (p != kNone) claim(p);
-    now += classes_[pages_[page].classIndex].pageBytes;
+    now += classes_[arrays_[array].classIndex].arrayBytes;
     if (wanted <= budget_ + now) break;
   }
   return Room::claimed;
@@ -139,39 +141,39 @@ Residency::Room Residency::findPageToFree(const Photograph& urgent, std::uint32_
 void Residency::claim(std::uint32_t photograph) {
   Photograph& p = photographs_[photograph];
   p.claimedFrame = frame_;
-  if (p.state == State::here) p.state = State::leaving;
+  if (p.state == State::here) p.state = State::evicting;
 }
 
 void Residency::remove(std::uint32_t photograph) {
   Photograph& p = photographs_[photograph];
-  pages_[p.page].layers[p.layer] = kNone;
-  p.state = State::away;
-  p.page = p.layer = kNone;
+  arrays_[p.array].layers[p.layer] = kNone;
+  p.state = State::absent;
+  p.array = p.layer = kNone;
 }
 
-void Residency::pageRefused(std::uint32_t page) {
-  usedBytes_ -= classes_[pages_[page].classIndex].pageBytes;
-  pages_[page] = {};
+void Residency::allocationFailed(std::uint32_t array) {
+  usedBytes_ -= classes_[arrays_[array].classIndex].arrayBytes;
+  arrays_[array] = {};
   budget_ = usedBytes_;
 }
 
-void Residency::arrived(std::uint32_t photograph) {
+void Residency::finishLoad(std::uint32_t photograph) {
   Photograph& p = photographs_[photograph];
   assert(p.state == State::loading);
   p.state = State::here;
-  p.lastFrame = pages_[p.page].lastFrame = frame_;
+  p.lastFrame = arrays_[p.array].lastFrame = frame_;
 }
 
 void Residency::failed(std::uint32_t photograph) {
-  pages_[photographs_[photograph].page].lastFrame = frame_;  // the frame may contain some of its commands
+  arrays_[photographs_[photograph].array].lastFrame = frame_;  // the frame may contain some of its commands
   remove(photograph);
   photographs_[photograph].state = State::failed;
 }
 
-std::optional<Residency::Seat> Residency::seat(std::uint32_t photograph) const {
+std::optional<Residency::Slot> Residency::slot(std::uint32_t photograph) const {
   const Photograph& p = photographs_[photograph];
   if (p.state != State::here) return std::nullopt;
-  return Seat{p.page, p.layer};
+  return Slot{p.array, p.layer};
 }
 
 Residency::Counts Residency::end() {
@@ -181,11 +183,11 @@ Residency::Counts Residency::end() {
     if (p.classIndex == kNone) continue;
     if (p.state == State::here) {
       p.lastFrame = frame_;
-      pages_[p.page].lastFrame = frame_;
+      arrays_[p.array].lastFrame = frame_;
     } else if (p.state == State::failed) {
       ++counts.failed;
     } else {
-      ++(p.refused ? counts.withoutRoom : counts.waiting);
+      ++(p.refused ? counts.overBudget : counts.waiting);
     }
   }
   return counts;

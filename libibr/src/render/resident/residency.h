@@ -2,12 +2,12 @@
 // Decides which photographs are on the device at full size, under a hard budget of bytes. The owner allocates, loads
 // and frees texture arrays as decided here.
 //
-// Memory is allocated in pages: texture arrays for photographs of one class (size and format). Each frame passes a list
-// of wanted photographs, most urgent first. Each one that is not resident gets a layer, in this order:
+// Memory is allocated in arrays: texture arrays for photographs of one class (size and format). Each frame passes a
+// list of wanted photographs, most urgent first. Each one that is not resident gets a layer, in this order:
 //
-//   a free layer in a page of its class; else a new page, if the budget has room;
+//   a free layer in an array of its class; else a new array, if the budget has room;
 //   else the layer of the least urgent photograph of its class, if it is less urgent and no frame in flight uses it;
-//   else a new page, after freeing pages of other classes that hold only less urgent photographs
+//   else a new array, after freeing arrays of other classes that hold only less urgent photographs
 //
 // If only frames in flight prevent this, the less urgent photograph starts to leave: further frames do not use it, and
 // its layer becomes free a few frames later.
@@ -25,8 +25,8 @@ class Residency {
   static constexpr std::uint32_t kNone = ~0u;
 
   struct Class {
-    std::uint64_t pageBytes = 0;
-    std::uint32_t pageLayers = 0;
+    std::uint64_t arrayBytes = 0;
+    std::uint32_t layersPerArray = 0;
   };
 
   Residency() = default;
@@ -38,64 +38,64 @@ class Residency {
   void begin(std::span<const std::uint32_t> wanted, std::size_t needed, std::uint64_t frame, std::uint64_t completed);
 
   struct Step {
-    enum class Kind { freePage, makePage, load } kind;
-    std::uint32_t page = kNone;                       // number of the page; numbers of freed pages are reused
-    std::uint32_t photographClass = kNone;            // for makePage
-    std::uint32_t photograph = kNone, layer = kNone;  // for load; not resident until arrived() is called
+    enum class Kind { freeArray, makeArray, load } kind;
+    std::uint32_t array = kNone;                      // number of the array; numbers of freed arrays are reused
+    std::uint32_t photographClass = kNone;            // for makeArray
+    std::uint32_t photograph = kNone, layer = kNone;  // for load; not resident until finishLoad() is called
   };
   /// Returns the next step; nullopt: none in this frame. Steps must be done in order. A load may last several frames;
   /// further loads may start meanwhile.
   std::optional<Step> next();
-  /// The page could not be allocated: lowers the budget to the current use.
-  void pageRefused(std::uint32_t page);
-  void arrived(std::uint32_t photograph);  // its commands are recorded
-  void failed(std::uint32_t photograph);   // while loading; not tried again
+  /// The array could not be allocated: lowers the budget to the current use.
+  void allocationFailed(std::uint32_t array);
+  void finishLoad(std::uint32_t photograph);  // its commands are recorded
+  void failed(std::uint32_t photograph);      // while loading; not tried again
 
-  struct Seat {
-    std::uint32_t page = kNone, layer = kNone;
+  struct Slot {
+    std::uint32_t array = kNone, layer = kNone;
   };
-  /// Returns nullopt while the photograph is not resident, or is leaving.
-  std::optional<Seat> seat(std::uint32_t photograph) const;
+  /// Returns nullopt while the photograph is not resident, or is being evicted.
+  std::optional<Slot> slot(std::uint32_t photograph) const;
 
   struct Counts {
-    std::uint32_t needed = 0;       // photographs that the frame shows, streamed or not
-    std::uint32_t waiting = 0;      // of these: loading, or waiting for frames in flight
-    std::uint32_t withoutRoom = 0;  // of these: the budget is too small
+    std::uint32_t needed = 0;      // photographs that the frame shows, streamed or not
+    std::uint32_t waiting = 0;     // of these: loading, or waiting for frames in flight
+    std::uint32_t overBudget = 0;  // of these: the budget is too small
     std::uint32_t failed = 0;
   };
   /// Ends the frame: its resident photographs are in use until the frame has finished.
   Counts end();
 
-  std::uint64_t pageBytes() const noexcept { return usedBytes_; }
+  std::uint64_t arrayBytes() const noexcept { return usedBytes_; }
 
  private:
-  enum class State : std::uint8_t { away, loading, here, leaving, failed };
+  enum class State : std::uint8_t { absent, loading, here, evicting, failed };
   struct Photograph {
     std::uint32_t classIndex = kNone;
-    State state = State::away;
-    std::uint32_t page = kNone, layer = kNone;
+    State state = State::absent;
+    std::uint32_t array = kNone, layer = kNone;
     std::uint32_t rank = kNone;      // index in this frame's list
     std::uint64_t lastFrame = 0;     // last frame that shows the photograph
     std::uint64_t claimedFrame = 0;  // last frame in which a more urgent photograph claimed its layer
     bool refused = false;            // in this frame: no room
   };
-  struct Page {
-    std::uint32_t classIndex = kNone;  // kNone: the page does not exist
+  struct TextureArray {
+    std::uint32_t classIndex = kNone;  // kNone: the array does not exist
     std::uint64_t lastFrame = 0;
     std::vector<std::uint32_t> layers;  // photographs; kNone: free
   };
   enum class Room { none, claimed, found };  // claimed: room when frames in flight have finished
 
-  Step load(std::uint32_t photograph, std::uint32_t page, std::uint32_t layer);
-  Step makePage(std::uint32_t classIndex);
+  Step load(std::uint32_t photograph, std::uint32_t array, std::uint32_t layer);
+  Step makeArray(std::uint32_t classIndex);
   Room findVictim(const Photograph& urgent, std::uint32_t& victim);
-  Room findPageToFree(const Photograph& urgent, std::uint32_t& page);
+  Room findArrayToFree(const Photograph& urgent, std::uint32_t& array);
   void claim(std::uint32_t photograph);
   void remove(std::uint32_t photograph);
 
   std::vector<Class> classes_;
   std::vector<Photograph> photographs_;
-  std::vector<Page> pages_;
+  std::vector<TextureArray> arrays_;
   std::vector<std::uint32_t> wanted_;
   std::size_t needed_ = 0, cursor_ = 0;
   std::uint64_t budget_ = 0, usedBytes_ = 0, frame_ = 0, completed_ = 0;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ibr/gpu_scene.h"
-#include "render/resident/pages.h"
+#include "render/resident/texture_arrays.h"
 #include "render/resident/photograph_stream.h"
 #include "render/resident/residency.h"
 
@@ -31,40 +31,40 @@ class Photographs {
   bool streams() const noexcept { return streams_; }
   std::uint64_t allocatedBytes() const noexcept;
 
-  /// As GpuScene::stream. `wanted`: nodes by urgency; the frame shows the first `needed`. Calls `leaving` before a
+  /// As GpuScene::stream. `wanted`: nodes by urgency; the frame shows the first `needed`. Calls `evicting` before a
   /// texture array is destroyed. Precondition: streams().
-  GpuScene::Streamed stream(VkCommandBuffer commandBuffer, std::span<const std::uint32_t> wanted, std::size_t needed,
-                            std::uint64_t frame, std::uint64_t completedFrame,
-                            const std::function<void(VkImageView)>& leaving);
+  GpuScene::StreamStatus stream(VkCommandBuffer commandBuffer, std::span<const std::uint32_t> wanted,
+                                std::size_t needed, std::uint64_t frame, std::uint64_t completedFrame,
+                                const std::function<void(VkImageView)>& evicting);
 
   /// Returns an upper bound of the photographs that the budget can hold: longer lists of wanted nodes are useless.
-  std::size_t mostResident() const noexcept { return mostResident_; }
+  std::size_t maxResident() const noexcept { return maxResident_; }
 
  private:
-  Texture load(std::uint32_t node, const PageClass& pageClass) const;
-  void fill(std::span<const PageClass> classes, std::uint64_t stagingBytes);
+  Texture load(std::uint32_t node, const TextureArrayClass& arrayClass) const;
+  void fill(std::span<const TextureArrayClass> classes, std::uint64_t stagingBytes);
   void setUpStreaming(std::uint64_t stagingBytes);
-  void runSteps(const std::function<void(VkImageView)>& leaving);
-  void makePage(const Residency::Step& step);
+  void runSteps(const std::function<void(VkImageView)>& evicting);
+  void makeArray(const Residency::Step& step);
   void beginLoad(const Residency::Step& step);
-  void report(const GpuScene::Streamed& streamed);
+  void report(const GpuScene::StreamStatus& streamed);
 
   const Device* device_;
   const Scene* scene_;
   TextureSource source_;
   LogCallback log_;
-  std::vector<PageClass> classes_;
-  FixedPages fixed_;  // arrays of all photographs, or of their stand-ins
+  std::vector<TextureArrayClass> classes_;
+  FixedTextureArrays fixed_;  // arrays of all photographs, or of their stand-ins
 
   bool streams_ = false;
   std::uint64_t budget_ = 0, meshBytes_ = 0;
-  std::vector<std::uint32_t> classOf_;     // of a node; Residency::kNone: not streamed, the stand-in has full size
-  std::vector<std::uint32_t> pageLayers_;  // of a class
-  std::vector<GpuImage> pages_;            // with the numbers of Residency
+  std::vector<std::uint32_t> classOf_;         // of a node; Residency::kNone: not streamed, the stand-in has full size
+  std::vector<std::uint32_t> layersPerArray_;  // of a class
+  std::vector<GpuImage> arrays_;               // with the numbers of Residency
   Residency residency_;
   PhotographStream stream_;
   std::uint32_t loading_ = Residency::kNone;  // node
-  std::size_t mostResident_ = 0;
+  std::size_t maxResident_ = 0;
   std::uint32_t reportedWithoutRoom_ = 0;
 };
 

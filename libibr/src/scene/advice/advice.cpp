@@ -31,22 +31,22 @@ constexpr double kResidual = 0.003;   // of the longest side: poses are inaccura
 constexpr double kWorseThan = 2.5;    // … above this many times the median of all cells
 constexpr double kStops = 1.0;        // of exposure, from the median of its neighbours
 constexpr double kTurnLess = 30;      // degrees from one photograph to the next
-constexpr double kLeastGain = 0.02;   // of a further photograph, at one stand
+constexpr double kMinGain = 0.02;     // of a further photograph, at one viewpoint
 const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // weights for linear sRGB
-constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 int percent(double share) {
   return int(std::lround(100 * share));
 }
 
-std::vector<std::vector<std::uint32_t>> cellMates(const Scene& scene) {
-  std::vector<std::set<std::uint32_t>> mates(scene.nodes.size());
+std::vector<std::vector<std::uint32_t>> cellNeighbours(const Scene& scene) {
+  std::vector<std::set<std::uint32_t>> neighbours(scene.nodes.size());
   for (const Cell& cell : scene.cells)
     for (const std::uint32_t i : cell.members)
       for (const std::uint32_t j : cell.members)
-        if (i != j) mates[i].insert(j);
+        if (i != j) neighbours[i].insert(j);
   std::vector<std::vector<std::uint32_t>> lists;
-  for (const auto& set : mates) lists.emplace_back(set.begin(), set.end());
+  for (const auto& set : neighbours) lists.emplace_back(set.begin(), set.end());
   return lists;
 }
 
@@ -55,10 +55,10 @@ class Adviser {
   explicit Adviser(const Scene& scene)
       : scene_(scene),
         depths_(photographDepths(scene)),
-        places_(findPlaces(scene, depths_)),
-        walk_(scene, depths_, places_),
+        siteGraph_(buildSiteGraph(scene, depths_)),
+        walk_(scene, depths_, siteGraph_),
         used_(scene.nodes.size(), false),
-        mates_(cellMates(scene)) {
+        neighbours_(cellNeighbours(scene)) {
     for (const Cell& cell : scene.cells)
       for (const std::uint32_t i : cell.members) used_[i] = true;
   }
@@ -66,7 +66,7 @@ class Adviser {
   CaptureAdvice run(const AdviceOptions& options) {
     if (tooFew()) return std::move(result_);
     parts();
-    ways();
+    links();
     directions();
     twice();
     exposures();
@@ -74,20 +74,20 @@ class Adviser {
     poses();
     row();
     unused();
-    if (options.pictures)
-      for (Advice& advice : sharpnessAdvice(scene_, mates_)) result_.advice.push_back(std::move(advice));
-    result_.shown = walk_.shown();
-    result_.views = nextViews(scene_, places_, walk_, options.views, kLeastGain);
-    result_.shownThen = walk_.shown();
-    for (const WayRemedy& remedy : remedies_) agree(remedy);
+    if (options.readTextures)
+      for (Advice& advice : sharpnessAdvice(scene_, neighbours_)) result_.advice.push_back(std::move(advice));
+    result_.coverage = walk_.shown();
+    result_.views = nextViews(scene_, siteGraph_, walk_, options.views, kMinGain);
+    result_.coverageWithViews = walk_.shown();
+    for (const LinkRemedy& remedy : remedies_) agree(remedy);
     sort();
     return std::move(result_);
   }
 
  private:
-  struct WayRemedy {
+  struct LinkRemedy {
     std::size_t advice;  // index in result_, before sorting
-    const Way* way;
+    const SiteLink* way;
     std::uint32_t i, j;  // photographs at its ends
     std::size_t more;    // number to take between them
   };
@@ -103,13 +103,13 @@ class Adviser {
   // Sorts each kind from the worst: the smallest share, or the most stops or pixels.
   void sort() {
     const auto worst = [](const Advice& a) {
-      if (std::isnan(a.figure)) return 0.0;
-      return a.kind == AdviceKind::exposure || a.kind == AdviceKind::pose ? -std::abs(a.figure) : a.figure;
+      if (std::isnan(a.value)) return 0.0;
+      return a.kind == AdviceKind::exposure || a.kind == AdviceKind::pose ? -std::abs(a.value) : a.value;
     };
     std::ranges::sort(result_.advice, [&](const Advice& a, const Advice& b) {
       if (a.severity != b.severity) return a.severity > b.severity;
       if (a.kind != b.kind) return a.kind < b.kind;
-      return worst(a) != worst(b) ? worst(a) < worst(b) : a.sentence < b.sentence;
+      return worst(a) != worst(b) ? worst(a) < worst(b) : a.problem < b.problem;
     });
   }
 
@@ -122,8 +122,8 @@ class Adviser {
       unused();
       return true;
     }
-    if (places_.places.size() == 1) {
-      put(AdviceKind::turned, Severity::serious, {}, kNoFigure,
+    if (siteGraph_.sites.size() == 1) {
+      put(AdviceKind::turned, Severity::serious, {}, kNoValue,
           fmt::format("All {} photographs were taken from one position, by turning the camera.", count),
           "No other viewpoint can be shown. Step sideways by a tenth of the distance to near objects, and take the "
           "photographs again from there.");
@@ -140,7 +140,7 @@ class Adviser {
   }
 
   void parts() {
-    const std::size_t count = places_.places.size();
+    const std::size_t count = siteGraph_.sites.size();
     std::vector<std::uint32_t> root(count);
     std::iota(root.begin(), root.end(), 0u);
     const auto find = [&](std::uint32_t i) {
@@ -149,12 +149,12 @@ class Adviser {
     };
     for (const Cell& cell : scene_.cells)
       for (const std::uint32_t i : cell.members)
-        root[find(places_.placeOf[i])] = find(places_.placeOf[cell.members[0]]);
+        root[find(siteGraph_.siteOf[i])] = find(siteGraph_.siteOf[cell.members[0]]);
     part_.assign(count, 0);
     std::map<std::uint32_t, std::vector<std::uint32_t>> members;  // used nodes
     for (std::uint32_t p = 0; p < count; ++p) {
       part_[p] = find(p);
-      for (const std::uint32_t n : places_.places[p].nodes)
+      for (const std::uint32_t n : siteGraph_.sites[p].nodes)
         if (used_[n]) members[part_[p]].push_back(n);
     }
     if (members.size() < 2) return;
@@ -190,7 +190,7 @@ class Adviser {
   }
 
   // The photographs of two capture sites with the most similar viewing directions.
-  std::pair<std::uint32_t, std::uint32_t> mostAlike(const CaptureSite& a, const CaptureSite& b, double& angle) const {
+  std::pair<std::uint32_t, std::uint32_t> mostSimilar(const CaptureSite& a, const CaptureSite& b, double& angle) const {
     std::pair<std::uint32_t, std::uint32_t> best{a.nodes[0], b.nodes[0]};
     double most = -2;
     for (const std::uint32_t i : a.nodes)
@@ -202,18 +202,18 @@ class Adviser {
     return best;
   }
 
-  bool usedPlace(std::uint32_t place) const {
-    return std::ranges::any_of(places_.places[place].nodes, [&](std::uint32_t n) { return used_[n]; });
+  bool isUsedSite(std::uint32_t site) const {
+    return std::ranges::any_of(siteGraph_.sites[site].nodes, [&](std::uint32_t n) { return used_[n]; });
   }
 
-  void ways() {
-    for (const Way& way : places_.ways) {
-      const CaptureSite &a = places_.places[way.a], &b = places_.places[way.b];
-      if (!usedPlace(way.a) || !usedPlace(way.b) || part_[way.a] != part_[way.b]) continue;
+  void links() {
+    for (const SiteLink& way : siteGraph_.links) {
+      const CaptureSite &a = siteGraph_.sites[way.a], &b = siteGraph_.sites[way.b];
+      if (!isUsedSite(way.a) || !isUsedSite(way.b) || part_[way.a] != part_[way.b]) continue;
       const double shown = walk_.shownFrom(0.5 * (a.position + b.position), {way.a, way.b});
       if (!(shown < kWide)) continue;
       double angle = 0;
-      const auto [i, j] = mostAlike(a, b, angle);
+      const auto [i, j] = mostSimilar(a, b, angle);
       const double shift = way.length * 0.5 * (depths_[i].middle + depths_[j].middle);
       const auto more = std::size_t(std::clamp(std::ceil(shift / kGoodShift) - 1, 1.0, 20.0));
       const std::string between = fmt::format("{} and {}", name(i), name(j));
@@ -236,9 +236,9 @@ class Adviser {
   }
 
   // Up to two: the remedy repeats the chosen next-best views, since the estimate may prefer thirds of the way.
-  void agree(const WayRemedy& remedy) {
-    const glm::dvec3 from = places_.places[remedy.way->a].position,
-                     along = places_.places[remedy.way->b].position - from;
+  void agree(const LinkRemedy& remedy) {
+    const glm::dvec3 from = siteGraph_.sites[remedy.way->a].position,
+                     along = siteGraph_.sites[remedy.way->b].position - from;
     std::set<int> sixths;  // of the way
     for (const NextView& view : result_.views) {
       const glm::dvec3 to = view.camera.pose.position - from;
@@ -261,14 +261,14 @@ class Adviser {
 
   // At each capture site: viewing directions of neighbours that the site lacks.
   void directions() {
-    for (std::size_t s = 0; s < walk_.standCount(); ++s) {
-      const auto here = walk_.stand(s).place;
-      if (!here || !usedPlace(*here)) continue;
-      const auto worst = walk_.leastShown(s);
+    for (std::size_t s = 0; s < walk_.viewpointCount(); ++s) {
+      const auto here = walk_.viewpoint(s).site;
+      if (!here || !isUsedSite(*here)) continue;
+      const auto worst = walk_.worstShown(s);
       if (!worst || !(worst->shown < kDirection)) continue;
-      const CaptureSite& at = places_.places[*here];
-      const auto looksSo = [&](std::uint32_t place) {
-        return std::ranges::any_of(places_.places[place].nodes, [&](std::uint32_t n) {
+      const CaptureSite& at = siteGraph_.sites[*here];
+      const auto looksSo = [&](std::uint32_t site) {
+        return std::ranges::any_of(siteGraph_.sites[site].nodes, [&](std::uint32_t n) {
           return glm::dot(viewAxis(scene_.nodes[n].camera.pose), viewAxis(scene_.nodes[worst->node].camera.pose)) >
                  std::cos(glm::radians(kTurnLess));
         });
@@ -282,14 +282,14 @@ class Adviser {
   }
 
   void twice() {
-    for (const CaptureSite& place : places_.places)
-      for (std::size_t b = 1; b < place.nodes.size(); ++b)
+    for (const CaptureSite& site : siteGraph_.sites)
+      for (std::size_t b = 1; b < site.nodes.size(); ++b)
         for (std::size_t a = 0; a < b; ++a) {
-          const std::uint32_t i = place.nodes[a], j = place.nodes[b];
+          const std::uint32_t i = site.nodes[a], j = site.nodes[b];
           const Camera &first = scene_.nodes[i].camera, &second = scene_.nodes[j].camera;
           const double same = std::abs(glm::dot(first.pose.rotation, second.pose.rotation));
           if (2 * std::acos(std::min(1.0, same)) > kTwice) continue;
-          put(AdviceKind::twice, Severity::hint, {i, j}, kNoFigure,
+          put(AdviceKind::twice, Severity::hint, {i, j}, kNoValue,
               fmt::format("{} repeats {}: both have the same position and viewing direction.", name(j), name(i)),
               "One of them is enough; a photograph from one step aside would add more.");
           break;
@@ -300,24 +300,24 @@ class Adviser {
   void exposures() {
     const auto stops = [&](std::uint32_t n) { return -std::log2(glm::dot(scene_.nodes[n].gain, kLuminance)); };
     for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
-      if (mates_[n].empty()) continue;
+      if (neighbours_[n].empty()) continue;
       std::vector<double> theirs;
-      for (const std::uint32_t m : mates_[n]) theirs.push_back(stops(m));
+      for (const std::uint32_t m : neighbours_[n]) theirs.push_back(stops(m));
       const double jump = stops(n) - median(std::move(theirs));
       if (!(std::abs(jump) > kStops)) continue;
       put(AdviceKind::exposure, Severity::warning, {n}, jump,
           fmt::format("{} is {:.1f} stops {} than its neighbours, for example {}.", name(n), std::abs(jump),
                       jump > 0 ? "brighter" : "darker",
-                      name(*std::ranges::min_element(mates_[n], {}, [&](std::uint32_t m) { return name(m); }))),
+                      name(*std::ranges::min_element(neighbours_[n], {}, [&](std::uint32_t m) { return name(m); }))),
           "Lock the exposure before the first photograph, or set it manually.");
     }
   }
 
   void matches() {
     for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
-      if (mates_[n].empty()) continue;
+      if (neighbours_[n].empty()) continue;
       std::vector<double> theirs;
-      for (const std::uint32_t m : mates_[n]) theirs.push_back(depths_[m].agreedShare());
+      for (const std::uint32_t m : neighbours_[n]) theirs.push_back(depths_[m].agreedShare());
       const double own = depths_[n].agreedShare();
       if (!(own < kFewMatched) || !(own < kFewerThan * median(theirs))) continue;
       put(AdviceKind::unmatched, Severity::warning, {n}, own,
@@ -365,18 +365,18 @@ class Adviser {
   }
 
   void row() {
-    if (!places_.row || places_.places.size() < 3) return;
-    put(AdviceKind::row, Severity::hint, {}, kNoFigure,
+    if (!siteGraph_.row || siteGraph_.sites.size() < 3) return;
+    put(AdviceKind::row, Severity::hint, {}, kNoValue,
         "The photographs form one row: the viewpoint can move along the row, but not away from it, up or down.",
         "Take a second row beside or above the first, at the spacing of the photographs in the first.");
   }
 
   void unused() {
-    for (const UnusedPhotograph& photo : scene_.unused) {
+    for (const UnusedPhotograph& photo : scene_.unusedPhotographs) {
       std::vector<std::uint32_t> nodes;
       for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n)
         if (scene_.nodes[n].name == photo.name) nodes.push_back(n);
-      put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoFigure,
+      put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoValue,
           fmt::format("{} is not used: {}.", photo.name, photo.reason),
           // Reasons of unreadable files include the remedy.
           nodes.empty() && photo.reason != kNotRegistered
@@ -387,12 +387,12 @@ class Adviser {
 
   const Scene& scene_;
   const std::vector<PhotographDepth> depths_;
-  const Places places_;
+  const SiteGraph siteGraph_;
   WalkEstimate walk_;
   std::vector<bool> used_;
-  const std::vector<std::vector<std::uint32_t>> mates_;  // nodes that share a cell with each node
-  std::vector<std::uint32_t> part_;                      // of each capture site
-  std::vector<WayRemedy> remedies_;
+  const std::vector<std::vector<std::uint32_t>> neighbours_;  // nodes that share a cell with each node
+  std::vector<std::uint32_t> part_;                           // of each capture site
+  std::vector<LinkRemedy> remedies_;
   CaptureAdvice result_;
 };
 

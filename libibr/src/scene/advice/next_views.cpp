@@ -13,14 +13,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kAlike = 1.05;     // radians; directions closer than this get a candidate in the middle
-constexpr double kSameWay = 0.35;   // radians; two viewing directions within this count as one
-constexpr double kSamePlace = 0.2;  // of a step; within it a photograph of the same direction adds nothing
-constexpr double kTaken = 0.5;      // of a step; the grid already has a corner within it
+constexpr double kAlike = 1.05;          // radians; directions closer than this get a candidate in the middle
+constexpr double kSameDirection = 0.35;  // radians; two viewing directions within this count as one
+constexpr double kSameSite = 0.2;        // of a step; within it a photograph of the same direction adds nothing
+constexpr double kTaken = 0.5;           // of a step; the grid already has a corner within it
 
 struct Candidate {
   Camera camera;
-  std::vector<std::uint32_t> places, beside;
+  std::vector<std::uint32_t> sites, beside;
   std::string where;
 };
 
@@ -31,12 +31,12 @@ double turn(glm::dquat a, glm::dquat b) {
 
 class Candidates {
  public:
-  Candidates(const Scene& scene, const Places& places) : scene_(scene), places_(places) {
-    for (const Way& way : places.ways) between(way);
-    for (std::uint32_t p = 0; p < places.places.size(); ++p) {
+  Candidates(const Scene& scene, const SiteGraph& sites) : scene_(scene), siteGraph_(sites) {
+    for (const SiteLink& way : sites.links) between(way);
+    for (std::uint32_t p = 0; p < sites.sites.size(); ++p) {
       turned(p);
       corners(p);
-      if (places.row) aside(p);
+      if (sites.row) aside(p);
     }
     std::ranges::sort(list_, {}, &Candidate::where);
   }
@@ -46,23 +46,23 @@ class Candidates {
   const std::string& name(std::uint32_t node) const { return scene_.nodes[node].name; }
   const Pose& pose(std::uint32_t node) const { return scene_.nodes[node].camera.pose; }
 
-  void put(glm::dvec3 position, glm::dquat rotation, std::uint32_t like, std::vector<std::uint32_t> places,
+  void put(glm::dvec3 position, glm::dquat rotation, std::uint32_t like, std::vector<std::uint32_t> sites,
            std::vector<std::uint32_t> beside, std::string where) {
     const Camera camera{scene_.nodes[like].camera.intrinsics, {position, glm::normalize(rotation)}};
-    list_.push_back({camera, std::move(places), std::move(beside), std::move(where)});
+    list_.push_back({camera, std::move(sites), std::move(beside), std::move(where)});
   }
 
-  std::optional<std::uint32_t> alike(std::uint32_t node, const CaptureSite& place) const {
+  std::optional<std::uint32_t> alike(std::uint32_t node, const CaptureSite& site) const {
     std::optional<std::uint32_t> best;
-    for (const std::uint32_t other : place.nodes)
+    for (const std::uint32_t other : site.nodes)
       if (turn(pose(node).rotation, pose(other).rotation) < kAlike &&
           (!best || turn(pose(node).rotation, pose(other).rotation) < turn(pose(node).rotation, pose(*best).rotation)))
         best = other;
     return best;
   }
 
-  void between(const Way& way) {
-    const CaptureSite &a = places_.places[way.a], &b = places_.places[way.b];
+  void between(const SiteLink& way) {
+    const CaptureSite &a = siteGraph_.sites[way.a], &b = siteGraph_.sites[way.b];
     const auto halfway = [&](std::uint32_t i, std::uint32_t j, double t, glm::dquat rotation, const std::string& look) {
       const std::string first = t > 0.5 ? name(j) : name(i), second = t > 0.5 ? name(i) : name(j);
       put(a.position * (1 - t) + b.position * t, rotation, i, {way.a, way.b}, {i, j},
@@ -80,15 +80,15 @@ class Candidates {
   }
 
   void turned(std::uint32_t p) {
-    const CaptureSite& place = places_.places[p];
-    for (const std::uint32_t q : place.beside)
-      for (const std::uint32_t j : places_.places[q].nodes)
-        put(place.position, pose(j).rotation, j, {p}, {place.nodes[0], j},
-            fmt::format("from the position of {}, looking as {} does", name(place.nodes[0]), name(j)));
+    const CaptureSite& site = siteGraph_.sites[p];
+    for (const std::uint32_t q : site.beside)
+      for (const std::uint32_t j : siteGraph_.sites[q].nodes)
+        put(site.position, pose(j).rotation, j, {p}, {site.nodes[0], j},
+            fmt::format("from the position of {}, looking as {} does", name(site.nodes[0]), name(j)));
   }
 
   void corners(std::uint32_t c) {
-    const auto& all = places_.places;
+    const auto& all = siteGraph_.sites;
     const CaptureSite& at = all[c];
     for (std::size_t i = 0; i < at.beside.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
@@ -108,11 +108,11 @@ class Candidates {
   }
 
   void aside(std::uint32_t p) {
-    const CaptureSite& place = places_.places[p];
+    const CaptureSite& site = siteGraph_.sites[p];
     bool first = true;
-    for (const glm::dvec3& step : besideRow(scene_, places_, p)) {
-      for (const std::uint32_t n : place.nodes)
-        put(place.position + step, pose(n).rotation, n, {p}, {n},
+    for (const glm::dvec3& step : rowSideSteps(scene_, siteGraph_, p)) {
+      for (const std::uint32_t n : site.nodes)
+        put(site.position + step, pose(n).rotation, n, {p}, {n},
             fmt::format("off the row at {}, {}, by the spacing of the row's photographs, looking as {} does", name(n),
                         sideOf(step, n, first), name(n)));
       first = false;
@@ -129,21 +129,21 @@ class Candidates {
   }
 
   const Scene& scene_;
-  const Places& places_;
+  const SiteGraph& siteGraph_;
   std::vector<Candidate> list_;
 };
 
 bool isThere(const Camera& camera, const Camera& candidate, double step) {
-  return glm::distance(camera.pose.position, candidate.pose.position) < kSamePlace * step &&
-         turn(camera.pose.rotation, candidate.pose.rotation) < kSameWay;
+  return glm::distance(camera.pose.position, candidate.pose.position) < kSameSite * step &&
+         turn(camera.pose.rotation, candidate.pose.rotation) < kSameDirection;
 }
 
 }  // namespace
 
-std::vector<NextView> nextViews(const Scene& scene, const Places& places, WalkEstimate& walk, std::size_t count,
-                                double leastGain) {
-  if (places.places.size() < 2) return {};
-  const std::vector<Candidate> candidates = Candidates(scene, places).take();
+std::vector<NextView> nextViews(const Scene& scene, const SiteGraph& sites, WalkEstimate& walk, std::size_t count,
+                                double minGain) {
+  if (sites.sites.size() < 2) return {};
+  const std::vector<Candidate> candidates = Candidates(scene, sites).take();
   // Gains only fall while photographs are added: the first candidate with a current gain is the best (Minoux 1978).
   struct Promise {
     double gain;
@@ -154,21 +154,21 @@ std::vector<NextView> nextViews(const Scene& scene, const Places& places, WalkEs
   };
   std::priority_queue<Promise> queue;
   for (std::size_t c = 0; c < candidates.size(); ++c)
-    queue.push({walk.gain(candidates[c].camera, candidates[c].places), c, 0});
+    queue.push({walk.gain(candidates[c].camera, candidates[c].sites), c, 0});
   std::vector<NextView> views;
   while (!queue.empty() && views.size() < count) {
     Promise best = queue.top();
     queue.pop();
-    if (!(best.gain >= leastGain)) break;
+    if (!(best.gain >= minGain)) break;
     const Candidate& candidate = candidates[best.candidate];
-    const auto there = [&](const Camera& camera) { return isThere(camera, candidate.camera, places.step); };
+    const auto there = [&](const Camera& camera) { return isThere(camera, candidate.camera, sites.step); };
     if (std::ranges::any_of(scene.nodes, there, &Node::camera) || std::ranges::any_of(views, there, &NextView::camera))
       continue;
     if (best.round < views.size()) {
-      queue.push({walk.gain(candidate.camera, candidate.places), best.candidate, views.size()});
+      queue.push({walk.gain(candidate.camera, candidate.sites), best.candidate, views.size()});
       continue;
     }
-    walk.add(candidate.camera, candidate.places);
+    walk.add(candidate.camera, candidate.sites);
     views.push_back({candidate.camera, candidate.beside, best.gain, candidate.where});
   }
   return views;

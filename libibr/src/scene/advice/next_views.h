@@ -14,8 +14,8 @@ namespace ibr {
 /// photographs:
 ///   between neighbours, halfway and by thirds; at a capture site, in a neighbour's direction; at missing corners of
 ///   a grid; beside a row.
-/// Skips views with a gain below `leastGain` (of one stand), and views close to a photograph or view in direction.
-std::vector<NextView> nextViews(const Scene& scene, const Places& places, WalkEstimate& walk, std::size_t count,
-                                double leastGain);
+/// Skips views with a gain below `minGain` (of one viewpoint), and views close to a photograph or view in direction.
+std::vector<NextView> nextViews(const Scene& scene, const SiteGraph& sites, WalkEstimate& walk, std::size_t count,
+                                double minGain);
 
 }  // namespace ibr

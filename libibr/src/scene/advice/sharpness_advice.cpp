@@ -32,24 +32,24 @@ double sharpnessOf(const std::filesystem::path& texture) {
 
 }  // namespace
 
-std::vector<Advice> sharpnessAdvice(const Scene& scene, const std::vector<std::vector<std::uint32_t>>& mates) {
+std::vector<Advice> sharpnessAdvice(const Scene& scene, const std::vector<std::vector<std::uint32_t>>& neighbours) {
   if (scene.folder.empty()) return {};
   std::vector<double> sharp(scene.nodes.size(), kUnknown);
   for (std::size_t n = 0; n < sharp.size(); ++n)
-    if (!mates[n].empty() && !scene.nodes[n].textureFile.empty())
+    if (!neighbours[n].empty() && !scene.nodes[n].textureFile.empty())
       sharp[n] = sharpnessOf(scene.folder / scene.nodes[n].textureFile);
   const double typical = median(sharp);
   std::vector<Advice> advice;
   for (std::uint32_t n = 0; n < sharp.size(); ++n) {
     std::vector<double> theirs;
-    for (const std::uint32_t m : mates[n]) theirs.push_back(sharp[m]);
+    for (const std::uint32_t m : neighbours[n]) theirs.push_back(sharp[m]);
     const double share = sharp[n] / std::max(1e-9, std::min(median(std::move(theirs)), typical));
     if (!(share < kBlur)) continue;
     const auto named = [&](std::uint32_t m) -> const std::string& { return scene.nodes[m].name; };
     advice.push_back({AdviceKind::blurred,
                       Severity::warning,
                       fmt::format("{} is much less sharp than its neighbours, for example {}.", named(n),
-                                  named(*std::ranges::min_element(mates[n], {}, named))),
+                                  named(*std::ranges::min_element(neighbours[n], {}, named))),
                       "Hold the camera still, or use a shorter exposure, and take it again.",
                       {n},
                       share});

@@ -11,8 +11,8 @@
 namespace ibr {
 namespace {
 
-constexpr double kSamePlace = 0.003;  // radians of shift
-constexpr double kRounding = 1e-9;    // of the capture's extent
+constexpr double kSameSite = 0.003;  // radians of shift
+constexpr double kRounding = 1e-9;   // of the capture's extent
 
 double extentOf(const Scene& scene) {
   if (scene.nodes.empty()) return 0;
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> rootsOf(const Scene& scene, const std::vector<Photogr
   double least = kRounding * extentOf(scene);
   if (!nearest.empty()) {
     std::ranges::nth_element(nearest, nearest.begin() + std::ptrdiff_t(nearest.size() / 2));
-    least = std::max(least, kSamePlace / nearest[nearest.size() / 2]);
+    least = std::max(least, kSameSite / nearest[nearest.size() / 2]);
   }
   std::vector<std::uint32_t> root(n);
   std::iota(root.begin(), root.end(), 0u);
@@ -50,77 +50,77 @@ std::vector<std::uint32_t> rootsOf(const Scene& scene, const std::vector<Photogr
 }
 
 // The nearest few sites of each site, for a fast test: a site between two others is usually among these.
-std::vector<std::vector<std::uint32_t>> nearestOf(const std::vector<CaptureSite>& places) {
+std::vector<std::vector<std::uint32_t>> nearestOf(const std::vector<CaptureSite>& sites) {
   constexpr std::size_t kFew = 12;
-  std::vector<std::vector<std::uint32_t>> nearest(places.size());
-  std::vector<std::uint32_t> others(places.size());
-  for (std::uint32_t a = 0; a < places.size(); ++a) {
+  std::vector<std::vector<std::uint32_t>> nearest(sites.size());
+  std::vector<std::uint32_t> others(sites.size());
+  for (std::uint32_t a = 0; a < sites.size(); ++a) {
     std::iota(others.begin(), others.end(), 0u);
     const std::size_t few = std::min(kFew, others.size());
     std::ranges::partial_sort(others, others.begin() + std::ptrdiff_t(few), {},
-                              [&](std::uint32_t b) { return glm::distance(places[a].position, places[b].position); });
+                              [&](std::uint32_t b) { return glm::distance(sites[a].position, sites[b].position); });
     nearest[a].assign(others.begin(), others.begin() + std::ptrdiff_t(few));
   }
   return nearest;
 }
 
-void findWays(const Scene& scene, Places& found) {
+void findLinks(const Scene& scene, SiteGraph& found) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
   for (const Cell& cell : scene.cells)
     for (const std::uint32_t i : cell.members)
-      for (const std::uint32_t j : cell.members) joined.insert(std::minmax(found.placeOf[i], found.placeOf[j]));
-  auto& places = found.places;
-  const auto nearest = nearestOf(places);
+      for (const std::uint32_t j : cell.members) joined.insert(std::minmax(found.siteOf[i], found.siteOf[j]));
+  auto& sites = found.sites;
+  const auto nearest = nearestOf(sites);
   std::vector<double> lengths;
-  for (std::uint32_t a = 0; a < places.size(); ++a)
-    for (std::uint32_t b = a + 1; b < places.size(); ++b) {
-      const double length = glm::distance(places[a].position, places[b].position), limit = length * (1 - 1e-9);
+  for (std::uint32_t a = 0; a < sites.size(); ++a)
+    for (std::uint32_t b = a + 1; b < sites.size(); ++b) {
+      const double length = glm::distance(sites[a].position, sites[b].position), limit = length * (1 - 1e-9);
       const auto between = [&](const CaptureSite& p) {
-        return glm::distance(p.position, places[a].position) < limit &&
-               glm::distance(p.position, places[b].position) < limit;
+        return glm::distance(p.position, sites[a].position) < limit &&
+               glm::distance(p.position, sites[b].position) < limit;
       };
-      const auto numbered = [&](std::uint32_t p) { return between(places[p]); };
-      if (std::ranges::any_of(nearest[a], numbered) || std::ranges::any_of(places, between)) continue;
-      found.ways.push_back({a, b, length, joined.contains({a, b})});
-      places[a].beside.push_back(b);
-      places[b].beside.push_back(a);
+      const auto numbered = [&](std::uint32_t p) { return between(sites[p]); };
+      if (std::ranges::any_of(nearest[a], numbered) || std::ranges::any_of(sites, between)) continue;
+      found.links.push_back({a, b, length, joined.contains({a, b})});
+      sites[a].beside.push_back(b);
+      sites[b].beside.push_back(a);
       lengths.push_back(length);
     }
-  for (CaptureSite& place : places) std::ranges::sort(place.beside);
+  for (CaptureSite& site : sites) std::ranges::sort(site.beside);
   if (lengths.empty()) return;
   std::ranges::nth_element(lengths, lengths.begin() + std::ptrdiff_t(lengths.size() / 2));
   found.step = lengths[lengths.size() / 2];
   found.row = std::ranges::none_of(scene.cells, [&](const Cell& cell) {
     std::set<std::uint32_t> spanned;
-    for (const std::uint32_t i : cell.members) spanned.insert(found.placeOf[i]);
+    for (const std::uint32_t i : cell.members) spanned.insert(found.siteOf[i]);
     return spanned.size() > 2;
   });
 }
 
 }  // namespace
 
-Places findPlaces(const Scene& scene, const std::vector<PhotographDepth>& depths) {
-  Places found;
+SiteGraph buildSiteGraph(const Scene& scene, const std::vector<PhotographDepth>& depths) {
+  SiteGraph found;
   const std::vector<std::uint32_t> root = rootsOf(scene, depths);
   std::vector<std::uint32_t> byName(root.size());
   std::iota(byName.begin(), byName.end(), 0u);
   std::ranges::sort(byName, {}, [&](std::uint32_t i) -> const std::string& { return scene.nodes[i].name; });
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(root.size(), kNone);
-  found.placeOf.resize(root.size());
+  found.siteOf.resize(root.size());
   for (const std::uint32_t i : byName) {
     std::uint32_t& its = number[root[i]];
     if (its == kNone) {
-      its = std::uint32_t(found.places.size());
-      found.places.emplace_back();
+      its = std::uint32_t(found.sites.size());
+      found.sites.emplace_back();
     }
-    found.placeOf[i] = its;
-    found.places[its].nodes.push_back(i);
+    found.siteOf[i] = its;
+    found.sites[its].nodes.push_back(i);
   }
-  for (CaptureSite& place : found.places)
-    for (const std::uint32_t i : place.nodes)
-      place.position += scene.nodes[i].camera.pose.position / double(place.nodes.size());
-  findWays(scene, found);
+  for (CaptureSite& site : found.sites)
+    for (const std::uint32_t i : site.nodes)
+      site.position += scene.nodes[i].camera.pose.position / double(site.nodes.size());
+  findLinks(scene, found);
   return found;
 }
 

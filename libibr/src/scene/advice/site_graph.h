@@ -19,22 +19,22 @@ struct CaptureSite {
 
 /// Connection of a site to a neighbour: no third site is nearer to both than they are to each other (Toussaint 1980).
 /// These connections link all sites.
-struct Way {
+struct SiteLink {
   std::uint32_t a, b;  // sites, a < b
   double length;       // world units
   bool joined;         // a cell has photographs of both
 };
 
-struct Places {
-  std::vector<CaptureSite> places;
-  std::vector<Way> ways;
-  std::vector<std::uint32_t> placeOf;  // of each node
-  double step = 0;                     // median length of a way; 0 if there is none
-  bool row = false;                    // no cell spans more than a line: a path along it, never aside
+struct SiteGraph {
+  std::vector<CaptureSite> sites;
+  std::vector<SiteLink> links;
+  std::vector<std::uint32_t> siteOf;  // of each node
+  double step = 0;                    // median length of a way; 0 if there is none
+  bool row = false;                   // no cell spans more than a line: a path along it, never aside
 };
 
 /// Photographs share a site if near objects (at median PhotographDepth::near) shift by less than 0.003 radians between
 /// them. Independent of the nodes' order and of the world's position, rotation and scale.
-Places findPlaces(const Scene& scene, const std::vector<PhotographDepth>& depths);
+SiteGraph buildSiteGraph(const Scene& scene, const std::vector<PhotographDepth>& depths);
 
 }  // namespace ibr

@@ -11,23 +11,23 @@
 namespace ibr {
 namespace {
 
-constexpr double kAngle = 0.375;     // radians; the shown share falls by 1/e: fitted to the coverage of cells
-constexpr double kMostAngle = 0.8;   // radians; nothing counts as shown beyond it
-constexpr double kNearer = 1.4;      // ratio of distances; farther points are hidden in a photograph
-constexpr double kCorner = 0.5;      // weight of a stand outside the photographed area
-constexpr double kAside = 0.1;       // weight of a stand beside a row
-constexpr double kSquare = 0.35;     // |cos| below which two ways from a site lead to corners of a grid
-constexpr double kAhead = 0.5;       // sine of the angle between row and view below which the view is along the row
-constexpr int kMostStands = 4;       // along one way
-constexpr double kLeastPoints = 20;  // of a photograph, for an estimate of its share
-constexpr int kStride = 2;           // of the depth grid's cells, along both sides
-constexpr std::size_t kMostPlaces = 600;  // with own stands; beyond this number, evenly chosen sites
+constexpr double kAngle = 0.375;        // radians; the shown share falls by 1/e: fitted to the coverage of cells
+constexpr double kMaxAngle = 0.8;       // radians; nothing counts as shown beyond it
+constexpr double kNearer = 1.4;         // ratio of distances; farther points are hidden in a photograph
+constexpr double kCorner = 0.5;         // weight of a viewpoint outside the photographed area
+constexpr double kAside = 0.1;          // weight of a viewpoint beside a row
+constexpr double kSquare = 0.35;        // |cos| below which two links from a site lead to corners of a grid
+constexpr double kAhead = 0.5;          // sine of the angle between row and view below which the view is along the row
+constexpr int kMaxViewpoints = 4;       // along one way
+constexpr double kMinPoints = 20;       // of a photograph, for an estimate of its share
+constexpr int kStride = 2;              // of the depth grid's cells, along both sides
+constexpr std::size_t kMaxSites = 600;  // with own viewpoints; beyond this number, evenly chosen sites
 
 double angleBetween(glm::dvec3 a, glm::dvec3 b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-bool inPicture(const Intrinsics& k, const std::optional<glm::dvec2>& pixel) {
+bool inImage(const Intrinsics& k, const std::optional<glm::dvec2>& pixel) {
   return pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= k.width && pixel->y <= k.height;
 }
 
@@ -37,47 +37,47 @@ std::optional<glm::dvec2> seenAt(const Camera& camera, glm::dvec3 direction) {
 
 }  // namespace
 
-std::vector<glm::dvec3> besideRow(const Scene& scene, const Places& places, std::uint32_t place) {
-  const CaptureSite& p = places.places[place];
+std::vector<glm::dvec3> rowSideSteps(const Scene& scene, const SiteGraph& sites, std::uint32_t site) {
+  const CaptureSite& p = sites.sites[site];
   if (p.beside.empty()) return {};
-  const glm::dvec3 from = p.beside.size() > 1 ? places.places[p.beside[0]].position : p.position;
-  const glm::dvec3 along = places.places[p.beside.back()].position - from;
+  const glm::dvec3 from = p.beside.size() > 1 ? sites.sites[p.beside[0]].position : p.position;
+  const glm::dvec3 along = sites.sites[p.beside.back()].position - from;
   const Camera& camera = scene.nodes[p.nodes[0]].camera;
   const glm::dvec3 axis = viewAxis(camera.pose), up = camera.pose.rotation * glm::dvec3(0, 1, 0);
   const bool ahead = glm::length(glm::cross(along, axis)) < kAhead * glm::length(along);
   const glm::dvec3 aside = glm::cross(along, ahead ? up : axis);
   if (!(glm::length(aside) > 0)) return {};
-  const glm::dvec3 step = places.step * glm::normalize(aside);
+  const glm::dvec3 step = sites.step * glm::normalize(aside);
   return {step, -step};
 }
 
 double shownAt(double angle) {
-  return angle < kMostAngle ? std::exp(-angle / kAngle) : 0.0;
+  return angle < kMaxAngle ? std::exp(-angle / kAngle) : 0.0;
 }
 
-WalkEstimate::WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const Places& places)
-    : scene_(scene), depths_(depths), places_(places), standsOf_(places.places.size()) {
-  placeStands();
-  for (std::uint32_t s = 0; s < stands_.size(); ++s)
-    for (const std::uint32_t p : stands_[s].stand.places) standsOf_[p].push_back(s);
+WalkEstimate::WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const SiteGraph& sites)
+    : scene_(scene), depths_(depths), siteGraph_(sites), viewpointsOf_(sites.sites.size()) {
+  addViewpoints();
+  for (std::uint32_t s = 0; s < viewpoints_.size(); ++s)
+    for (const std::uint32_t p : viewpoints_[s].viewpoint.sites) viewpointsOf_[p].push_back(s);
 }
 
-void WalkEstimate::placeStands() {
-  const auto& all = places_.places;
-  const std::size_t stride = 1 + all.size() / kMostPlaces;
+void WalkEstimate::addViewpoints() {
+  const auto& all = siteGraph_.sites;
+  const std::size_t stride = 1 + all.size() / kMaxSites;
   const auto put = [&](glm::dvec3 at, std::vector<std::uint32_t> among, double weight) {
     std::ranges::sort(among);
-    stands_.push_back(look({at, std::move(among), weight, std::nullopt}));
+    viewpoints_.push_back(look({at, std::move(among), weight, std::nullopt}));
   };
   for (std::uint32_t p = 0; p < all.size(); p += std::uint32_t(stride)) {
     std::vector<std::uint32_t> among = all[p].beside;
     among.push_back(p);
     put(all[p].position, std::move(among), 1);
-    stands_.back().stand.place = p;
+    viewpoints_.back().viewpoint.site = p;
   }
-  for (std::size_t w = 0; w < places_.ways.size(); w += stride) {
-    const Way& way = places_.ways[w];
-    const int count = std::clamp(int(std::lround(way.length / places_.step)), 1, kMostStands);
+  for (std::size_t w = 0; w < siteGraph_.links.size(); w += stride) {
+    const SiteLink& way = siteGraph_.links[w];
+    const int count = std::clamp(int(std::lround(way.length / siteGraph_.step)), 1, kMaxViewpoints);
     for (int k = 1; k <= count; ++k) {
       const double t = double(k) / (count + 1);
       put(all[way.a].position * (1 - t) + all[way.b].position * t, {way.a, way.b}, 1);
@@ -86,7 +86,7 @@ void WalkEstimate::placeStands() {
   std::set<std::vector<std::uint32_t>> seen;
   for (const Cell& cell : scene_.cells) {
     std::set<std::uint32_t> among;
-    for (const std::uint32_t i : cell.members) among.insert(places_.placeOf[i]);
+    for (const std::uint32_t i : cell.members) among.insert(siteGraph_.siteOf[i]);
     const std::vector<std::uint32_t> list(among.begin(), among.end());
     if (list.size() < 3 || !seen.insert(list).second || seen.size() % stride != 0) continue;
     glm::dvec3 middle(0);
@@ -109,9 +109,9 @@ void WalkEstimate::placeStands() {
         corners.push_back(corner);
         put(corner, {a, b, c}, kCorner);
       }
-  if (!places_.row) return;
+  if (!siteGraph_.row) return;
   for (std::uint32_t p = 0; p < all.size(); p += std::uint32_t(stride))
-    for (const glm::dvec3& aside : besideRow(scene_, places_, p)) {
+    for (const glm::dvec3& aside : rowSideSteps(scene_, siteGraph_, p)) {
       std::vector<std::uint32_t> among = all[p].beside;
       among.push_back(p);
       put(all[p].position + aside, std::move(among), kAside);
@@ -122,19 +122,19 @@ bool WalkEstimate::sees(std::uint32_t node, glm::dvec3 target, bool far) const {
   const Camera& camera = scene_.nodes[node].camera;
   const glm::dvec3 ray = far ? target : target - camera.pose.position;
   const auto pixel = seenAt(camera, ray);
-  if (!inPicture(camera.intrinsics, pixel)) return false;
+  if (!inImage(camera.intrinsics, pixel)) return false;
   const double inverse = depths_[node].at(camera.intrinsics, *pixel);
   if (!(inverse > 0)) return true;
   return !far && glm::length(ray) * inverse < kNearer;
 }
 
-// Points that the photographs of the stand's sites show, as seen from the stand.
-WalkEstimate::Known WalkEstimate::look(Stand stand) const {
-  Known known{std::move(stand), {}};
-  const glm::dvec3 at = known.stand.position;
+// Points that the photographs of the viewpoint's sites show, as seen from the viewpoint.
+WalkEstimate::SampledViewpoint WalkEstimate::look(Viewpoint viewpoint) const {
+  SampledViewpoint known{std::move(viewpoint), {}};
+  const glm::dvec3 at = known.viewpoint.position;
   std::vector<std::uint32_t> nodes;
-  for (const std::uint32_t p : known.stand.places)
-    nodes.insert(nodes.end(), places_.places[p].nodes.begin(), places_.places[p].nodes.end());
+  for (const std::uint32_t p : known.viewpoint.sites)
+    nodes.insert(nodes.end(), siteGraph_.sites[p].nodes.begin(), siteGraph_.sites[p].nodes.end());
   for (const std::uint32_t n : nodes) {
     const Camera& camera = scene_.nodes[n].camera;
     const PhotographDepth& depth = depths_[n];
@@ -147,9 +147,9 @@ WalkEstimate::Known WalkEstimate::look(Stand stand) const {
         const bool far = inverse * glm::distance(camera.pose.position, at) < 1e-6;
         const glm::dvec3 target = camera.pose.position + ray / std::max(inverse, 1e-300);
         Point point{far ? ray : target - at, far, n, 0};
-        if (!inPicture(camera.intrinsics, seenAt(camera, point.ray))) continue;
+        if (!inImage(camera.intrinsics, seenAt(camera, point.ray))) continue;
         double least = angleAt(point, at, camera);
-        if (least >= kMostAngle) continue;
+        if (least >= kMaxAngle) continue;
         for (const std::uint32_t other : nodes) {
           if (other == n) continue;
           const double angle = angleAt(point, at, scene_.nodes[other].camera);
@@ -162,8 +162,8 @@ WalkEstimate::Known WalkEstimate::look(Stand stand) const {
   return known;
 }
 
-double WalkEstimate::angleAt(const Point& point, glm::dvec3 stand, const Camera& camera) const {
-  return point.far ? 0.0 : angleBetween(-point.ray, camera.pose.position - stand - point.ray);
+double WalkEstimate::angleAt(const Point& point, glm::dvec3 viewpoint, const Camera& camera) const {
+  return point.far ? 0.0 : angleBetween(-point.ray, camera.pose.position - viewpoint - point.ray);
 }
 
 namespace {
@@ -178,31 +178,31 @@ double meanShown(const Points& points) {
 
 }  // namespace
 
-double WalkEstimate::shown(std::size_t stand) const {
-  return meanShown(stands_[stand].points);
+double WalkEstimate::shown(std::size_t viewpoint) const {
+  return meanShown(viewpoints_[viewpoint].points);
 }
 
 double WalkEstimate::shown() const {
   double sum = 0, weights = 0;
-  for (const Known& known : stands_) {
-    sum += known.stand.weight * meanShown(known.points);
-    weights += known.stand.weight;
+  for (const SampledViewpoint& known : viewpoints_) {
+    sum += known.viewpoint.weight * meanShown(known.points);
+    weights += known.viewpoint.weight;
   }
   return weights > 0 ? sum / weights : 1.0;
 }
 
-std::optional<WalkEstimate::Worst> WalkEstimate::leastShown(std::size_t stand) const {
+std::optional<WalkEstimate::Worst> WalkEstimate::worstShown(std::size_t viewpoint) const {
   struct Sum {
     double shown = 0, points = 0;
   };
   std::map<std::uint32_t, Sum> sums;
-  for (const Point& point : stands_[stand].points) {
+  for (const Point& point : viewpoints_[viewpoint].points) {
     sums[point.node].shown += point.shown;
     sums[point.node].points += 1;
   }
   std::optional<Worst> worst;
   for (const auto& [node, sum] : sums) {
-    if (sum.points < kLeastPoints) continue;
+    if (sum.points < kMinPoints) continue;
     const double shown = sum.shown / sum.points;
     if (!worst || shown < worst->shown ||
         (shown == worst->shown && scene_.nodes[node].name < scene_.nodes[worst->node].name))
@@ -211,45 +211,45 @@ std::optional<WalkEstimate::Worst> WalkEstimate::leastShown(std::size_t stand) c
   return worst;
 }
 
-double WalkEstimate::shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& places) const {
-  return meanShown(look({position, places, 1, std::nullopt}).points);
+double WalkEstimate::shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& sites) const {
+  return meanShown(look({position, sites, 1, std::nullopt}).points);
 }
 
-// Calls `visit(stand, point, shown)` for points that the camera shows better than the photographs so far.
+// Calls `visit(viewpoint, point, shown)` for points that the camera shows better than the photographs so far.
 template <class Visit>
-void WalkEstimate::visitNear(const Camera& camera, const std::vector<std::uint32_t>& places, const Visit& visit) const {
+void WalkEstimate::visitNear(const Camera& camera, const std::vector<std::uint32_t>& sites, const Visit& visit) const {
   std::set<std::uint32_t> near;
-  for (const std::uint32_t p : places) near.insert(standsOf_[p].begin(), standsOf_[p].end());
+  for (const std::uint32_t p : sites) near.insert(viewpointsOf_[p].begin(), viewpointsOf_[p].end());
   for (const std::uint32_t s : near) {
-    const Known& known = stands_[s];
-    const glm::dvec3 to = camera.pose.position - known.stand.position;
+    const SampledViewpoint& known = viewpoints_[s];
+    const glm::dvec3 to = camera.pose.position - known.viewpoint.position;
     for (std::uint32_t i = 0; i < known.points.size(); ++i) {
       const Point& point = known.points[i];
-      const double angle = angleAt(point, known.stand.position, camera);
+      const double angle = angleAt(point, known.viewpoint.position, camera);
       const double shown = shownAt(angle);
       if (shown <= point.shown) continue;
-      if (inPicture(camera.intrinsics, seenAt(camera, point.far ? point.ray : point.ray - to))) visit(s, i, shown);
+      if (inImage(camera.intrinsics, seenAt(camera, point.far ? point.ray : point.ray - to))) visit(s, i, shown);
     }
   }
 }
 
-double WalkEstimate::gain(const Camera& camera, const std::vector<std::uint32_t>& places) const {
+double WalkEstimate::gain(const Camera& camera, const std::vector<std::uint32_t>& sites) const {
   double sum = 0;
-  visitNear(camera, places, [&](std::uint32_t s, std::uint32_t i, double shown) {
-    const Known& known = stands_[s];
-    sum += known.stand.weight * (shown - known.points[i].shown) / double(known.points.size());
+  visitNear(camera, sites, [&](std::uint32_t s, std::uint32_t i, double shown) {
+    const SampledViewpoint& known = viewpoints_[s];
+    sum += known.viewpoint.weight * (shown - known.points[i].shown) / double(known.points.size());
   });
   return sum;
 }
 
-void WalkEstimate::add(const Camera& camera, const std::vector<std::uint32_t>& places) {
+void WalkEstimate::add(const Camera& camera, const std::vector<std::uint32_t>& sites) {
   struct Change {
-    std::uint32_t stand, point;
+    std::uint32_t viewpoint, point;
     double shown;
   };
   std::vector<Change> changes;
-  visitNear(camera, places, [&](std::uint32_t s, std::uint32_t i, double shown) { changes.push_back({s, i, shown}); });
-  for (const Change& c : changes) stands_[c.stand].points[c.point].shown = float(c.shown);
+  visitNear(camera, sites, [&](std::uint32_t s, std::uint32_t i, double shown) { changes.push_back({s, i, shown}); });
+  for (const Change& c : changes) viewpoints_[c.viewpoint].points[c.point].shown = float(c.shown);
 }
 
 }  // namespace ibr

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates from poses and distances, without drawing, how well the photographs show a walk between them.
 //
-// A walk is a set of stands: the capture sites, points between neighbours, the middles of cells, missing corners of a
-// grid, and points beside a row that has no way aside. The viewing directions at a stand are those of the photographs
-// around it. A point of their depth grids counts as shown by the photograph with the nearest direction to the point:
-// f(α) = exp(−α / kAngle), with α the angle at the point between stand and photograph. Fitted to the coverage of 104
-// cells of five photograph sets, with α from the cell's middle at the middle distance: 0.65·f(α), mean error 0.09. The
-// sum over stands is submodular in the photographs, so a greedy choice is within 1 − 1/e of the best set (Nemhauser et
-// al. 1978).
+// A walk is a set of viewpoints: the capture sites, points between neighbours, the middles of cells, missing corners of
+// a grid, and points beside a row that has no way aside. The viewing directions at a viewpoint are those of the
+// photographs around it. A point of their depth grids counts as shown by the photograph with the nearest direction to
+// the point: f(α) = exp(−α / kAngle), with α the angle at the point between viewpoint and photograph. Fitted to the
+// coverage of 104 cells of five photograph sets, with α from the cell's middle at the middle distance: 0.65·f(α), mean
+// error 0.09. The sum over viewpoints is submodular in the photographs, so a greedy choice is within 1 − 1/e of the
+// best set (Nemhauser et al. 1978).
 #pragma once
 
 #include <cstdint>
@@ -23,65 +23,65 @@ namespace ibr {
 double shownAt(double angle);
 
 /// Positions one step to either side of a row's site (above and below, if the photographs look aside from the row).
-std::vector<glm::dvec3> besideRow(const Scene& scene, const Places& places, std::uint32_t place);
+std::vector<glm::dvec3> rowSideSteps(const Scene& scene, const SiteGraph& sites, std::uint32_t site);
 
-struct Stand {
+struct Viewpoint {
   glm::dvec3 position{0.0};
-  std::vector<std::uint32_t> places;  // sites around the stand, ascending
+  std::vector<std::uint32_t> sites;  // sites around the viewpoint, ascending
   double weight = 1;
-  std::optional<std::uint32_t> place = std::nullopt;  // the site at the stand
+  std::optional<std::uint32_t> site = std::nullopt;  // the site at the viewpoint
 };
 
 class WalkEstimate {
  public:
   /// The arguments must outlive the object.
-  WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const Places& places);
+  WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const SiteGraph& sites);
 
-  std::size_t standCount() const { return stands_.size(); }
-  const Stand& stand(std::size_t s) const { return stands_[s].stand; }
-  /// Shown share at a stand, 0 to 1; 1 if the stand sees nothing of known distance.
-  double shown(std::size_t stand) const;
-  /// Weighted mean over the stands.
+  std::size_t viewpointCount() const { return viewpoints_.size(); }
+  const Viewpoint& viewpoint(std::size_t s) const { return viewpoints_[s].viewpoint; }
+  /// Shown share at a viewpoint, 0 to 1; 1 if the viewpoint sees nothing of known distance.
+  double shown(std::size_t viewpoint) const;
+  /// Weighted mean over the viewpoints.
   double shown() const;
   struct Worst {
     std::uint32_t node;
     double shown;
   };
-  /// The photograph whose viewing direction is shown least at the stand, and its shown share; nullopt if the stand sees
-  /// next to nothing.
-  std::optional<Worst> leastShown(std::size_t stand) const;
-  /// Shown share at any position among some sites, as if a stand were there.
-  double shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& places) const;
+  /// The photograph whose viewing direction is shown least at the viewpoint, and its shown share; nullopt if the
+  /// viewpoint sees next to nothing.
+  std::optional<Worst> worstShown(std::size_t viewpoint) const;
+  /// Shown share at any position among some sites, as if a viewpoint were there.
+  double shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& sites) const;
 
-  /// Increase of the sum of shown(stand) × weight by a further photograph near some sites.
-  double gain(const Camera& camera, const std::vector<std::uint32_t>& places) const;
+  /// Increase of the sum of shown(viewpoint) × weight by a further photograph near some sites.
+  double gain(const Camera& camera, const std::vector<std::uint32_t>& sites) const;
   /// Adds the photograph.
-  void add(const Camera& camera, const std::vector<std::uint32_t>& places);
+  void add(const Camera& camera, const std::vector<std::uint32_t>& sites);
 
  private:
   struct Point {
-    glm::dvec3 ray;      // from the stand to the point; a direction for points at infinity
+    glm::dvec3 ray;      // from the viewpoint to the point; a direction for points at infinity
     bool far;            // at infinity
     std::uint32_t node;  // photograph that sees the point
     float shown;
   };
-  struct Known {
-    Stand stand;
+  struct SampledViewpoint {
+    Viewpoint viewpoint;
     std::vector<Point> points;
   };
 
-  void placeStands();
-  Known look(Stand stand) const;
-  double angleAt(const Point& point, glm::dvec3 stand, const Camera& camera) const;
+  void addViewpoints();
+  SampledViewpoint look(Viewpoint viewpoint) const;
+  double angleAt(const Point& point, glm::dvec3 viewpoint, const Camera& camera) const;
   bool sees(std::uint32_t node, glm::dvec3 target, bool far) const;
   template <class Visit>
-  void visitNear(const Camera& camera, const std::vector<std::uint32_t>& places, const Visit& visit) const;
+  void visitNear(const Camera& camera, const std::vector<std::uint32_t>& sites, const Visit& visit) const;
 
   const Scene& scene_;
   const std::vector<PhotographDepth>& depths_;
-  const Places& places_;
-  std::vector<Known> stands_;
-  std::vector<std::vector<std::uint32_t>> standsOf_;  // of each site
+  const SiteGraph& siteGraph_;
+  std::vector<SampledViewpoint> viewpoints_;
+  std::vector<std::vector<std::uint32_t>> viewpointsOf_;  // of each site
 };
 
 }  // namespace ibr

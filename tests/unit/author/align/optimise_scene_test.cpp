@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "author/align/alignment_grid.h"
-#include "author/align/range_again.h"
+#include "author/align/range_solver.h"
 #include "author/geometry/epipolar_direction.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/mesh_signs.h"
@@ -79,8 +79,8 @@ AlignmentSummary summaryOf(const Alignment& a) {
   AlignmentSummary summary;
   summary.initialEcc = 0.5;
   summary.finalEcc = 0.75;
-  summary.starEccBefore.assign(a.position[0].size(), 0.25f);
-  summary.starEccAfter.assign(a.position[0].size(), 0.5f);
+  summary.initialStarEcc.assign(a.position[0].size(), 0.25f);
+  summary.finalStarEcc.assign(a.position[0].size(), 0.5f);
   summary.cycles.push_back({5, 0.75, 10, 100, 1, 0, 0.1});
   return summary;
 }
@@ -142,7 +142,7 @@ Aligner insertingOne(glm::ivec2 off) {
     a.triangles[t] = {d, to, n};
     a.triangles.insert(a.triangles.end(), {{to, c, n}, {from, d, n}});
     AlignmentSummary summary = summaryOf(a);
-    summary.starEccBefore.back() = std::nanf("");
+    summary.initialStarEcc.back() = std::nanf("");
     return summary;
   };
 }
@@ -161,7 +161,7 @@ TEST_CASE("if no point moves, the output scene equals the input scene") {
   CHECK(report.cells[2].cell == 2);
   CHECK(report.cells[2].members.size() == 3);
   CHECK(report.cells[0].width == 160);
-  CHECK(report.cells[0].judged > 20);
+  CHECK(report.cells[0].evaluated > 20);
   CHECK(report.cells[0].moved == 0);
   CHECK(report.cells[0].summary.finalEcc == 0.75);
   const Scene after = loadScene(wall.folder / "out");
@@ -183,8 +183,8 @@ TEST_CASE("an optimised scene keeps depth and the evidence of backdrops, not tha
   const Wall wall;
   Scene scene = wall.scene;
   const auto addTo = [](MorphMesh& mesh) {
-    mesh.confirmations.assign(mesh.pointCount(), 2);
-    mesh.consensus.assign(mesh.pointCount(), 0.75f);
+    mesh.confirmations.assign(mesh.vertexCount(), 2);
+    mesh.consensus.assign(mesh.vertexCount(), 0.75f);
   };
   addTo(scene.cells[2].mesh);
   Cell backdrop;
@@ -193,7 +193,7 @@ TEST_CASE("an optimised scene keeps depth and the evidence of backdrops, not tha
   backdrop.mesh.ratio = {{1, 1, 1}};
   backdrop.mesh.inverseDistance = backdrop.mesh.uncertainty = {0.25f, 0.25f, 0.25f};
   backdrop.mesh.triangles = {{0, 2, 1}};
-  backdrop.mesh.tier = {kTierAgrees};
+  backdrop.mesh.tier = {kTierConsistent};
   backdrop.mesh.ecc = {1};
   addTo(backdrop.mesh);
   scene.backdrops = {backdrop};
@@ -224,7 +224,7 @@ TEST_CASE("moved points get a new distance and labels, all others are unchanged"
   const MorphMesh &was = wall.scene.cells[0].mesh, &is = after.cells[0].mesh;
   std::size_t moved = 0;
   const Camera &first = wall.scene.nodes[0].camera, &second = wall.scene.nodes[1].camera;
-  for (std::size_t p = 0; p < was.pointCount(); ++p) {
+  for (std::size_t p = 0; p < was.vertexCount(); ++p) {
     CHECK(is.match[1][p] == was.match[1][p]);
     if (is.match[0][p] == was.match[0][p]) {
       CHECK(is.inverseDistance[p] == was.inverseDistance[p]);
@@ -279,7 +279,7 @@ TEST_CASE("no triangle flips, although unmoved points are off the grid") {
   OptimiseSceneOptions options = wall.options();
   options.cells.cells = {2};
   const auto report = optimiseScene(options, moving({0, -16 * kAlignmentUnitsPerPixel}, 5, false));
-  CHECK(report.cells[0].takenBack > 3);
+  CHECK(report.cells[0].reverted > 3);
   const MorphMesh &was = wall.scene.cells[2].mesh, is = loadScene(wall.folder / "out").cells[2].mesh;
   for (const glm::uvec3& t : was.triangles) CHECK((meshSigns(was.match, t) & ~meshSigns(is.match, t)) == 0);
 }
@@ -294,7 +294,7 @@ TEST_CASE("moves that would fold triangles are reverted") {
   OptimiseSceneOptions options = wall.options();
   options.cells.cells = {0};
   const auto report = optimiseScene(options, collapse);
-  CHECK(report.cells[0].takenBack == 1);
+  CHECK(report.cells[0].reverted == 1);
   CHECK(report.cells[0].moved == 0);
   CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
 }
@@ -304,10 +304,10 @@ TEST_CASE("flipped edges are stored with new labels, and all else is unchanged")
   const bool kept = GENERATE(false, true);
   OptimiseSceneOptions options = wall.options();
   options.cells.cells = {0};
-  options.cells.finished = wall.folder / "finished";
+  options.cells.cacheFolder = wall.folder / "finished";
   if (kept) optimiseScene(wall.options("other"), doNothing), optimiseScene(options, flipOne);
   const auto report = optimiseScene(options, flipOne);
-  CHECK(report.cells[0].resumed == kept);
+  CHECK(report.cells[0].cached == kept);
   CHECK(report.cells[0].moved == 0);
   CHECK(report.cells[0].flipped == 2);
   const MorphMesh &was = wall.scene.cells[0].mesh, is = loadScene(wall.folder / "out").cells[0].mesh;
@@ -324,7 +324,7 @@ TEST_CASE("flipped edges are stored with new labels, and all else is unchanged")
     }
     ++changed;
     for (int k = 0; k < 3; ++k) corners.insert(is.triangles[t][k]);
-    CHECK(is.tier[t] == kTierAgrees);
+    CHECK(is.tier[t] == kTierConsistent);
     CHECK(is.ecc[t] != was.ecc[t]);
     // The new triangle has the orientation of the mesh's triangles.
     CHECK((meshSigns(is.match, is.triangles[t]) & 1u) == (meshSigns(was.match, was.triangles[t]) & 1u));
@@ -333,9 +333,9 @@ TEST_CASE("flipped edges are stored with new labels, and all else is unchanged")
   CHECK(corners.size() == 4);
   CHECK(validateSceneFiles(wall.folder / "out").empty());
   options.cells.alignment.flipEdges = true;
-  CHECK(!optimiseScene(options, flipOne).cells[0].resumed);
+  CHECK(!optimiseScene(options, flipOne).cells[0].cached);
   options.cells.alignment.flipGain = 0.02;
-  CHECK(!optimiseScene(options, flipOne).cells[0].resumed);
+  CHECK(!optimiseScene(options, flipOne).cells[0].cached);
   CHECK_THAT(loadScene(wall.folder / "out").settings, Contains(R"("flipEdges":true,"flipGain":0.02)"));
 }
 
@@ -357,28 +357,28 @@ TEST_CASE("an inserted point gets all attributes, and the other points are uncha
   Wall wall;
   MorphMesh& mesh = wall.scene.cells[0].mesh;
   for (std::size_t t = mesh.triangles.size() - 6; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
-  mesh.planes.assign(mesh.pointCount(), {2, 5, 0, 0});
+  mesh.planes.assign(mesh.vertexCount(), {2, 5, 0, 0});
   saveScene(wall.scene, wall.folder / "scene");
   wall.scene = loadScene(wall.folder / "scene");
   const MorphMesh was = wall.scene.cells[0].mesh;
-  const std::size_t n = was.pointCount();
+  const std::size_t n = was.vertexCount();
   OptimiseSceneOptions options = wall.options();
   options.cells.cells = {0};
-  options.cells.finished = wall.folder / "kept";
+  options.cells.cacheFolder = wall.folder / "kept";
   const bool kept = GENERATE(false, true);
   const Aligner insertsOne = insertingOne({kAlignmentUnitsPerPixel, 0});
   if (kept) optimiseScene(options, insertsOne);
   const auto report = optimiseScene(options, insertsOne);
   const OptimisedCell& facts = report.cells[0];
-  CHECK(facts.resumed == kept);
+  CHECK(facts.cached == kept);
   CHECK(facts.inserted == 1);
   CHECK(facts.points == n);
   CHECK(facts.moved == 0);
   CHECK(facts.flipped == 0);
-  CHECK(facts.summary.starEccBefore.size() == n + 1);
+  CHECK(facts.summary.initialStarEcc.size() == n + 1);
   CHECK(validateSceneFiles(wall.folder / "out").empty());
   const MorphMesh is = loadScene(wall.folder / "out").cells[0].mesh;
-  REQUIRE(is.pointCount() == n + 1);
+  REQUIRE(is.vertexCount() == n + 1);
   const auto first = [&](const auto& list) { return std::vector(list.begin(), list.begin() + std::ptrdiff_t(n)); };
   CHECK(first(is.inverseDistance) == was.inverseDistance);
   CHECK(first(is.uncertainty) == was.uncertainty);
@@ -403,7 +403,7 @@ TEST_CASE("an inserted point gets all attributes, and the other points are uncha
   std::set<unsigned> corners;
   for (std::size_t t = 0; t < is.triangles.size(); ++t) {
     const glm::uvec3& corner = is.triangles[t];
-    CHECK(is.tier[t] == (t < was.tier0Count() + 2 ? kTierAgrees : kTierRejected));
+    CHECK(is.tier[t] == (t < was.tier0Count() + 2 ? kTierConsistent : kTierRejected));
     CHECK((meshSigns(is.match, corner) & 1u) == (meshSigns(was.match, was.triangles[0]) & 1u));
     if (std::max({corner.x, corner.y, corner.z}) == n) {
       ++around;
@@ -421,11 +421,11 @@ TEST_CASE("an inserted point gets all attributes, and the other points are uncha
   CHECK(corners.size() == 5);
   CHECK(old == was.triangles.size() - 2);
   options.cells.alignment.insertPoints = true;
-  CHECK(!optimiseScene(options, insertsOne).cells[0].resumed);
+  CHECK(!optimiseScene(options, insertsOne).cells[0].cached);
   for (double AlignmentOptions::*const value :
        {&AlignmentOptions::insertBelow, &AlignmentOptions::insertGain, &AlignmentOptions::insertShare}) {
     options.cells.alignment.*value += 0.01;
-    CHECK(!optimiseScene(options, insertsOne).cells[0].resumed);
+    CHECK(!optimiseScene(options, insertsOne).cells[0].cached);
   }
   CHECK_THAT(loadScene(wall.folder / "out").settings, Contains(R"("insertPoints":true)"));
 }
@@ -475,10 +475,10 @@ TEST_CASE("a cancelled run continues and gives the same bytes") {
   calls = 10;
   const auto report = optimiseScene(wall.options(), stopsAtThird);
   CHECK(calls == 11);
-  CHECK(report.cells[0].resumed);
-  CHECK(report.cells[1].resumed);
-  CHECK(!report.cells[2].resumed);
-  CHECK(report.cells[0].summary.starEccAfter[3] == 0.5f);
+  CHECK(report.cells[0].cached);
+  CHECK(report.cells[1].cached);
+  CHECK(!report.cells[2].cached);
+  CHECK(report.cells[0].summary.finalStarEcc[3] == 0.5f);
   CHECK(report.cells[0].summary.cycles.at(0).pixels == 100);
   CHECK(report.cells[0].members.size() == 2);
   optimiseScene(wall.options("whole"), move);
@@ -486,15 +486,15 @@ TEST_CASE("a cancelled run continues and gives the same bytes") {
 
   // Cells of other options are other cache entries.
   OptimiseSceneOptions kept = wall.options("again");
-  kept.cells.finished = wall.folder / "kept";
+  kept.cells.cacheFolder = wall.folder / "kept";
   optimiseScene(kept, stopsAtThird);
   calls = 10;
-  CHECK(optimiseScene(kept, stopsAtThird).cells[2].resumed);
+  CHECK(optimiseScene(kept, stopsAtThird).cells[2].cached);
   CHECK(calls == 10);
   kept.cells.alignment.rigidity = 4;
-  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].resumed);
+  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].cached);
   kept.cells.alignment.seed = 2;
-  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].resumed);
+  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].cached);
 }
 
 TEST_CASE("progress can cancel a run, and reaches the optimiser") {
@@ -596,7 +596,7 @@ TEST_CASE("panoramas are aligned on cube faces, and moves are mapped back to the
   CHECK(truth > 0.8 * double(movable));
   CHECK(facts.moved > movable / 3);
   CHECK(facts.summary.finalEcc == Approx(0.5));  // mean over movable points
-  for (std::size_t p = 0; p < was.pointCount(); ++p) {
+  for (std::size_t p = 0; p < was.vertexCount(); ++p) {
     CHECK(is.match[1][p] == was.match[1][p]);
     const Camera& camera = before.nodes[0].camera;
     const double angle = std::acos(std::min(
@@ -648,16 +648,16 @@ TEST_CASE("snapping to the grid flips no triangle, and fixes points that it cann
         const unsigned a = y * kSide + x;
         mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, a + kSide}, {a + 1, a + kSide + 1, a + kSide}});
       }
-    mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
+    mesh.tier.assign(mesh.triangles.size(), kTierConsistent);
     mesh.tier.back() = kTierRejected;
     mesh.inverseDistance.assign(kSide * kSide, 0.0f);
     const std::vector<glm::ivec2> size(mesh.match.size(), {120, 90});
-    const AlignmentGrid grid = ontoGrid(mesh, size);
-    CHECK(grid.alignment.triangles.size() + grid.alignment.kept.size() == mesh.triangles.size());
+    const AlignmentGrid grid = toAlignmentGrid(mesh, size);
+    CHECK(grid.alignment.triangles.size() + grid.alignment.unevaluated.size() == mesh.triangles.size());
     CHECK(!grid.alignment.triangles.empty());
     std::vector<std::vector<glm::vec2>> place(mesh.match.size());
     for (std::size_t i = 0; i < place.size(); ++i)
-      for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+      for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
         place[i].push_back(glm::vec2(grid.alignment.position[i][p]) / 128.0f);
         CHECK(glm::distance(place[i][p], mesh.match[i][p]) < 0.03f);
       }
@@ -680,12 +680,12 @@ TEST_CASE("points outside an image do not move") {
   mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
   mesh.tier = {0, 0};
   mesh.inverseDistance.assign(4, 0.0f);
-  const AlignmentGrid grid = ontoGrid(mesh, {{10, 10}, {10, 10}});
+  const AlignmentGrid grid = toAlignmentGrid(mesh, {{10, 10}, {10, 10}});
   CHECK(grid.fixed == 1);
   CHECK(grid.alignment.fixed == std::vector<std::uint8_t>{0, 0, 0, 1});
   CHECK(grid.alignment.position[1][3] == glm::ivec2(9 * 128, 10 * 128));
   CHECK(grid.alignment.triangles == std::vector<glm::uvec3>{{0, 1, 2}});
-  CHECK(grid.alignment.kept == std::vector<glm::uvec3>{{1, 3, 2}});
+  CHECK(grid.alignment.unevaluated == std::vector<glm::uvec3>{{1, 3, 2}});
 }
 
 TEST_CASE("the prior of the sweep is recovered: unmoved points keep their stored inverse distance") {
@@ -743,8 +743,8 @@ TEST_CASE("the optimiser gets the epipolar direction of each match") {
       centre += scene.nodes[n].camera.pose.position / double(cell.members.size());
     REQUIRE(a.epipolar.size() == cell.members.size());
     for (std::size_t i = 0; i < a.epipolar.size(); ++i) {
-      REQUIRE(a.epipolar[i].size() == cell.mesh.pointCount());
-      for (std::size_t p = 0; p < cell.mesh.pointCount(); p += 7) {
+      REQUIRE(a.epipolar[i].size() == cell.mesh.vertexCount());
+      for (std::size_t p = 0; p < cell.mesh.vertexCount(); p += 7) {
         const glm::dvec2 expected =
             epipolarDirection(scene.nodes[cell.members[i]].camera, centre, glm::dvec2(cell.mesh.match[i][p]));
         CHECK(glm::distance(glm::dvec2(a.epipolar[i][p]), expected) < 1e-4);

@@ -170,8 +170,8 @@ TEST_CASE("a backdrop covers the image exactly, except where it is stretched ove
     const CellMesh backdrop =
         buildBackdrop(camera, patchy(size.x, size.y, 1.1), colours, {.step = 1.0, .spacing = spacing});
     checkClosed(camera, backdrop);
-    CHECK(backdrop.mesh.pointCount() > last);
-    last = backdrop.mesh.pointCount();
+    CHECK(backdrop.mesh.vertexCount() > last);
+    last = backdrop.mesh.vertexCount();
   }
   for (const glm::ivec2 tiny : {glm::ivec2(1, 1), {3, 2}, {1, 40}}) {
     const Camera small{resized(camera.intrinsics, tiny.x, tiny.y), camera.pose};
@@ -190,7 +190,7 @@ TEST_CASE("a backdrop's vertices are at the given depth, and its coverage counts
   CHECK(backdrop.quality.coverage == Approx(0.5));
   Scene scene;
   scene.nodes.push_back({"a", camera, {}, {}});
-  for (std::size_t p = 0; p < backdrop.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < backdrop.mesh.vertexCount(); ++p) {
     const auto point = vertexPosition(scene, {{0}, backdrop.mesh, {}}, p);
     REQUIRE(point);
     CHECK(glm::dot(*point - camera.pose.position, viewAxis(camera.pose)) == Approx(4.0).epsilon(1e-4));
@@ -209,7 +209,7 @@ TEST_CASE("a panorama's backdrop is closed across its seam and at its poles") {
   checkClosed(camera, backdrop);
   const MorphMesh& mesh = backdrop.mesh;
   std::map<float, std::vector<float>> left, right, poles;  // inverse distances by row
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
     const glm::vec2 at = mesh.match[0][p];
     if (at.y == 0 || at.y == 128) poles[at.y].push_back(mesh.inverseDistance[p]);
     if (at.x == 0) left[at.y].push_back(mesh.inverseDistance[p]);
@@ -230,7 +230,7 @@ TEST_CASE("a panorama's vertices are at the given distance along their rays") {
   CHECK(backdrop.mesh.tier0Count() == backdrop.mesh.triangles.size());
   Scene scene;
   scene.nodes.push_back({"a", camera, {}, {}});
-  for (std::size_t p = 0; p < backdrop.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < backdrop.mesh.vertexCount(); ++p) {
     const auto point = vertexPosition(scene, {{0}, backdrop.mesh, {}}, p);
     REQUIRE(point);
     CHECK(glm::distance(*point, camera.pose.position) == Approx(4.0).epsilon(1e-4));

@@ -28,7 +28,7 @@ BuildWork someWork(std::size_t count) {
 
 double secondsOf(const std::vector<StageCost>& stages, bool processor = false) {
   double sum = 0;
-  for (const StageCost& stage : stages) sum += processor ? stage.processorSeconds : stage.seconds;
+  for (const StageCost& stage : stages) sum += processor ? stage.cpuSeconds : stage.seconds;
   return sum;
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("predicted time grows with the work, and shrinks with threads down to 
 TEST_CASE("pose refinement is predicted on one thread, and not for exact poses") {
   const BuildWork work = someWork(8);
   BuildWork refined = work;
-  refined.refinedBy = 10000;
+  refined.refinementObservations = 10000;
   const auto timeOf = [](const std::vector<StageCost>& stages, std::string_view name) {
     const auto found = std::ranges::find_if(stages, [&](const auto& s) { return s.stage == name; });
     return found == stages.end() ? 0 : found->seconds;
@@ -68,7 +68,7 @@ TEST_CASE("pose refinement is predicted on one thread, and not for exact poses")
   const double once = timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses");
   CHECK(once > 0.1);
   CHECK(timeOf(costOf(refined, {4, 4, 4, 4}, TextureFormat::rgba8, {}), "refining poses") == once);
-  refined.refinedBy *= 2;
+  refined.refinementObservations *= 2;
   CHECK(timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses") == Approx(2 * once));
 
   const test::CourtPhotographs set = court(4);
@@ -142,7 +142,7 @@ TEST_CASE("the prediction is reported before the build begins, and a dry run wri
   CHECK(prediction.photographs == 8);
   CHECK(prediction.backdrops == 8);
   CHECK(prediction.posesKnown);
-  CHECK(prediction.cellsKnown);
+  CHECK(prediction.cellCountKnown);
   CHECK(prediction.megapixels == Approx(8 * 96 * 72 / 1e6));
   CHECK(prediction.seconds > 0);
   double sum = 0;
@@ -158,7 +158,7 @@ TEST_CASE("the prediction is reported before the build begins, and a dry run wri
     if (entry.is_regular_file()) bytes += double(entry.file_size());
   CHECK(bytes < prediction.disk);
   CHECK(bytes > 0.3 * prediction.disk);
-  CHECK(report.processorSeconds > 0);
+  CHECK(report.cpuSeconds > 0);
   CHECK(report.memory > 1e6);
 }
 
@@ -166,10 +166,10 @@ TEST_CASE("finding moving objects takes longer with more judging photographs, an
   BuildWork work = someWork(8);
   const StageThreads one;
   const double without = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
-  work.judgedPixels = 8e6;
+  work.comparedPixels = 8e6;
   const double alone = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
   CHECK(alone > without);
-  work.judgePixels = 24e6;
+  work.comparisonPixels = 24e6;
   const double judged = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
   CHECK(judged > alone);
   CHECK(secondsOf(costOf(work, {1, 1, 1, 1, 4}, TextureFormat::rgba8, {})) == Approx(without + (judged - without) / 4));
@@ -178,7 +178,7 @@ TEST_CASE("finding moving objects takes longer with more judging photographs, an
   BuildOptions options = set.options;
   const auto stages = [&](bool remove) {
     std::vector<std::string> names;
-    options.removeMovers = remove;
+    options.maskMovingObjects = remove;
     options.onPrediction = [&](const BuildPrediction& p) {
       for (const auto& stage : p.stages) names.push_back(stage.name);
       return false;
@@ -205,7 +205,7 @@ TEST_CASE("a cell needs more memory for more pixels, levels and members") {
   CHECK(with([](CellWork& c) { c.levels = 250; }) > 1.5 * bytes);
   CHECK(with([](CellWork& c) { c.members = 4; }) > bytes);
   CHECK(with([](CellWork& c) { c.loadingBytes += 1e8; }) == Approx(bytes + 1e8));
-  CHECK(with([](CellWork& c) { c.beyondPixels = 10e6; }) > bytes + 3e7);
+  CHECK(with([](CellWork& c) { c.excessPixels = 10e6; }) > bytes + 3e7);
   CHECK(with([](CellWork& c) { c.swept = false; }) > bytes);
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("less memory means fewer threads, never more memory") {
   CHECK(much.threads > 1);
   CHECK(less.memory <= between);
   CHECK(least.threads == 1);
-  CHECK(least.memory > least.memoryAllowed);
+  CHECK(least.memory > least.memoryLimitBytes);
 }
 
 TEST_CASE("without poses, the prediction uses the files alone") {
@@ -242,7 +242,7 @@ TEST_CASE("without poses, the prediction uses the files alone") {
   options.onPrediction = [&](const BuildPrediction& p) {
     told = true;
     CHECK(!p.posesKnown);
-    CHECK(!p.cellsKnown);
+    CHECK(!p.cellCountKnown);
     CHECK(p.photographs == 5);
     return false;
   };
@@ -256,21 +256,21 @@ TEST_CASE("insufficient disk space and memory are reported before anything is wr
   BuildOptions options;
   options.output = "scene";
   prediction.disk = 2e9;
-  prediction.diskFree = 1e9;
-  const Error error = test::errorOf([&] { checkRoom(prediction, options, {}); });
+  prediction.diskFreeBytes = 1e9;
+  const Error error = test::errorOf([&] { checkDiskSpace(prediction, options, {}); });
   CHECK(error.code() == ErrorCode::io);
   CHECK_THAT(error.what(), Contains("2.0 GB") && Contains("1.0 GB") && Contains("--texture bc7"));
   std::string said;
   const LogCallback log = [&](LogLevel, std::string_view text) { said += text; };
   prediction.disk = 1.1e9;
-  checkRoom(prediction, options, log);
+  checkDiskSpace(prediction, options, log);
   CHECK_THAT(said, Contains("1.1 GB"));
   said.clear();
   prediction.disk = 0.5e9;
-  checkRoom(prediction, options, log);
+  checkDiskSpace(prediction, options, log);
   CHECK(said.empty());
   prediction.memory = 3e9;
-  prediction.memoryAllowed = 2e9;
-  checkRoom(prediction, options, log);
+  prediction.memoryLimitBytes = 2e9;
+  checkDiskSpace(prediction, options, log);
   CHECK_THAT(said, Contains("3.0 GB") && Contains("--memory"));
 }

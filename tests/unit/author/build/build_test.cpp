@@ -168,7 +168,7 @@ TEST_CASE("only unused cache files are removed from the folder .build") {
     fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(1));
   }
   const BuildReport again = build(set.options());
-  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.resumed; }));
+  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.cached; }));
   CHECK(readTextFile(notes) == "mine");
   CHECK_FALSE(fs::exists(unfinished));
   CHECK_FALSE(fs::exists(unused));
@@ -187,16 +187,16 @@ TEST_CASE("photographs and a model give a valid scene with accurate matches") {
   CHECK(stages.size() >= 4);
   REQUIRE(report.cells.size() == 2);
   CHECK(report.dropped.empty());
-  REQUIRE(report.unused.size() == 1);
-  CHECK(report.unused[0].name == "stranger.png");
-  CHECK(report.unused[0].reason == kNotRegistered);
+  REQUIRE(report.unusedPhotographs.size() == 1);
+  CHECK(report.unusedPhotographs[0].name == "stranger.png");
+  CHECK(report.unusedPhotographs[0].reason == kNotRegistered);
 
   CHECK(validateSceneFiles(set.options().output).empty());
   const Scene scene = loadScene(set.options().output);
   REQUIRE(scene.nodes.size() == 4);
   REQUIRE(scene.cells.size() == 2);
-  REQUIRE(scene.unused.size() == 1);
-  CHECK(scene.unused[0].name == "stranger.png");
+  REQUIRE(scene.unusedPhotographs.size() == 1);
+  CHECK(scene.unusedPhotographs[0].name == "stranger.png");
   CHECK(readFile(scene.folder / scene.nodes[0].imageFile) == readFile(set.folder / "photos/000.png"));
   const Texture texture = readKtx2(scene.folder / scene.nodes[3].textureFile);
   REQUIRE(texture.levels.size() == 8);
@@ -208,13 +208,13 @@ TEST_CASE("photographs and a model give a valid scene with accurate matches") {
     CHECK(cell.quality.coverage > 0.6);
     CHECK(cell.quality.score > 0);
     CHECK(cell.quality.score <= cell.quality.coverage * cell.quality.ecc);
-    CHECK(report.cells[c].points == cell.mesh.pointCount());
+    CHECK(report.cells[c].points == cell.mesh.vertexCount());
     CHECK(report.cells[c].tier0 == cell.mesh.tier0Count());
-    CHECK_FALSE(report.cells[c].resumed);
+    CHECK_FALSE(report.cells[c].cached);
     const TexturedPlane& wall = set.scene.planes[0];
     const glm::dvec3 normal = glm::cross(wall.u, wall.v);
     std::size_t good = 0;
-    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       const Camera& first = scene.nodes[cell.members[0]].camera;
       const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, cell.mesh.match[0][p]);
       const glm::dvec3 point =
@@ -228,7 +228,7 @@ TEST_CASE("photographs and a model give a valid scene with accurate matches") {
       }
       good += worst < 0.3;
     }
-    CHECK(double(good) > 0.8 * double(cell.mesh.pointCount()));
+    CHECK(double(good) > 0.8 * double(cell.mesh.vertexCount()));
   }
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("the output does not depend on the thread count or on an earlier cance
   CHECK_FALSE(fs::exists(stopped.output / "scene.gltf"));
   CHECK(std::distance(fs::directory_iterator(stopped.output / ".build"), fs::directory_iterator()) >= 1);
   const BuildReport report = build(stopped);
-  CHECK(std::count_if(report.cells.begin(), report.cells.end(), [](const auto& c) { return c.resumed; }) >= 1);
+  CHECK(std::count_if(report.cells.begin(), report.cells.end(), [](const auto& c) { return c.cached; }) >= 1);
   CHECK(filesBelow(stopped.output) == expected);
 
   // Cancelling before the first stage leaves no partial output.
@@ -309,7 +309,7 @@ TEST_CASE("if the border is kept, the whole photograph is stored, and no mesh co
   CHECK(triangles > 100);
   REQUIRE(scene.backdrops.size() == report.backdrops.size());
   for (std::size_t b = 0; b < scene.backdrops.size(); ++b) {
-    CHECK(scene.backdrops[b].quality.coverage == report.backdrops[b].known);
+    CHECK(scene.backdrops[b].quality.coverage == report.backdrops[b].matchedShare);
     CHECK(std::isnan(scene.backdrops[b].quality.ecc));
   }
 }
@@ -328,13 +328,13 @@ TEST_CASE("every photograph has a backdrop, built or cached, unless backdrops ar
     CHECK(backdrop.members == std::vector<std::uint32_t>{std::uint32_t(i)});
     CHECK(report.backdrops[i].photograph == scene.nodes[i].name);
     CHECK(report.backdrops[i].triangles == backdrop.mesh.triangles.size());
-    CHECK(report.backdrops[i].known > 0.4);
-    CHECK_FALSE(report.backdrops[i].resumed);
+    CHECK(report.backdrops[i].matchedShare > 0.4);
+    CHECK_FALSE(report.backdrops[i].cached);
   }
   const auto stop = [](const Progress& p) { return !(p.stage == "completing backdrops" && p.done >= 2); };
   CHECK(test::errorOf([&] { build(stopped, stop); }).code() == ErrorCode::cancelled);
-  const BuildReport resumed = build(stopped);
-  CHECK(std::ranges::count(resumed.backdrops, true, &BuildReport::BackdropLine::resumed) >= 2);
+  const BuildReport cached = build(stopped);
+  CHECK(std::ranges::count(cached.backdrops, true, &BuildReport::BackdropReport::cached) >= 2);
   CHECK(filesBelow(stopped.output) == filesBelow(whole.output));
 
   CHECK(build(none).backdrops.empty());
@@ -374,10 +374,10 @@ TEST_CASE("a built scene has depth and evidence of every pinhole, independent of
     CHECK(*std::ranges::max_element(maps.inverseDepth.values) == float(node.depthScale));
     CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 units away
     const MorphMesh& mesh = scene.backdrops[i].mesh;
-    REQUIRE(mesh.confirmations.size() == mesh.pointCount());
-    points += mesh.pointCount();
-    confirmed += mesh.pointCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
-    for (std::size_t p = 0; p < mesh.pointCount(); ++p) CHECK(mesh.consensus[p] <= 3.25f / 3.5f);
+    REQUIRE(mesh.confirmations.size() == mesh.vertexCount());
+    points += mesh.vertexCount();
+    confirmed += mesh.vertexCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
+    for (std::size_t p = 0; p < mesh.vertexCount(); ++p) CHECK(mesh.consensus[p] <= 3.25f / 3.5f);
   }
   CHECK(confirmed > points / 8);  // the other points are completed
   for (const Cell& cell : scene.cells) CHECK(cell.mesh.confirmations.empty());
@@ -424,8 +424,8 @@ TEST_CASE("panoramas have depth and a backdrop in all directions, confirmed by t
       }
     CHECK(double(right) > 0.9 * k.width * k.height);
     const MorphMesh& mesh = scene.backdrops[n].mesh;
-    const auto confirmed = mesh.pointCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
-    CHECK(confirmed > mesh.pointCount() / 2);
+    const auto confirmed = mesh.vertexCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
+    CHECK(confirmed > mesh.vertexCount() / 2);
   }
 }
 
@@ -447,7 +447,7 @@ TEST_CASE("a photograph that is in no cell has a backdrop from its tracks") {
   const BuildReport report = build(options);
   CHECK(report.cells.empty());
   REQUIRE(report.backdrops.size() == 1);
-  CHECK(report.backdrops[0].known > 0);
+  CHECK(report.backdrops[0].matchedShare > 0);
   const MorphMesh mesh = loadScene(options.output).backdrops.at(0).mesh;
   for (const float rho : mesh.inverseDistance) {
     CHECK(rho > 0.1f);
@@ -461,8 +461,8 @@ TEST_CASE("images of a scene inside the photographs' folder are not reported as 
   options.output = set.folder / "photos/scene";
   build(options);
   const BuildReport again = build(options);
-  REQUIRE(again.unused.size() == 1);
-  CHECK(again.unused[0].name == "stranger.png");
+  REQUIRE(again.unusedPhotographs.size() == 1);
+  CHECK(again.unusedPhotographs[0].name == "stranger.png");
 }
 
 TEST_CASE("a failed cell is replaced by its faces and then by its edges") {
@@ -474,11 +474,11 @@ TEST_CASE("a failed cell is replaced by its faces and then by its edges") {
   const Scene scene = loadScene(options.output);
   REQUIRE_FALSE(report.dropped.empty());
   for (const auto& dropped : report.dropped) {
-    CHECK_THAT(dropped.what, Contains("003.png"));
+    CHECK_THAT(dropped.cell, Contains("003.png"));
     CHECK_THAT(dropped.reason, Contains(" %"));
   }
   for (const Cell& cell : scene.cells) CHECK(std::ranges::count(cell.members, 3u) == 0);
-  CHECK(std::ranges::any_of(scene.unused, [](const auto& u) { return u.name == "sub/003.png"; }));
+  CHECK(std::ranges::any_of(scene.unusedPhotographs, [](const auto& u) { return u.name == "sub/003.png"; }));
   std::set<std::uint32_t> used;
   for (const Cell& cell : scene.cells) used.insert(cell.members.begin(), cell.members.end());
   CHECK(used == std::set<std::uint32_t>{0, 1, 2});
@@ -496,8 +496,8 @@ TEST_CASE("a model whose photographs share no point is reported") {
       build(options, {}, [&](LogLevel, std::string_view message) { said += std::string(message) + "\n"; });
   CHECK(report.cells.empty());
   CHECK_THAT(said, Contains("points3D"));
-  REQUIRE(report.unused.size() == 5);
-  CHECK_THAT(report.unused[1].reason, Contains("points"));
+  REQUIRE(report.unusedPhotographs.size() == 5);
+  CHECK_THAT(report.unusedPhotographs[1].reason, Contains("points"));
 }
 
 TEST_CASE("photographs may be excluded, downsampled, or larger than the model's camera") {
@@ -514,8 +514,8 @@ TEST_CASE("photographs may be excluded, downsampled, or larger than the model's 
   CHECK(scene.nodes[0].camera.intrinsics.fx == Approx(set.model.images[0].camera.intrinsics.fx * 200 / 128));
   CHECK(probeImage(scene.folder / scene.nodes[0].imageFile).width == 200);
   CHECK(validateSceneFiles(options.output).empty());
-  CHECK(
-      std::none_of(report.unused.begin(), report.unused.end(), [](const auto& u) { return u.name == "sub/003.png"; }));
+  CHECK(std::none_of(report.unusedPhotographs.begin(), report.unusedPhotographs.end(),
+                     [](const auto& u) { return u.name == "sub/003.png"; }));
 }
 
 TEST_CASE("masks are stored in the scene and in the textures' alpha, in every format") {
@@ -540,8 +540,8 @@ TEST_CASE("masks are stored in the scene and in the textures' alpha, in every fo
     CHECK_THAT(said, Contains("000.png") && Contains("2 of the 4"));
     REQUIRE(report.masks.size() == 1);
     CHECK(report.masks[0].photograph == "001.png");
-    CHECK(report.masks[0].given == Approx(1.0 / 12));
-    CHECK(report.masks[0].moved == 0);
+    CHECK(report.masks[0].givenShare == Approx(1.0 / 12));
+    CHECK(report.masks[0].movingShare == 0);
     const Scene scene = loadScene(options.output);
     CHECK(validateSceneFiles(options.output).empty());
     CHECK(scene.nodes[0].maskFile.empty());
@@ -735,11 +735,11 @@ TEST_CASE("cached cells do not change later builds") {
   // Plane matching depends on the members only. Members' depth would depend on all photographs of the same area.
   for (BuildOptions* options : {&whole, &part, &alone}) options->matcher = MatchMethod::homographic;
   whole.cacheFolder = part.cacheFolder = set.folder / "cells";
-  CHECK(std::ranges::none_of(build(whole).cells, [](const auto& cell) { return cell.resumed; }));
+  CHECK(std::ranges::none_of(build(whole).cells, [](const auto& cell) { return cell.cached; }));
   const BuildReport shared = build(part);
   REQUIRE(shared.cells.size() == 1);
-  CHECK(shared.cells[0].resumed);
-  CHECK_FALSE(build(alone).cells[0].resumed);
+  CHECK(shared.cells[0].cached);
+  CHECK_FALSE(build(alone).cells[0].cached);
   auto kept = filesBelow(alone.output);
   std::erase_if(kept, [](const auto& file) { return file.first.starts_with(".build/"); });
   CHECK(filesBelow(part.output) == kept);
@@ -761,15 +761,15 @@ TEST_CASE("photographs that are added to a cached build are matched with their n
   const std::size_t before = depths();
   CHECK(before == 3);
   const BuildReport added = build(whole);
-  const auto resumed = [](const auto& cell) { return cell.resumed; };
-  CHECK(std::ranges::none_of(added.cells, resumed));  // all have members whose depth has one more source
+  const auto cached = [](const auto& cell) { return cell.cached; };
+  CHECK(std::ranges::none_of(added.cells, cached));  // all have members whose depth has one more source
   build(alone);
   auto scene = filesBelow(alone.output);
   std::erase_if(scene, [](const auto& file) { return file.first.starts_with(".build/"); });
   CHECK(filesBelow(whole.output) == scene);
   // All four photographs see the same area, so each uses the new photograph as a source.
   CHECK(depths() == before + 4);
-  CHECK(std::ranges::all_of(build(whole).cells, resumed));
+  CHECK(std::ranges::all_of(build(whole).cells, cached));
   CHECK(depths() == before + 4);
 }
 
@@ -810,7 +810,7 @@ TEST_CASE("a draft has depth and no cells, and does not change the next build") 
   const Set set;
   BuildOptions draft = set.options("scene"), whole = draft, alone = set.options("alone");
   draft.draft = true;
-  draft.removeMovers = draft.refinePoses = true;  // a draft skips both
+  draft.maskMovingObjects = draft.refinePoses = true;  // a draft skips both
   draft.postProcess = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) {
     FAIL("post-processed a draft");
   };
@@ -824,9 +824,9 @@ TEST_CASE("a draft has depth and no cells, and does not change the next build") 
   CHECK(warnings.empty());
   CHECK(report.cells.empty());
   CHECK(report.dropped.empty());
-  REQUIRE(report.unused.size() == 1);  // the photograph without a pose
+  REQUIRE(report.unusedPhotographs.size() == 1);  // the photograph without a pose
   CHECK(report.prediction.cells == 0);
-  CHECK(report.prediction.cellsKnown);
+  CHECK(report.prediction.cellCountKnown);
   CHECK_FALSE(stages.contains("matching cells"));
   CHECK_FALSE(stages.contains("finding features"));  // the model already has points
   CHECK(validateSceneFiles(draft.output).empty());
@@ -838,7 +838,7 @@ TEST_CASE("a draft has depth and no cells, and does not change the next build") 
     const DepthMaps maps = readDepthTexture(readKtx2(draft.output / node.depthFile), node.depthScale);
     CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));
   }
-  for (const Cell& mesh : scene.backdrops) CHECK(mesh.mesh.pointCount() > 50);
+  for (const Cell& mesh : scene.backdrops) CHECK(mesh.mesh.vertexCount() > 50);
   build(whole);
   build(alone);
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
@@ -847,7 +847,7 @@ TEST_CASE("a draft has depth and no cells, and does not change the next build") 
   CHECK(loadScene(draft.output).cells.empty());
   const BuildReport again = build(whole);
   CHECK(again.cells.size() == 2);
-  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.resumed; }));
+  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.cached; }));
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
 
   BuildOptions nothing = set.options("nothing");
@@ -902,9 +902,9 @@ TEST_CASE("posed photographs equal those that a build stores") {
   const Scene scene = loadScene(options.output);
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(photographs.images()[i].camera.intrinsics == scene.nodes[i].camera.intrinsics);
-    CHECK(photographs.picture(i) == readImage(scene.folder / scene.nodes[i].imageFile));
+    CHECK(photographs.photograph(i) == readImage(scene.folder / scene.nodes[i].imageFile));
   }
-  CHECK_THROWS_AS(photographs.picture(3), std::out_of_range);
+  CHECK_THROWS_AS(photographs.photograph(3), std::out_of_range);
   options.exclude = {"none.png"};
   CHECK_THROWS_AS(PosedPhotographs(options), Error);
 }

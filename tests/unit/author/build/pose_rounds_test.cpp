@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pose refinement on synthetic scenes with exact matches: planted errors are recovered, all other values stay.
-#include "author/build/pose_rounds.h"
+#include "author/build/pose_refinement.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -77,7 +77,7 @@ Off off(const BuildInput& input, const std::vector<Camera>& exact) {
     are.push_back(input.photographs[i].camera.pose);
     should.push_back(exact[i].pose);
   }
-  const Similarity onto = aligned(are, should);
+  const SimilarityTransform onto = estimateSimilarity(are, should);
   Off most;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const Pose pose = onto(are[i]);
@@ -147,10 +147,10 @@ TEST_CASE("exact poses stay exact") {
   const std::vector<Camera> exact = camerasOf(made.scene);
   BuildInput input = inputOf(exact);
   const PoseRefinement report = refinePoses(input, made.scene.cells);
-  CHECK(report.moved.empty());
+  CHECK(report.poseChanges.empty());
   REQUIRE_FALSE(report.steps.empty());
-  for (const PoseRefinement::Step& step : report.steps) CHECK_FALSE(step.taken);
-  CHECK(report.after.medianPx < 1e-4);
+  for (const PoseRefinement::Step& step : report.steps) CHECK_FALSE(step.accepted);
+  CHECK(report.finalErrors.medianPx < 1e-4);
   CHECK(furthest(exact, input) == 0);
 }
 
@@ -168,12 +168,12 @@ TEST_CASE("dense matches alone do not move poses that the model's points confirm
     for (Track& track : told.model.tracks)
       for (TrackObservation& seen : track.observations) seen.pixel += glm::dvec2(random.vector(noisePx));
     const PoseRefinement report = refinePoses(told, made.scene.cells);
-    INFO(noisePx << " px: " << report.steps.at(1).cellsSurer << ", " << report.steps.at(1).modelSurer);
-    CHECK(report.moved.empty());
+    INFO(noisePx << " px: " << report.steps.at(1).cellsGainSigmas << ", " << report.steps.at(1).modelGainSigmas);
+    CHECK(report.poseChanges.empty());
     CHECK(furthest(exact, told) == 0);
-    CHECK(report.steps[1].cellsSurer > 3);
-    CHECK(report.steps[1].modelSurer < 0);
-    CHECK_FALSE(refinePoses(alone, made.scene.cells).moved.empty());  // the cells are the only information
+    CHECK(report.steps[1].cellsGainSigmas > 3);
+    CHECK(report.steps[1].modelGainSigmas < 0);
+    CHECK_FALSE(refinePoses(alone, made.scene.cells).poseChanges.empty());  // the cells are the only information
   }
 }
 
@@ -189,10 +189,10 @@ TEST_CASE("a fit to noise is rejected, although its own points improve") {
       for (TrackObservation& seen : track.observations) seen.pixel += glm::dvec2(random.vector(0.5));
     const PoseRefinement report = refinePoses(input, cells);
     REQUIRE_FALSE(report.steps.empty());
-    INFO("seed " << seed << ": " << report.steps[0].modelSurer);
-    CHECK(report.tracksOfCells == 0);
-    CHECK(std::isnan(report.steps[0].cellsSurer));
-    CHECK(report.before.medianPx > 0.1);
+    INFO("seed " << seed << ": " << report.steps[0].modelGainSigmas);
+    CHECK(report.cellTracks == 0);
+    CHECK(std::isnan(report.steps[0].cellsGainSigmas));
+    CHECK(report.initialErrors.medianPx > 0.1);
     CHECK(furthest(exact, input) == 0);
   }
 }
@@ -207,8 +207,8 @@ TEST_CASE("accurate points of the model suffice, also with wrong dense matches")
   const double before = off(input, exact).turnPx;
   const PoseRefinement report = refinePoses(input, made.scene.cells);
   REQUIRE(report.steps.size() == 3);
-  CHECK(report.steps[0].taken);
-  CHECK_FALSE(report.steps[1].taken);
+  CHECK(report.steps[0].accepted);
+  CHECK_FALSE(report.steps[1].accepted);
   INFO(before << " -> " << off(input, exact).turnPx << " px");
   CHECK(off(input, exact).turnPx < before / 4);
 }
@@ -221,7 +221,7 @@ TEST_CASE("planted pose noise is recovered, also with outliers, and its size is 
   for (const bool outliers : {false, true}) {
     if (outliers)  // a tenth of all matches, in contiguous regions
       for (Cell& cell : made.scene.cells)
-        for (std::size_t p = 0; p < cell.mesh.pointCount() / 10; ++p) cell.mesh.match[1][p] += glm::vec2(9, -6);
+        for (std::size_t p = 0; p < cell.mesh.vertexCount() / 10; ++p) cell.mesh.match[1][p] += glm::vec2(9, -6);
     BuildInput input = inputOf(wrong);
     const Off before = off(input, exact);
     const PoseRefinement report = refinePoses(input, made.scene.cells);
@@ -231,16 +231,16 @@ TEST_CASE("planted pose noise is recovered, also with outliers, and its size is 
     CHECK(before.turnPx > 1);
     CHECK(after.turnPx < (outliers ? 0.25 : 0.15));
     CHECK(after.shift < 0.006);
-    CHECK(report.before.medianPx > 10 * report.after.medianPx);
+    CHECK(report.initialErrors.medianPx > 10 * report.finalErrors.medianPx);
     // The coordinate frame is unchanged: no camera moves further than the noise.
-    for (const auto& moved : report.moved) CHECK(moved.turnPx < 6);
+    for (const auto& moved : report.poseChanges) CHECK(moved.rotationPx < 6);
     std::vector<Pose> from, to;
     for (std::size_t i = 0; i < exact.size(); ++i) {
       from.push_back(input.photographs[i].camera.pose);
       to.push_back(wrong[i].pose);
       CHECK((input.model.images[i].camera.pose.position == from.back().position));
     }
-    CHECK(aligned(from, to).scale == Approx(1).epsilon(1e-6));
+    CHECK(estimateSimilarity(from, to).scale == Approx(1).epsilon(1e-6));
   }
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("wrong focal lengths are recovered if the poses determine them, and st
   CHECK(input.photographs[0].camera.intrinsics.fx == Approx(exact[0].intrinsics.fx).epsilon(0.002));
   for (const Photograph& photograph : input.photographs)
     CHECK(photograph.camera.intrinsics == input.photographs[0].camera.intrinsics);
-  CHECK(report.moved[0].focalFactor == Approx(1 / 1.01).epsilon(0.002));
+  CHECK(report.poseChanges[0].focalFactor == Approx(1 / 1.01).epsilon(0.002));
   // Focal lengths of a distorting lens stay: its pictures are undistorted with the lens's parameters.
   BuildInput distorted = inputOf(wrong);
   const std::vector<double> k{200, 120, 90, -0.1};
@@ -270,7 +270,7 @@ TEST_CASE("refinement does not depend on the world's position, rotation and scal
   const std::vector<Camera> wrong = PoseNoise(3).on(camerasOf(made.scene), 0.008, 0.01);
   BuildInput here = inputOf(wrong);
   refinePoses(here, made.scene.cells);
-  const Similarity move{250, glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, 2, -1))), {4000, -700, 90}};
+  const SimilarityTransform move{250, glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, 2, -1))), {4000, -700, 90}};
   std::vector<Camera> moved = wrong, expected;
   for (Camera& camera : moved) camera.pose = move(camera.pose);
   for (const Photograph& photograph : here.photographs) {
@@ -323,18 +323,18 @@ TEST_CASE("degenerate rigs are refined, and an unconnected photograph is unchang
     const std::vector<Camera> exact = camerasOf(made.scene), wrong = PoseNoise(6).on(exact, 0.004, 0.005);
     BuildInput input = inputOf(wrong);
     const PoseRefinement report = refinePoses(input, made.scene.cells);
-    INFO(rig.places.size() << " places, sky " << rig.atInfinity << ", " << report.before.medianPx << " -> "
-                           << report.after.medianPx << " px");
-    CHECK(report.after.medianPx < 0.02);
-    CHECK(report.before.medianPx > 0.05);
+    INFO(rig.places.size() << " places, sky " << rig.atInfinity << ", " << report.initialErrors.medianPx << " -> "
+                           << report.finalErrors.medianPx << " px");
+    CHECK(report.finalErrors.medianPx < 0.02);
+    CHECK(report.initialErrors.medianPx > 0.05);
     CHECK(furthest(wrong, input) < 0.1);
     if (rig.places.size() == 5) {
-      CHECK(report.moved.size() == 4);
+      CHECK(report.poseChanges.size() == 4);
       CHECK((input.photographs[4].camera.pose.position == wrong[4].pose.position));
     }
   }
   BuildInput alone = inputOf({exactScene(two).scene.nodes[0].camera});
-  CHECK(refinePoses(alone, {}).moved.empty());
+  CHECK(refinePoses(alone, {}).poseChanges.empty());
 }
 
 TEST_CASE("the model's tracks are updated, and connect photographs that no cell joins") {
@@ -355,11 +355,11 @@ TEST_CASE("the model's tracks are updated, and connect photographs that no cell 
 
 TEST_CASE("a similarity is found from positions and rotations, also for degenerate positions") {
   PoseNoise random(8);
-  const Similarity move{3, glm::angleAxis(2.5, glm::normalize(glm::dvec3(1, -2, 0.5))), {7, -2, 100}};
+  const SimilarityTransform move{3, glm::angleAxis(2.5, glm::normalize(glm::dvec3(1, -2, 0.5))), {7, -2, 100}};
   const auto check = [&](std::vector<Pose> from) {
     std::vector<Pose> to;
     for (Pose& pose : from) to.push_back(move(pose));
-    const Similarity found = aligned(from, to);
+    const SimilarityTransform found = estimateSimilarity(from, to);
     for (std::size_t i = 0; i < from.size(); ++i) {
       CHECK(glm::distance(found(from[i]).position, to[i].position) < 1e-7);
       CHECK(angleBetween(found(from[i]).rotation, to[i].rotation) < 1e-7);
@@ -374,5 +374,5 @@ TEST_CASE("a similarity is found from positions and rotations, also for degenera
   CHECK(check({pose({1e6, 0, 0}), pose({1e6 + 1, 0, 0})}).scale == Approx(3));
   CHECK(check({pose({4, 5, 6}), pose({4, 5, 6})}).scale == 1);  // coincident positions
   CHECK(check({pose({4, 5, 6})}).scale == 1);
-  CHECK(aligned({}, {}).scale == 1);
+  CHECK(estimateSimilarity({}, {}).scale == 1);
 }

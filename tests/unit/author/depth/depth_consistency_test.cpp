@@ -41,7 +41,7 @@ TEST_CASE("exact depth is confirmed by all photographs that see it, and contradi
   const auto depths = wall();
   const auto evidence = depthEvidence(depths);
   CHECK(count(evidence[1].confirmations, 40, 30) == 3);
-  CHECK(count(evidence[1].witnesses, 40, 30) == 3);
+  CHECK(count(evidence[1].usableSources, 40, 30) == 3);
   CHECK(std::ranges::all_of(evidence[1].contradictions.values, [](int v) { return v == 0; }));
 }
 
@@ -55,7 +55,7 @@ TEST_CASE("a false surface in front is contradicted, a false surface behind is o
   const auto front = planted(0.5f);
   CHECK(count(front[1].confirmations, 40, 30) == 0);
   CHECK(count(front[1].contradictions, 40, 30) >= 2);
-  CHECK(count(front[1].witnesses, 40, 30) == 3);
+  CHECK(count(front[1].usableSources, 40, 30) == 3);
   const auto behind = planted(0.1f);
   CHECK(count(behind[1].confirmations, 40, 30) == 0);
   CHECK(count(behind[1].contradictions, 40, 30) == 0);
@@ -63,10 +63,10 @@ TEST_CASE("a false surface in front is contradicted, a false surface behind is o
   const auto far = planted(0.001f);
   CHECK(count(far[1].confirmations, 40, 30) == 0);
   CHECK(count(far[1].contradictions, 40, 30) == 0);
-  CHECK(count(far[1].witnesses, 40, 30) == 3);
+  CHECK(count(far[1].usableSources, 40, 30) == 3);
   for (ConsistentDepth& depth : depths) std::ranges::fill(depth.map.inverseDepth.values, 0.001f);
   for (const DepthEvidence& distant : depthEvidence(depths))
-    CHECK(std::ranges::all_of(distant.witnesses.values, [](int w) { return w == 0; }));
+    CHECK(std::ranges::all_of(distant.usableSources.values, [](int w) { return w == 0; }));
 }
 
 TEST_CASE("unknown depth gives no evidence, and photographs of one position do not confirm each other") {
@@ -80,7 +80,7 @@ TEST_CASE("unknown depth gives no evidence, and photographs of one position do n
   for (const DepthEvidence& one : depthEvidence(together))
     CHECK(std::ranges::all_of(one.confirmations.values, [](int c) { return c == 0; }));
   for (const DepthEvidence& one : depthEvidence(together))
-    CHECK(std::ranges::all_of(one.witnesses.values, [](int w) { return w == 0; }));
+    CHECK(std::ranges::all_of(one.usableSources.values, [](int w) { return w == 0; }));
 }
 
 TEST_CASE("evidence does not depend on the thread count, and grows with the number of sources") {

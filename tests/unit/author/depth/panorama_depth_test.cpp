@@ -96,7 +96,7 @@ TEST_CASE("evidence and unknown depth come from the face in a pixel's direction"
   for (std::size_t f = 0; f < 6; ++f) {
     std::ranges::fill(faces[f].evidence.confirmations.values, std::uint8_t(f + 1));
     std::ranges::fill(faces[f].evidence.contradictions.values, std::uint8_t(f + 11));
-    std::ranges::fill(faces[f].evidence.witnesses.values, std::uint8_t(f + 21));
+    std::ranges::fill(faces[f].evidence.usableSources.values, std::uint8_t(f + 21));
   }
   std::ranges::fill(faces[2].matched.map.inverseDepth.values, kUnknownDepth);  // face 2 looks back
   std::ranges::fill(faces[5].matched.map.inverseDepth.values, 0.0f);           // down: infinity is known
@@ -110,7 +110,7 @@ TEST_CASE("evidence and unknown depth come from the face in a pixel's direction"
     CAPTURE(each.x, each.y);
     CHECK(int(whole.evidence.confirmations.pixel(each.x, each.y)[0]) == each.face + 1);
     CHECK(int(whole.evidence.contradictions.pixel(each.x, each.y)[0]) == each.face + 11);
-    CHECK(int(whole.evidence.witnesses.pixel(each.x, each.y)[0]) == each.face + 21);
+    CHECK(int(whole.evidence.usableSources.pixel(each.x, each.y)[0]) == each.face + 21);
     const float w = whole.matched.map.inverseDepth.pixel(each.x, each.y)[0];
     if (each.face == 2)
       CHECK(w == kUnknownDepth);
@@ -126,7 +126,7 @@ TEST_CASE("faces may have different sizes, with or without sky") {
   std::vector<MatchedDepth> faces = facesOf(camera, [](glm::dvec3) { return 5.0; });
   const std::vector<MatchedDepth> finer = facesOf(panorama(256), [](glm::dvec3) { return 5.0; });
   faces[1] = finer[1];
-  const Image8& depth = faces[4].evidence.witnesses;  // face 4 looks up
+  const Image8& depth = faces[4].evidence.usableSources;  // face 4 looks up
   faces[4].sky = Image8(depth.width, depth.height, 1, 255);
   const MatchedDepth whole = onSphere(camera, faces);
   for (const float w : whole.matched.map.inverseDepth.values) REQUIRE(w == Approx(0.2).epsilon(0.04));

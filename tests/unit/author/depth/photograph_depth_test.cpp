@@ -189,7 +189,7 @@ TEST_CASE("without photographs there is no depth") {
 
 TEST_CASE("completed depth keeps confirmed and unverifiable depth, and has no confirmations elsewhere") {
   struct Case {
-    int confirmations, contradictions, witnesses;
+    int confirmations, contradictions, usableSources;
     bool sky, kept;
     float consensus;
   };
@@ -201,7 +201,7 @@ TEST_CASE("completed depth keeps confirmed and unverifiable depth, and has no co
                            {1, 1, 4, false, false, completion},
                            {0, 0, 1, false, false, completion},
                            {0, 3, 6, true, true, float(2.25 / 2.5)}}) {
-    CAPTURE(each.confirmations, each.contradictions, each.witnesses, each.sky);
+    CAPTURE(each.confirmations, each.contradictions, each.usableSources, each.sky);
     // Every second column has the case's evidence; the columns between are confirmed.
     constexpr int kSide = 12;
     PhotographDepth depth;
@@ -212,7 +212,7 @@ TEST_CASE("completed depth keeps confirmed and unverifiable depth, and has no co
       for (int x = 1; x < kSide; x += 2) {
         depth.evidence.confirmations.pixel(x, y)[0] = std::uint8_t(each.confirmations);
         depth.evidence.contradictions.pixel(x, y)[0] = std::uint8_t(each.contradictions);
-        depth.evidence.witnesses.pixel(x, y)[0] = std::uint8_t(each.witnesses);
+        depth.evidence.usableSources.pixel(x, y)[0] = std::uint8_t(each.usableSources);
         depth.sky.pixel(x, y)[0] = each.sky ? 255 : 0;
       }
     std::ranges::fill(std::span(depth.evidence.confirmations.values).first(kSide), std::uint8_t(4));  // row 0 joins all
@@ -235,7 +235,7 @@ TEST_CASE("confirmed surfaces that are too small are completed from their surrou
     for (int y = 10; y < 10 + side; ++y)
       for (int x = 10; x < 10 + side; ++x) depth.matched.map.inverseDepth.pixel(x, y)[0] = 2;
     const CompletedDepth whole = completed(depth, Image8(40, 30, 3, 90));
-    const bool large = side * side >= kLeastSurface * finer * finer;
+    const bool large = side * side >= kMinSurfacePx * finer * finer;
     CHECK(valueAt(whole.maps.inverseDepth, 12, 12) == Approx(large ? 2 : 0.5));
     CHECK(int(whole.confirmations.pixel(12, 12)[0]) == (large ? 4 : 0));
   }

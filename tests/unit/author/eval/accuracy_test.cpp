@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ibr/author/accuracy.h"
+#include "ibr/lab/accuracy.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -52,12 +52,12 @@ TEST_CASE("exact matches have no error") {
   const auto result = matchAccuracy(made.scene, depthAround(made));
   REQUIRE(result.size() == 1);
   const MatchAccuracy& a = result[0];
-  CHECK(a.vertexError.size() > 200);
-  CHECK(largest(a.vertexError) < 0.02);
+  CHECK(a.vertexErrorsPx.size() > 200);
+  CHECK(largest(a.vertexErrorsPx) < 0.02);
   CHECK(a.coVisible > 15000);
-  CHECK(a.kept > 0.8 * a.coVisible);
-  CHECK(a.rightTier0 == a.tier0);
-  CHECK(a.right == a.tier0);
+  CHECK(a.coVisibleTier0 > 0.8 * a.coVisible);
+  CHECK(a.correctTier0 == a.tier0);
+  CHECK(a.correct == a.tier0);
   CHECK(a.folded == 0);
 }
 
@@ -70,19 +70,19 @@ TEST_CASE("errors of matches and labels are counted") {
   SECTION("matches are shifted by 2 px in one member") {
     for (glm::vec2& p : mesh.match[2]) p.x += 2;
     const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
-    CHECK(a.vertexError.size() == before.vertexError.size());
-    for (const double error : a.vertexError) CHECK(error == Approx(2.0).margin(0.02));
-    CHECK(a.rightTier0 == 0);
-    CHECK(a.kept == before.kept);
+    CHECK(a.vertexErrorsPx.size() == before.vertexErrorsPx.size());
+    for (const double error : a.vertexErrorsPx) CHECK(error == Approx(2.0).margin(0.02));
+    CHECK(a.correctTier0 == 0);
+    CHECK(a.coVisibleTier0 == before.coVisibleTier0);
   }
   SECTION("half of the correct triangles are in tier 1") {
     const std::size_t half = mesh.triangles.size() / 2;
     for (std::size_t t = half; t < mesh.tier.size(); ++t) mesh.tier[t] = kTierRejected;
     const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
-    CHECK(a.rightTier0 == a.tier0);
-    CHECK(a.right == before.right);
+    CHECK(a.correctTier0 == a.tier0);
+    CHECK(a.correct == before.correct);
     CHECK(a.tier0 < 0.8 * before.tier0);
-    CHECK(a.kept < before.kept);
+    CHECK(a.coVisibleTier0 < before.coVisibleTier0);
     CHECK(a.coVisible == before.coVisible);
   }
   SECTION("a triangle is flipped") {
@@ -96,7 +96,7 @@ TEST_CASE("errors of matches and labels are counted") {
     // The board's vertices are moved onto the wall; the matches then lie on wall that the board hides.
     const Camera& first = made.scene.nodes[0].camera;
     std::size_t moved = 0;
-    for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
+    for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
       const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, mesh.match[0][v]);
       const double s = mesh.ratio[0][v] / mesh.inverseDistance[v];
       if (std::abs(s * ray.y - 3) > 0.1) continue;
@@ -110,15 +110,15 @@ TEST_CASE("errors of matches and labels are counted") {
     }
     REQUIRE(moved > 10);
     const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
-    CHECK(std::ranges::count_if(a.vertexError, [](double e) { return e > 3; }) > 10);
-    CHECK(a.rightTier0 < before.rightTier0);
+    CHECK(std::ranges::count_if(a.vertexErrorsPx, [](double e) { return e > 3; }) > 10);
+    CHECK(a.correctTier0 < before.correctTier0);
   }
 }
 
 TEST_CASE("the uncertainty of a vertex is compared with its error") {
   SyntheticScene made = wallAndBoard(2);
   MorphMesh& mesh = made.scene.cells[0].mesh;
-  for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v) {
     mesh.uncertainty[v] = 0.01f * mesh.inverseDistance[v];
     mesh.inverseDistance[v] *= 1.015f;
   }
@@ -140,17 +140,17 @@ TEST_CASE("disturbed matches are set back to their exact positions") {
   const auto truth = depthAround(made);
   const MorphMesh exact = made.scene.cells[0].mesh;
   MorphMesh& mesh = made.scene.cells[0].mesh;
-  for (std::size_t p = 0; p < mesh.pointCount(); p += 3) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); p += 3) {
     mesh.match[1][p] += glm::vec2(0.5, -0.25);
     mesh.ratio[0][p] *= 1.1f;
     mesh.inverseDistance[p] *= 0.9f;
   }
   const MorphMesh disturbed = mesh;
   const std::size_t moved = setExactMatches(made.scene, truth, {});
-  CHECK(moved > exact.pointCount() / 2);
-  CHECK(largest(matchAccuracy(made.scene, truth)[0].vertexError) < 0.75);
+  CHECK(moved > exact.vertexCount() / 2);
+  CHECK(largest(matchAccuracy(made.scene, truth)[0].vertexErrorsPx) < 0.75);
   std::size_t right = 0;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
     CHECK(glm::distance(mesh.match[0][p], exact.match[0][p]) < 0.01f);
     if (glm::distance(mesh.match[1][p], exact.match[1][p]) > 0.02f) continue;
     if (mesh.ratio[0][p] != Approx(exact.ratio[0][p]).epsilon(1e-3)) continue;
@@ -158,7 +158,7 @@ TEST_CASE("disturbed matches are set back to their exact positions") {
   }
   CHECK(right >= moved);
   std::size_t back = 0, disturbedPoints = 0;
-  for (std::size_t p = 0; p < mesh.pointCount(); p += 3, ++disturbedPoints)
+  for (std::size_t p = 0; p < mesh.vertexCount(); p += 3, ++disturbedPoints)
     back += glm::distance(mesh.match[1][p], exact.match[1][p]) < 0.02f;
   CHECK(back > disturbedPoints / 2);
   CHECK(made.scene.settings.find(R"("exactMatches":{"within":4.0,"noise":0.0,"seed":1})") != std::string::npos);
@@ -173,7 +173,7 @@ TEST_CASE("matches on another surface stay") {
   const MorphMesh before = mesh;
   CHECK(setExactMatches(made.scene, depthAround(made), {}) == 0);
   CHECK(mesh.match == before.match);
-  CHECK(setExactMatches(made.scene, depthAround(made), {.withinPx = 6}) > 100);
+  CHECK(setExactMatches(made.scene, depthAround(made), {.maxErrorPx = 6}) > 100);
 }
 
 TEST_CASE("noise on exact matches is uniform, depends on the seed, and flips no triangle") {
@@ -187,7 +187,7 @@ TEST_CASE("noise on exact matches is uniform, depends on the seed, and flips no 
   const Scene scene = disturbed(3, 1, 1);
   const MorphMesh &mesh = scene.cells[0].mesh, &exact = made.scene.cells[0].mesh;
   double sum = 0, squares = 0, count = 0;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p)
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
     for (const float off : {mesh.match[1][p].x - exact.match[1][p].x, mesh.match[2][p].y - exact.match[2][p].y}) {
       CHECK(std::abs(off) < 3.02f);
       if (off == 0) continue;
@@ -199,13 +199,13 @@ TEST_CASE("noise on exact matches is uniform, depends on the seed, and flips no 
   CHECK(matchAccuracy(scene, truth)[0].folded == 0);
   // ρ has errors, but few exceed three times the stated deviation.
   std::size_t off = 0, far = 0;
-  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) {
     const double error = std::abs(double(mesh.inverseDistance[p]) - double(exact.inverseDistance[p]));
     off += error > 0.002 * double(exact.inverseDistance[p]);
     far += error > 3 * double(mesh.uncertainty[p]) && mesh.match[1][p] != exact.match[1][p];
   }
   CHECK(off > 200);
-  CHECK(far < mesh.pointCount() / 20);
+  CHECK(far < mesh.vertexCount() / 20);
   CHECK(disturbed(3, 1, 2).cells[0].mesh.match == mesh.match);
   CHECK(disturbed(3, 2, 1).cells[0].mesh.match != mesh.match);
   CHECK(disturbed(20, 1, 1).cells[0].mesh.match[1] != mesh.match[1]);
@@ -216,6 +216,6 @@ TEST_CASE("invalid options of exact matches are rejected") {
   Scene scene = wallAndBoard(2).scene;
   const auto truth = depthAround(wallAndBoard(2));
   for (const ExactMatchOptions& wrong :
-       {ExactMatchOptions{.withinPx = 0}, {.withinPx = NAN}, {.noisePx = -1}, {.noisePx = 65}, {.noisePx = NAN}})
+       {ExactMatchOptions{.maxErrorPx = 0}, {.maxErrorPx = NAN}, {.noisePx = -1}, {.noisePx = 65}, {.noisePx = NAN}})
     CHECK_THROWS_AS(setExactMatches(scene, truth, wrong), Error);
 }

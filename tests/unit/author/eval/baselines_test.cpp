@@ -114,7 +114,7 @@ TEST_CASE("baselines apply the photographs' gains if an exposure is set") {
     const Image8& photograph = place.made.photographs[i];
     std::array<double, 3> weights{};
     weights[i] = 1;
-    baselines.expose(exposure);
+    baselines.setExposure(exposure);
     for (const Image8& picture : {baselines.nearest(view), baselines.lumigraph(view),
                                   baselines.crossFade(view, place.scene().cells[0], weights)}) {
       std::size_t compared = 0, wrong = 0;
@@ -131,7 +131,7 @@ TEST_CASE("baselines apply the photographs' gains if an exposure is set") {
       CHECK(compared > 10000);
       CHECK(wrong == 0);
     }
-    baselines.expose(std::nullopt);
+    baselines.setExposure(std::nullopt);
     CHECK(largestDifference(baselines.nearest(view), photograph) <= 1);
   }
 }
@@ -274,7 +274,7 @@ TEST_CASE("a lumigraph does not depend on the order of photographs, and hidden s
   std::vector<DepthMap> maps;
   for (const Node& node : place.scene().nodes) maps.push_back(exactMap(place.made, node.camera));
   const auto with = [&](const std::vector<std::size_t>& order, int best) {
-    LumigraphPicture picture(view, proxy, {.best = best, .threads = 2});
+    LumigraphImage picture(view, proxy, {.best = best, .threads = 2});
     for (const std::size_t i : order) picture.add(maps[i].camera, place.made.photographs[i], maps[i]);
     return picture.picture();
   };
@@ -283,7 +283,7 @@ TEST_CASE("a lumigraph does not depend on the order of photographs, and hidden s
   const Camera left = cameraAt({-1.2, 0.1, 0});
   const DepthMap leftMap = exactMap(place.made, left);
   const Image8 leftPicture = renderTruth(place.made, left), truth = renderTruth(place.made, view);
-  LumigraphPicture alone(view, proxy), both(view, proxy);
+  LumigraphImage alone(view, proxy), both(view, proxy);
   alone.add(left, leftPicture, leftMap);
   both.add(left, leftPicture, leftMap);
   both.add(maps[1].camera, place.made.photographs[1], maps[1]);

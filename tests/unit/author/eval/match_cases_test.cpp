@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/file.h"
-#include "ibr/author/matchers.h"
 #include "ibr/error.h"
+#include "ibr/lab/matchers.h"
 #include "io/image_file.h"
 #include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
@@ -91,7 +91,7 @@ TEST_CASE("methods are compared on a wall of known homography, and a missing ima
                 numbers + "</data></H>\n</opencv_storage>\n");
   MatchCase which{"wall", {folder / "0.png", folder / "1.png"}};
   which.homography = folder / "h.xml";
-  const std::vector<MatchScore> scores = compareMethods(which);
+  const std::vector<MatchScore> scores = compareMatchMethods(which);
   REQUIRE(scores.size() == 3);
   CHECK(scores[0].method == MatchMethod::flow);
   CHECK(scores[2].filter == TriangleFilter::homogeneous);
@@ -100,10 +100,10 @@ TEST_CASE("methods are compared on a wall of known homography, and a missing ima
     CHECK(score.within1Px > 0.97);
     CHECK(score.coverage > 0.4);
     CHECK(score.memberPsnr > 30);
-    CHECK(std::isnan(score.kept));
+    CHECK(std::isnan(score.completeness));
   }
   CHECK(std::isnan(scores[0].homogeneous));
   CHECK(scores[1].homogeneous > 0.9);
   which.images[1] = folder / "missing.png";
-  CHECK_THROWS_WITH(compareMethods(which), Catch::Contains("missing.png"));
+  CHECK_THROWS_WITH(compareMatchMethods(which), Catch::Contains("missing.png"));
 }

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "ibr/author/matchers.h"
 #include "ibr/error.h"
+#include "ibr/lab/matchers.h"
 
 using namespace ibr;
 namespace fs = std::filesystem;
@@ -33,11 +33,11 @@ MatchCase caseNamed(const std::string& name) {
 TEST_CASE("flow and homographies match aloe at a third of its size to the true disparities") {
   MatchCase aloe = caseNamed("aloe");
   aloe.maxSize = 427;
-  const std::vector<MatchScore> scores = compareMethods(aloe);
+  const std::vector<MatchScore> scores = compareMatchMethods(aloe);
   REQUIRE(scores.size() == 3);  // the data has no poses, so there is no sweep
   for (const MatchScore& score : scores) {
     const bool flow = score.method == MatchMethod::flow;
-    INFO(methodName(score.method) << " " << int(score.filter));
+    INFO(matchMethodName(score.method) << " " << int(score.filter));
     CHECK(score.vertices > 400);
     CHECK(score.medianPx < (flow ? 0.8 : 0.5));
     CHECK(score.within1Px > (flow ? 0.5 : 0.8));
@@ -56,16 +56,16 @@ TEST_CASE("flow and homographies match aloe at a third of its size to the true d
 TEST_CASE("each method matches a cell of the street at half its size to exact depth") {
   MatchCase street = caseNamed("street");
   street.maxSize = 384;
-  const std::vector<MatchScore> scores = compareMethods(street);
+  const std::vector<MatchScore> scores = compareMatchMethods(street);
   REQUIRE(scores.size() == 4);
   CHECK(scores[0].method == MatchMethod::sweep);
   for (const MatchScore& score : scores) {
     const bool planes = score.method == MatchMethod::homographic;
-    INFO(methodName(score.method) << " " << int(score.filter));
+    INFO(matchMethodName(score.method) << " " << int(score.filter));
     CHECK(score.vertices > 250);
     CHECK(score.medianPx < (planes ? 0.3 : 0.6));
     CHECK(score.within1Px > (planes ? 0.9 : 0.55));
-    CHECK(score.kept > (planes ? 0.3 : 0.4));
+    CHECK(score.completeness > (planes ? 0.3 : 0.4));
     CHECK(score.precision > 0.65);
     CHECK(score.memberPsnr > 24);
   }

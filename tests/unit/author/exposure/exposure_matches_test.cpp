@@ -165,7 +165,7 @@ TEST_CASE("without depth, photographs with a large parallax are not compared") {
   const Exposures exposures = taken.measured();
   CHECK(exposures.measured == 0);
   CHECK(exposures.gains == Gains(2, glm::dvec3(1)));
-  CHECK(describedExposures(exposures).find("not measured") != std::string::npos);
+  CHECK(describeExposures(exposures).find("not measured") != std::string::npos);
 }
 
 TEST_CASE("unconnected parts keep a mean each, and are reported") {
@@ -181,7 +181,7 @@ TEST_CASE("unconnected parts keep a mean each, and are reported") {
   CHECK(found.gains[3].g / found.gains[2].g == Approx(1.5).epsilon(0.005));
   CHECK(found.gains[0].g * found.gains[1].g == Approx(1));
   CHECK(found.gains[2].g * found.gains[3].g == Approx(1));
-  CHECK(describedExposures(found).find("2 parts") != std::string::npos);
+  CHECK(describeExposures(found).find("2 parts") != std::string::npos);
 }
 
 TEST_CASE("masked pixels are not compared") {
@@ -258,10 +258,10 @@ TEST_CASE("removing vignetting restores the image") {
 TEST_CASE("photographs of one camera, aperture and zoom share a lens") {
   Taken taken(faces({0, 0, 0}));
   taken.take(kExposures);
-  CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>(6, 0));
+  CHECK(lensIndices(taken.photographs) == std::vector<std::uint32_t>(6, 0));
   taken.photographs[1].capture.fNumber = 2.8;
   taken.photographs[2].capture.model = "another";
   taken.photographs[3].whole.fx *= 1.5;
   taken.photographs[4].whole.fx *= 1.001;  // focal lengths estimated for each photograph differ slightly
-  CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>{0, 1, 2, 3, 0, 0});
+  CHECK(lensIndices(taken.photographs) == std::vector<std::uint32_t>{0, 1, 2, 3, 0, 0});
 }

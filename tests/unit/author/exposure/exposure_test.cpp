@@ -16,7 +16,7 @@ namespace {
 using Gains = std::vector<glm::dvec3>;
 
 Gains gainsOf(std::size_t photographs, const std::vector<ExposureMatch>& matches,
-              const std::vector<CaptureFacts>& exif = {}) {
+              const std::vector<CaptureMetadata>& exif = {}) {
   return solveExposures(photographs, matches, exif).gains;
 }
 
@@ -117,20 +117,20 @@ TEST_CASE("parts that no match joins keep their own mean, and photographs withou
 
 TEST_CASE("EXIF gives the exposure of a photograph without matches, and yields to matches") {
   const auto exposed = [](double time) {
-    return CaptureFacts{.exposureTime = time, .fNumber = 4, .iso = 100, .model = "M1"};
+    return CaptureMetadata{.exposureTime = time, .fNumber = 4, .iso = 100, .model = "M1"};
   };
   Gains gains(3, glm::dvec3(1.0));
   gains[0] *= 2;
   gains[1] /= 2;
   std::vector<ExposureMatch> matches = ring({gains[0], gains[1]}, 50, 0);
   // EXIF: photographs 1 and 2 receive four times the light of photograph 0. Matches know the gains of 0 and 1 only.
-  const std::vector<CaptureFacts> exif{exposed(0.01), exposed(0.04), exposed(0.04)};
+  const std::vector<CaptureMetadata> exif{exposed(0.01), exposed(0.04), exposed(0.04)};
   CHECK(worst(gainsOf(3, matches, exif), {gains[0], gains[1], gains[1]}) < 1e-6);
   // Matches with many points outweigh EXIF.
-  const std::vector<CaptureFacts> wrong{exposed(0.04), exposed(0.01), {}};
+  const std::vector<CaptureMetadata> wrong{exposed(0.04), exposed(0.01), {}};
   CHECK(worst(gainsOf(3, matches, wrong), {gains[0], gains[1], glm::dvec3(1.0)}) < 0.01);
   // EXIF of another camera cannot be compared with the first two photographs.
-  std::vector<CaptureFacts> other = exif;
+  std::vector<CaptureMetadata> other = exif;
   other[2].model = "M2";
   CHECK(gainsOf(3, matches, other)[2] == glm::dvec3(1.0));
 }
@@ -147,7 +147,7 @@ TEST_CASE("invisible gains are dropped") {
   CHECK(exposures.alike);
   CHECK(exposures.gains == Gains(5, glm::dvec3(1)));
   CHECK(exposures.measured == 5);
-  CHECK(describedExposures(exposures).find("alike") != std::string::npos);
+  CHECK(describeExposures(exposures).find("alike") != std::string::npos);
   for (glm::dvec3& gain : gains) gain.b = 1;
   gains[2].b = 1.03;
   exposures = solveExposures(5, ring(gains, 30, 0));  // one channel of one match suffices
@@ -170,7 +170,7 @@ TEST_CASE("non-finite matches and EXIF data are ignored") {
   }
   matches.push_back({1, 2, glm::dvec3(0.0), 0});
   matches.push_back({1, 2, glm::dvec3(0.0), -1});
-  std::vector<CaptureFacts> exif(4);
+  std::vector<CaptureMetadata> exif(4);
   exif[0] = {.exposureTime = nan, .fNumber = 4, .iso = 100};
   exif[1] = {.exposureTime = 0.01, .fNumber = 0, .iso = 100};
   exif[2] = {.exposureTime = infinity, .fNumber = 4, .iso = 100};

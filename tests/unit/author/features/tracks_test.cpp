@@ -51,13 +51,13 @@ struct Made {
   OwnTracksInput input;
 };
 
-Made inputFor(const SyntheticScene& scene, const std::vector<Camera>& cameras, const fs::path& keep) {
+Made inputFor(const SyntheticScene& scene, const std::vector<Camera>& cameras, const fs::path& cacheFolder) {
   Made made{modelOf(cameras, {}), {}, {}};
   made.pairs = pairsWithoutTracks(made.model);
   made.input.view = [&scene, cameras](std::size_t i) { return MatchView{cameras[i], scene.photographs[i]}; };
   made.input.cameras = cameras;
   for (std::uint64_t i = 0; i < cameras.size(); ++i) made.input.hashes.push_back(i + 1);
-  made.input.keep = keep;
+  made.input.cacheFolder = cacheFolder;
   return made;
 }
 

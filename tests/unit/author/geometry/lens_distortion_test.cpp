@@ -113,7 +113,7 @@ TEST_CASE("the fold radius is the zero of the distortion's derivative", "[N13]")
   // r + k r³ grows up to r = 1/√(−3k), where it is 2r/3.
   const Lens lens = lensOf(LensModel::simpleRadial, {300, 320, 240, -0.25});
   const double fold = 1 / std::sqrt(0.75);
-  CHECK(lens.limit() == Approx(fold).epsilon(1e-9));
+  CHECK(lens.maxRadius() == Approx(fold).epsilon(1e-9));
   CHECK(lens.project({0.999 * fold, 0, -1}));
   CHECK_FALSE(lens.project({1.001 * fold, 0, -1}));
   CHECK(lens.unproject({320 + 300 * 0.999 * fold * 2 / 3, 240}));
@@ -124,7 +124,7 @@ TEST_CASE("the fold radius is the zero of the distortion's derivative", "[N13]")
   CHECK_FALSE(mad.unproject({330, 240}));
   // A zero of the denominator is a fold too.
   const Lens pole = lensOf(LensModel::fullOpencv, {300, 300, 320, 240, 0, 0, 0, 0, 0, -1, 0, 0});
-  CHECK(pole.limit() == Approx(1).epsilon(1e-9));
+  CHECK(pole.maxRadius() == Approx(1).epsilon(1e-9));
   CHECK_FALSE(pole.project({1.1, 0, -1}));
 }
 

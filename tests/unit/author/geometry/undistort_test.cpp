@@ -81,7 +81,7 @@ TEST_CASE("a cropped rectangle is filled and maximal; one with the border contai
       const double x = 0.5 + (k.width - 1) * s / 200.0, y = 0.5 + (k.height - 1) * s / 200.0;
       CHECK((seen(x, 0.5) && seen(x, k.height - 0.5) && seen(0.5, y) && seen(k.width - 0.5, y)));
     }
-    const double widest = std::tan(kWidestHalfAngle / 180 * 3.14159265358979);
+    const double widest = std::tan(kMaxHalfFovDegrees / 180 * 3.14159265358979);
     const auto free = [&](double fromX, double fromY, double toX, double toY) {
       for (int s = 0; s <= 400; ++s) {
         const double x = std::lerp(fromX, toX, s / 400.0), y = std::lerp(fromY, toY, s / 400.0);

@@ -363,14 +363,14 @@ TEST_CASE("faces replace failed cells, once each and not inside finished cells")
   CellPlanner planner(model, {});
   const CellPlan cells = planner.plan();
   REQUIRE(cells.cells.size() == 2);
-  const auto edges = planner.standIns({cells.cells[0]}, {cells.cells[1]});
+  const auto edges = planner.replacementFaces({cells.cells[0]}, {cells.cells[1]});
   REQUIRE(edges.size() == 2);  // the third edge belongs to the other triangle too
   for (const auto& edge : edges) {
     CHECK(edge.size() == 2);
     CHECK_FALSE(std::includes(cells.cells[1].begin(), cells.cells[1].end(), edge.begin(), edge.end()));
   }
-  CHECK(planner.standIns(edges, {cells.cells[1]}).empty());
-  CHECK(planner.standIns({cells.cells[0]}, {cells.cells[1]}).empty());
+  CHECK(planner.replacementFaces(edges, {cells.cells[1]}).empty());
+  CHECK(planner.replacementFaces({cells.cells[0]}, {cells.cells[1]}).empty());
   CHECK(planner.score(cells.cells[0]) > 0);
   CHECK(planner.score(cells.cells[0]) <= 1);
 }

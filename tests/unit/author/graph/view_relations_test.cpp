@@ -26,7 +26,7 @@ TEST_CASE("shared points of two photographs are counted once each and symmetrica
   const ViewRelations relations(model);
   const ViewRelation& relation = relations.between(1, 0);
   CHECK(relation.shared == expected);
-  CHECK(relation.poorer == std::min(first, second));
+  CHECK(relation.fewerTracks == std::min(first, second));
   CHECK(relation.covisible() == Approx(double(expected) / double(std::min(first, second))));
   CHECK(&relation == &relations.between(0, 1));
   CHECK(relations.between(0, 2).shared == 0);

@@ -34,8 +34,8 @@ void checkWhole(const HtmResult& result, std::size_t cameras) {
   CHECK(!result.stages.empty());
   for (const HtmResult::Stage& stage : result.stages) CHECK(stage.difference.size() == stage.mesh.triangles.size());
   for (const HtmReport::Round& round : result.report.rounds) {
-    CHECK((std::isfinite(round.before) && std::isfinite(round.after)));
-    CHECK((round.measured >= 0 && round.measured <= 1));
+    CHECK((std::isfinite(round.unharmonisedDifference) && std::isfinite(round.harmonisedDifference)));
+    CHECK((round.matchedShare >= 0 && round.matchedShare <= 1));
   }
   CHECK((result.report.rejected >= 0 && result.report.rejected <= 1));
 }
@@ -58,9 +58,9 @@ TEST_CASE("exact cameras and an exact mesh have negligible complements") {
   checkWhole(result, kCameras);
   CHECK(medianLength(result.model.complements) < 0.1);
   REQUIRE(result.report.rounds.size() == 1);
-  CHECK(result.report.rounds[0].before < 2);
-  CHECK(result.report.rounds[0].after < result.report.rounds[0].before + 0.1);
-  CHECK(result.report.rounds[0].measured > 0.3);
+  CHECK(result.report.rounds[0].unharmonisedDifference < 2);
+  CHECK(result.report.rounds[0].harmonisedDifference < result.report.rounds[0].unharmonisedDifference + 0.1);
+  CHECK(result.report.rounds[0].matchedShare > 0.3);
   CHECK(result.report.rejected < 0.12);  // matches at slanted views
   CHECK(result.model.source.has_value());
   CHECK(result.model.source->mesh == theBody().model.surface.mesh);
@@ -73,7 +73,7 @@ TEST_CASE("complements or adjustment compensate wrong cameras") {
   HtmOptions options = plainOptions();
   const HtmResult bent = harmonise(mesh, photographs, options);
   checkWhole(bent, kCameras);
-  CHECK(bent.report.rounds[0].after < 0.6 * bent.report.rounds[0].before);
+  CHECK(bent.report.rounds[0].harmonisedDifference < 0.6 * bent.report.rounds[0].unharmonisedDifference);
   CHECK(medianLength(bent.model.complements) > 0.8);
   options.adjustRounds = 2;
   const HtmResult adjusted = harmonise(mesh, photographs, options);
@@ -81,8 +81,8 @@ TEST_CASE("complements or adjustment compensate wrong cameras") {
   REQUIRE(adjusted.report.adjustments.size() == 2);
   CHECK(adjusted.report.adjustments[0].afterPx < adjusted.report.adjustments[0].beforePx);
   CHECK(adjusted.report.adjustments[1].beforePx < adjusted.report.adjustments[0].beforePx);
-  CHECK(adjusted.report.rounds[0].before < 0.5 * bent.report.rounds[0].before);
-  CHECK(adjusted.report.rounds[0].after <= bent.report.rounds[0].after);
+  CHECK(adjusted.report.rounds[0].unharmonisedDifference < 0.5 * bent.report.rounds[0].unharmonisedDifference);
+  CHECK(adjusted.report.rounds[0].harmonisedDifference <= bent.report.rounds[0].harmonisedDifference);
   for (std::size_t i = 0; i < kCameras; ++i) {
     REQUIRE(adjusted.model.cameras[i].given);
     CHECK(adjusted.model.cameras[i].given->pose.position == photographs[i].camera.camera.pose.position);
@@ -103,7 +103,7 @@ TEST_CASE("with too few vertices to adjust cameras, the given cameras are used")
   options.adjustRounds = 2;
   const HtmResult adjusted = harmonise(bumpy.model.surface.mesh, photographs, options);
   CHECK(adjusted.report.adjustments[0].beforePx > 0.3);
-  CHECK(adjusted.report.adjustments[0].moved == 0);
+  CHECK(adjusted.report.adjustments[0].meanDisplacement == 0);
   CHECK(adjusted.model.complements == asGiven.model.complements);
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("faces are merged and divided as the options say, and the report count
   CHECK(report.rounds[0].divided > 0);
   CHECK(report.rounds[1].faces > report.rounds[0].faces);
   CHECK(report.rounds[1].divided == 0);
-  CHECK(report.rounds[1].after < report.rounds[1].before);
+  CHECK(report.rounds[1].harmonisedDifference < report.rounds[1].unharmonisedDifference);
   CHECK(result.model.surface.mesh.triangles.size() == report.rounds[1].faces);
   CHECK(report.complementBytes == result.model.complements.size() * 8);
   std::vector<std::string> names;
@@ -176,7 +176,7 @@ TEST_CASE("the cameras' order and the world's position do not change a model") {
   SECTION("camera order") {
     std::vector<HtmPhotograph> turned(photographs.rbegin(), photographs.rend());
     const HtmResult other = harmonise(mesh, turned, options);
-    CHECK(other.report.rounds[0].after == Approx(result.report.rounds[0].after));
+    CHECK(other.report.rounds[0].harmonisedDifference == Approx(result.report.rounds[0].harmonisedDifference));
     int different = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v)
       for (std::size_t i = 0; i < n; ++i) {
@@ -197,7 +197,8 @@ TEST_CASE("the cameras' order and the world's position do not change a model") {
     std::vector<HtmPhotograph> there = photographs;
     for (HtmPhotograph& p : there) p.camera.camera.pose.position += away;
     const HtmResult other = harmonise(test::moved(mesh, away), there, options);
-    CHECK(other.report.rounds[0].after == Approx(result.report.rounds[0].after).epsilon(1e-3));
+    CHECK(other.report.rounds[0].harmonisedDifference ==
+          Approx(result.report.rounds[0].harmonisedDifference).epsilon(1e-3));
     CHECK(other.report.camerasPerVertex == Approx(result.report.camerasPerVertex).epsilon(1e-3));
     std::vector<double> apart;
     for (std::size_t k = 0; k < result.model.complements.size(); ++k)
@@ -252,7 +253,7 @@ TEST_CASE("a single camera gives a model, and masks bound its visibility") {
   const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options);
   checkWhole(result, 1);
   for (const glm::vec2& c : result.model.complements) CHECK(c == glm::vec2(0));
-  CHECK(result.report.rounds.back().after == 0);
+  CHECK(result.report.rounds.back().harmonisedDifference == 0);
   photographs[0].mask = Image8(160, 120, 1);
   CHECK(test::errorOf([&] { harmonise(theBody().model.surface.mesh, photographs, options); }).code() ==
         ErrorCode::invalidInput);

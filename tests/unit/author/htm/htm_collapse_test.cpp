@@ -37,7 +37,7 @@ CollapsedMesh collapsed(const TriangleMesh& mesh, const FaceDifferences& differe
   CHECK(test::isOrientedManifold(result.mesh));
   CHECK(result.report.facesAfter == result.mesh.triangles.size());
   CHECK(result.differences.size() == result.mesh.triangles.size());
-  CHECK(result.report.collapses <= options.mostCollapses);
+  CHECK(result.report.collapses <= options.maxCollapses);
   return result;
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("faces with large differences grow, all others are unchanged") {
   const CollapsedMesh result = collapsed(grid, byMiddle(value), options);
   CHECK(result.report.end == HtmCollapseEnd::noFace);
   CHECK(result.report.facesBefore == 512);
-  CHECK(result.report.largestBefore > 1.1);
+  CHECK(result.report.maxBefore > 1.1);
   CHECK(test::areaOf(result.mesh) == Approx(256.0));
   std::size_t inside = 0, outside = 0;
   double smallInside = 0;
@@ -70,7 +70,7 @@ TEST_CASE("faces with large differences grow, all others are unchanged") {
 TEST_CASE("the face with the largest difference is collapsed first") {
   HtmCollapseOptions options;
   options.faceArea = 1.0;
-  options.mostCollapses = 1;
+  options.maxCollapses = 1;
   const auto nearTo = [](glm::dvec3 centre) {
     return byMiddle([centre](glm::dvec3 p) { return 1.0 / (1.0 + glm::distance(p, centre)); });
   };
@@ -109,9 +109,9 @@ TEST_CASE("collapsing respects the limits of difference, face area and count", "
   options.faceArea = 0.5;  // the limit equals the area of the faces
   CHECK(collapsed(grid, one, options).mesh == grid);
   options.faceArea = 10.0;
-  options.mostCollapses = 0;
+  options.maxCollapses = 0;
   CHECK(collapsed(grid, one, options).mesh == grid);
-  options.mostCollapses = 7;
+  options.maxCollapses = 7;
   CHECK(collapsed(grid, one, options).report.collapses == 7);
 }
 

@@ -211,7 +211,7 @@ TEST_CASE("a built model can be loaded, and a failed build leaves it unchanged")
     for (std::size_t p = 0; p < result.visibility[i].values.size(); ++p)
       REQUIRE(seen.values[3 * p] == result.visibility[i].values[p]);
   }
-  const HtmOptions settings = htmOptionsOf(model.settings);
+  const HtmOptions settings = htmOptionsFromJson(model.settings);
   CHECK(settings.radius == 2);
   CHECK(settings.adjustRounds == 1);
   const auto before = test::contentsBelow(files.options.output);
@@ -268,23 +268,23 @@ TEST_CASE("settings round trip through their text, and missing ones have default
        .rejectCorrelation = -0.5,
        .softPx = 17};
   build.maxSize = 640;
-  const std::string text = htmSettingsText(build);
-  const HtmOptions back = htmOptionsOf(text);
+  const std::string text = htmOptionsToJson(build);
+  const HtmOptions back = htmOptionsFromJson(text);
   HtmBuildOptions again{.optimise = back};
   again.maxSize = 640;
-  CHECK(htmSettingsText(again) == text);
+  CHECK(htmOptionsToJson(again) == text);
   CHECK(back.measure == TemplateMeasure::correlation);
   CHECK((back.faces == 7 && back.rounds == 4 && back.maxFaces == 15 && !back.reject && !back.selfOccluded));
   CHECK((back.softPx == 17 && back.rejectCorrelation == -0.5 && back.smoothness == 0));
-  CHECK(htmOptionsOf("").rounds == HtmOptions().rounds);
-  CHECK(htmOptionsOf("{}").rounds == HtmOptions().rounds);
-  CHECK(htmOptionsOf(R"({"rounds":3,"another":[1]})").rounds == 3);
-  CHECK(htmOptionsOf(R"({"measure":"sad"})").measure == TemplateMeasure::absoluteDifferences);
+  CHECK(htmOptionsFromJson("").rounds == HtmOptions().rounds);
+  CHECK(htmOptionsFromJson("{}").rounds == HtmOptions().rounds);
+  CHECK(htmOptionsFromJson(R"({"rounds":3,"another":[1]})").rounds == 3);
+  CHECK(htmOptionsFromJson(R"({"measure":"sad"})").measure == TemplateMeasure::absoluteDifferences);
   for (const char* wrong : {"[", "[]", "1", R"({"rounds":"3"})", R"({"reject":1})", R"({"radius":true})",
                             R"({"radius":null})", R"({"faces":-1})", R"({"rounds":1.5})", R"({"measure":3})",
                             R"({"measure":"ssd"})", R"({"rounds":1e300})", R"({"faces":1e300})"}) {
     INFO(wrong);
-    CHECK(test::errorOf([&] { htmOptionsOf(wrong); }).code() == ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] { htmOptionsFromJson(wrong); }).code() == ErrorCode::invalidInput);
   }
 }
 

@@ -84,7 +84,7 @@ struct Wall {
   }
   std::vector<VertexMatch> matched(const VertexMatchOptions& options, std::span<const glm::vec2> start,
                                    const ProgressCallback& progress = {}) const {
-    return matchVertices(mesh, views, projectedMeshes(mesh, views), members, start, options, processorTemplateSearch,
+    return matchVertices(mesh, views, projectedMeshes(mesh, views), members, start, options, cpuTemplateSearch,
                          progress);
   }
 };
@@ -271,10 +271,10 @@ TEST_CASE("matches do not depend on the portion size of the template search") {
   options.threads = 2;
   std::mutex mutex;
   std::size_t calls = 0, most = 0, all = 0;
-  const MakeTemplateSearch counted = [&](std::span<const Image8* const> pictures) -> TemplateSearch {
-    return [&, search = processorTemplateSearch(pictures)](std::span<const TemplateTask> tasks,
-                                                           std::span<const TemplateSample> samples, int radius,
-                                                           TemplateMeasure measure) {
+  const TemplateSearchFactory counted = [&](std::span<const Image8* const> pictures) -> TemplateSearch {
+    return [&, search = cpuTemplateSearch(pictures)](std::span<const TemplateTask> tasks,
+                                                     std::span<const TemplateSample> samples, int radius,
+                                                     TemplateMeasure measure) {
       const std::lock_guard lock(mutex);
       if (tasks.size() > 1) most = std::max(most, samples.size());
       ++calls;

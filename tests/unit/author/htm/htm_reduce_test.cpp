@@ -148,7 +148,7 @@ TEST_CASE("invalid options are rejected, and reducing can be cancelled") {
   options.meanFaceArea = std::numeric_limits<double>::quiet_NaN();
   CHECK(test::errorOf([&] { reduceMesh(cube(), options); }).code() == ErrorCode::invalidInput);
   options = {};
-  options.largestTurnDegrees = 90;
+  options.maxTurnDegrees = 90;
   CHECK(test::errorOf([&] { reduceMesh(cube(), options); }).code() == ErrorCode::invalidInput);
   options = {};
   CHECK(reduceMesh(test::sphere(12), options).mesh == test::sphere(12));

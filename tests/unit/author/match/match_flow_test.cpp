@@ -85,17 +85,17 @@ TEST_CASE("with poses, the flow's matches have their depth and give a valid mesh
   const std::vector<MatchView> views = viewsOf(cameras, wall(cameras));
   const DenseMatch match = matchByFlow(views);
   const CellMesh cell = buildMesh(cameras, views, match);
-  REQUIRE(cell.mesh.pointCount() > 20);
+  REQUIRE(cell.mesh.vertexCount() > 20);
   CHECK(cell.quality.coverage > 0.5);
   CHECK(cell.quality.residualPx < 0.3);
   std::size_t right = 0;
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     double mean = 0;
     const glm::dvec3 ray = cameras[0].pose.rotation * unproject(cameras[0].intrinsics, cell.mesh.match[0][p]);
     for (const Camera& c : cameras) mean += glm::distance(ray * (5 / ray.y), c.pose.position) / 3;
     right += std::abs(double(cell.mesh.inverseDistance[p]) * mean - 1) < 0.05;
   }
-  CHECK(double(right) > 0.9 * double(cell.mesh.pointCount()));
+  CHECK(double(right) > 0.9 * double(cell.mesh.vertexCount()));
 }
 
 TEST_CASE("two equal images match everywhere, unrelated images match nowhere") {

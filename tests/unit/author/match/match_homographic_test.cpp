@@ -221,13 +221,13 @@ TEST_CASE("no plane is fitted to too few tracks, to tracks on a line, or to a mi
   std::vector<const PlaneTrack*> list;
   for (std::size_t t = 1; t < tracks.size(); t += 2) list.push_back(&tracks[t]);
   CHECK(fit(list));
-  CHECK_FALSE(fit(std::span(list).first(fit.leastTracks() - 1)));
+  CHECK_FALSE(fit(std::span(list).first(fit.minTracks() - 1)));
   std::vector<PlaneTrack> line = tracks;
   for (std::size_t t = 0; t < line.size(); ++t)
     for (std::size_t i = 0; i < 2; ++i) line[t].at[i] = seenAt(stage.cameras[i], {0.1 * double(t), 5, 0});
   std::vector<const PlaneTrack*> onLine;
   for (const PlaneTrack& t : line) onLine.push_back(&t);
-  CHECK_FALSE(fit(std::span(onLine).first(fit.leastTracks())));
+  CHECK_FALSE(fit(std::span(onLine).first(fit.minTracks())));
   if (posed) return;
   for (PlaneTrack& track : tracks) track.at[1].x = 320 - track.at[1].x;
   CHECK_FALSE(fit(list));

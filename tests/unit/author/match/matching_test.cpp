@@ -78,7 +78,7 @@ TEST_CASE("two planes are matched to a third of a pixel, and the mesh is valid")
   const DenseMatch match = matchViews(stage.views, stage.points, {refine});
   const CellMesh cell = buildMesh(stage.cameras, stage.views, match);
   const MorphMesh& mesh = cell.mesh;
-  REQUIRE(mesh.pointCount() > 100);
+  REQUIRE(mesh.vertexCount() > 100);
 
   Scene scene;
   for (std::size_t i = 0; i < 3; ++i) scene.nodes.push_back({std::to_string(i), stage.cameras[i], {}, {}});
@@ -153,8 +153,8 @@ TEST_CASE("views smaller than the stored photographs give matches in stored pixe
   for (Camera& camera : stored) camera.intrinsics = resized(camera.intrinsics, 800, 600);
   const DenseMatch match = matchViews(stage.views, stage.points);
   const CellMesh small = buildMesh(stage.cameras, stage.views, match), large = buildMesh(stored, stage.views, match);
-  REQUIRE(small.mesh.pointCount() == large.mesh.pointCount());
-  for (std::size_t p = 0; p < small.mesh.pointCount(); ++p) {
+  REQUIRE(small.mesh.vertexCount() == large.mesh.vertexCount());
+  for (std::size_t p = 0; p < small.mesh.vertexCount(); ++p) {
     CHECK(glm::distance(4.0f * small.mesh.match[1][p], large.mesh.match[1][p]) < 7.1f / 1024);  // both on the grid
     CHECK(small.mesh.inverseDistance[p] == Approx(large.mesh.inverseDistance[p]));
   }

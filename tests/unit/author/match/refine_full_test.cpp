@@ -35,7 +35,8 @@ Set wall(double wavelength = 0.12) {
   Set set{makeScene(options), options.cameras, {}, {}};
   for (std::size_t i = 0; i < set.whole.size(); ++i) {
     const Image8& picture = set.scene.photographs[i];
-    set.views.push_back({{resized(set.whole[i].intrinsics, 240, 180), set.whole[i].pose}, shrunk(picture, 240, 180)});
+    set.views.push_back(
+        {{resized(set.whole[i].intrinsics, 240, 180), set.whole[i].pose}, downscaled(picture, 240, 180)});
     Image8& grey = set.grey.emplace_back(picture.width, picture.height, 1);
     for (std::size_t p = 0; p < grey.values.size(); ++p) grey.values[p] = picture.values[3 * p + 1];
   }
@@ -85,14 +86,14 @@ TEST_CASE("matches of downsampled images are refined to the accuracy of full-siz
       for (std::size_t i = 1; i < moved.matched.size(); ++i)
         for (glm::vec2& at : moved.matched[i]) at += glm::vec2(push(), push());
     const double before = error(set, moved);
-    refineInFull(set.views, set.grey, match, moved);
+    refineAtFullSize(set.views, set.grey, match, moved);
     const double after = error(set, moved);
     INFO("exact poses " << exactPoses << ", pushed " << pushed << ": " << before << " -> " << after << " px");
     CHECK(after < 0.12);
     if (pushed) CHECK(after < 0.25 * before);
     CHECK(moved.matched[0] == vertices.matched[0]);
     MatchedVertices again = moved;
-    refineInFull(set.views, set.grey, match, again);
+    refineAtFullSize(set.views, set.grey, match, again);
     CHECK(std::abs(error(set, again) - after) < 0.02);
   }
 }
@@ -104,21 +105,21 @@ TEST_CASE("matches stay where full-size photographs have no texture") {
   std::vector<Image8> flat = set.grey;
   for (Image8& picture : flat) std::fill(picture.values.begin(), picture.values.end(), std::uint8_t(120));
   MatchedVertices same = vertices;
-  refineInFull(set.views, flat, match, same);
+  refineAtFullSize(set.views, flat, match, same);
   CHECK(same.matched == vertices.matched);
 
   // At a picture's edge a patch is incomplete.
   MatchedVertices edge = vertices;
   for (auto& list : edge.matched) list.assign(list.size(), glm::vec2(0.5F, 0.5F));
   const MatchedVertices before = edge;
-  refineInFull(set.views, set.grey, match, edge);
+  refineAtFullSize(set.views, set.grey, match, edge);
   CHECK(edge.matched == before.matched);
 
   // The result does not depend on contrast and brightness.
   std::vector<Image8> darker = set.grey;
   for (auto& v : darker[1].values) v = std::uint8_t(20 + v / 2);
   MatchedVertices found = vertices, foundDarker = vertices;
-  refineInFull(set.views, set.grey, match, found);
-  refineInFull(set.views, darker, match, foundDarker);
+  refineAtFullSize(set.views, set.grey, match, found);
+  refineAtFullSize(set.views, darker, match, foundDarker);
   CHECK(error(set, foundDarker) < error(set, found) + 0.05);
 }

@@ -15,7 +15,7 @@ TEST_CASE("the ECC of one channel equals OpenCV's", "[N2]") {
        {std::tuple{128, 100, 0.9}, std::tuple{128, 100, -0.4}, std::tuple{40, 30, 0.5}, std::tuple{200, 6, 0.99}}) {
     std::uniform_real_distribution<double> noise(-0.5 * range, 0.5 * range);
     cv::Mat a(37, 53, CV_32F), b(37, 53, CV_32F);
-    PreEcc sums;
+    EccMoments sums;
     for (int y = 0; y < a.rows; ++y)
       for (int x = 0; x < a.cols; ++x) {
         const double z = noise(random);

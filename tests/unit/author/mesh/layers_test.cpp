@@ -192,7 +192,7 @@ TEST_CASE("layers of a cell have the same orientation in every member, and share
   CHECK(far.size() > 20);
   CHECK(shared(cornersOf(near), cornersOf(far)).empty());
   const double border = stage.cameras[0].intrinsics.cx + stage.cameras[0].intrinsics.fx * kRight / kBoard;
-  for (std::size_t v = 0; v < mesh.pointCount(); ++v)
+  for (std::size_t v = 0; v < mesh.vertexCount(); ++v)
     right += std::abs(double(mesh.match[0][v].x) - border) < 0.6 && double(mesh.inverseDistance[v]) > 0.8 * nearRho;
   CHECK(right >= 5);
 }

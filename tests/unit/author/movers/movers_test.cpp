@@ -75,7 +75,7 @@ std::vector<ImageF> sweptDepths(const Place& place) {
   for (const MatchView& view : place.views) {
     SweepView& half = views.emplace_back();
     half.camera = {resized(view.camera.intrinsics, 160, 120), view.camera.pose};
-    const Image8 grey = greyOf(shrunk(view.picture, 160, 120));
+    const Image8 grey = toGrey(downscaled(view.picture, 160, 120));
     half.grey = ImageF(160, 120, 1);
     std::ranges::copy(grey.values, half.grey.values.begin());
   }
@@ -92,16 +92,16 @@ std::vector<ImageF> sweptDepths(const Place& place) {
 }
 
 std::vector<BitMask> moversIn(const Place& place) {
-  std::vector<JudgedView> judged;
+  std::vector<ComparedView> judged;
   const std::vector<ImageF> depths = sweptDepths(place);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    OddRegions odd = oddRegions(place.views[i], place.othersOf(i), depths[i]);
+    DifferingRegions found = differingRegions(place.views[i], place.othersOf(i), depths[i]);
     const Camera& camera = place.cameras[i];
-    judged.push_back({{resized(camera.intrinsics, odd.width, odd.height), camera.pose},
+    judged.push_back({{resized(camera.intrinsics, found.width, found.height), camera.pose},
                       {(i == 0) ? 1u : 0u, (i == 2) ? 1u : 2u},
-                      std::move(odd)});
+                      std::move(found)});
   }
-  return settleMovers(judged);
+  return resolveMoverMasks(judged);
 }
 
 Photograph photographOf(const fs::path& file, int width, int height) {
@@ -116,9 +116,9 @@ TEST_CASE("masks are found by COLMAP's file names, and must have the photograph'
   fs::create_directories(folder / "masks/a");
   writeImage(folder / "masks/a/one.jpg.png", Image8(8, 6, 1, 255));
   writeImage(folder / "masks/a/two.png", Image8(8, 6, 1, 255));
-  CHECK(maskFileOf(folder / "masks", "a/one.jpg") == folder / "masks/a/one.jpg.png");
-  CHECK(maskFileOf(folder / "masks", "a/two.jpg") == folder / "masks/a/two.png");
-  CHECK(maskFileOf(folder / "masks", "a/three.jpg") == std::nullopt);
+  CHECK(findMaskFile(folder / "masks", "a/one.jpg") == folder / "masks/a/one.jpg.png");
+  CHECK(findMaskFile(folder / "masks", "a/two.jpg") == folder / "masks/a/two.png");
+  CHECK(findMaskFile(folder / "masks", "a/three.jpg") == std::nullopt);
 
   const Photograph photo = photographOf(folder / "three.png", 8, 8);
   const Error wrong = errorOf([&] { loadMask(photo, folder / "masks/a/two.png"); });
@@ -190,15 +190,15 @@ TEST_CASE("observations under masks are dropped, and so are tracks without obser
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) mask.pixel(int(2 * first.x) + x, int(2 * first.y) + y)[0] = 0;
   std::vector<std::vector<std::uint32_t>> tracksOf = tracksOfImages(model);
-  dropIgnored(model, 0, tracksOf[0], mask);
-  dropIgnored(model, 1, tracksOf[1], {});
-  dropUnseen(model);
+  dropMaskedObservations(model, 0, tracksOf[0], mask);
+  dropMaskedObservations(model, 1, tracksOf[1], {});
+  dropUnobservedTracks(model);
   REQUIRE(model.tracks.size() == 2);
   CHECK(model.tracks[0].observations.size() == 1);
   CHECK(model.tracks[1].observations.size() == 2);
   tracksOf = tracksOfImages(model);
-  for (std::uint32_t i = 0; i < 2; ++i) dropIgnored(model, i, tracksOf[i], Image8(64, 48, 1, 0));
-  dropUnseen(model);
+  for (std::uint32_t i = 0; i < 2; ++i) dropMaskedObservations(model, i, tracksOf[i], Image8(64, 48, 1, 0));
+  dropUnobservedTracks(model);
   CHECK(model.tracks.empty());
 }
 
@@ -232,7 +232,7 @@ TEST_CASE("where one member is masked the other two are matched, where two are m
     const glm::uvec3 v = cell.mesh.triangles[t];
     const glm::vec2 centre = (cell.mesh.match[0][v.x] + cell.mesh.match[0][v.y] + cell.mesh.match[0][v.z]) / 3.0f;
     if (centre.x < kLeft + 6 || centre.x > kRight - 6 || centre.y < kTop + 6 || centre.y > kBottom - 6) continue;
-    agreeing += cell.mesh.tier[t] == kTierAgrees ? 1 : -4;
+    agreeing += cell.mesh.tier[t] == kTierConsistent ? 1 : -4;
   }
   CHECK(agreeing > 0);  // at least four of five triangles agree
   place.views[1].mask = Image8(320, 240, 1, 0);
@@ -241,7 +241,7 @@ TEST_CASE("where one member is masked the other two are matched, where two are m
 
 TEST_CASE("flow and homographies ignore masked pixels") {
   const MatchMethod method = GENERATE(MatchMethod::flow, MatchMethod::homographic);
-  INFO(methodName(method));
+  INFO(matchMethodName(method));
   Place place;
   const auto goodIn = [&] {  // of pixels of the second photograph with the person; the first photograph is the frame
     CellMatchOptions options;
@@ -304,14 +304,14 @@ TEST_CASE("a static person is no moving object, although the depth is that of th
   const auto regionsUpTo = [&](double inverseDepth) {
     ImageF depth(160, 120, 1, float(1 / kWall));
     depth.values[0] = float(inverseDepth);
-    return oddRegions(place.views[0], place.othersOf(0), depth).regions.size();
+    return differingRegions(place.views[0], place.othersOf(0), depth).regions.size();
   };
   CHECK(regionsUpTo(1.2 / kPerson) == 0);
   CHECK(regionsUpTo(1 / kWall) > 0);  // no depth as near as the person is tried
   // The share that looks alike at the person's depth decides.
   ImageF depth(160, 120, 1, float(1 / kWall));
   depth.values[0] = float(1.2 / kPerson);
-  CHECK_FALSE(oddRegions(place.views[0], place.othersOf(0), depth, {.maxStaticShare = 1}).regions.empty());
+  CHECK_FALSE(differingRegions(place.views[0], place.othersOf(0), depth, {.maxStaticShare = 1}).regions.empty());
 }
 
 TEST_CASE("a region outside the limits of difference and area is no moving object") {
@@ -319,7 +319,7 @@ TEST_CASE("a region outside the limits of difference and area is no moving objec
   plant(place.views[0].picture);
   const ImageF depth = sweptDepths(place)[0];
   const auto regions = [&](const MoverParameters& parameters) {
-    return oddRegions(place.views[0], place.othersOf(0), depth, parameters).regions.size();
+    return differingRegions(place.views[0], place.othersOf(0), depth, parameters).regions.size();
   };
   CHECK(regions({}) > 0);
   CHECK(regions({.minDifference = 255}) == 0);

@@ -146,11 +146,11 @@ TEST_CASE("panoramas in a room are matched on its walls, in all directions") {
       REQUIRE(glm::determinant(rays) > 0);
     }
   std::size_t good = 0;
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
     const auto position = vertexPosition(scene, scene.cells[0], p);
     good += position && distanceToWalls(*position) < 0.03 * glm::length(*position);
   }
-  CHECK(double(good) > 0.9 * double(cell.mesh.pointCount()));
+  CHECK(double(good) > 0.9 * double(cell.mesh.vertexCount()));
 }
 
 TEST_CASE("panoramas are not matched where they are masked") {

@@ -68,7 +68,7 @@ TEST_CASE("each EXIF orientation fits a model of upright images and a model of s
       const bool told = orientation >= 5 && size.x != size.y;  // the shape of the picture tells the quarter turn
       CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), told ? upright : stored) < 2);
       CHECK(meanDifference(load(modelOfStored, Orientation::automatic), stored) < 2);
-      CHECK(findPhotograph(folder / "", modelOfStored, 0).turnUnsure == (orientation > 1 && !told));
+      CHECK(findPhotograph(folder / "", modelOfStored, 0).orientationAmbiguous == (orientation > 1 && !told));
       if (told) {
         CHECK_THROWS_AS(findPhotograph(folder / "", modelOfUpright, 0, Orientation::stored), Error);
         CHECK_THROWS_AS(findPhotograph(folder / "", modelOfStored, 0, Orientation::exif), Error);
@@ -137,19 +137,19 @@ TEST_CASE("a folder's photographs are separated from previews, hidden files and 
   writeText(folder / "raw.NEF", "MM\0*raw"s);
   writeText(folder / "a.CR2", "II*\0raw"s);  // a raw file beside a.jpg
   writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
-  const PictureFolder found = lookInto(folder / "");
+  const PhotographFolder found = scanPhotographFolder(folder / "");
   CHECK(
       (found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
   std::vector<std::string> names;
-  for (const auto& unread : found.unread) names.push_back(unread.name);
+  for (const auto& unreadable : found.unreadable) names.push_back(unreadable.name);
   CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
                                            "x2.HEIC", "x3.heic", "x4.HEIC"}));
-  const std::string text = unreadText(found.unread);
+  const std::string text = unreadableText(found.unreadable);
   CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC") && Contains("2 more") && Contains(": HEIC") &&
                        !Contains("x4.HEIC") && Contains("empty.jpg: ") && Contains("raw.NEF: ") &&
                        Contains("16-bit TIFF") && Contains("web.webp: WebP") && Contains("text.jpg: ") &&
                        !Contains("\n"));
-  CHECK(unreadText({}).empty());
+  CHECK(unreadableText({}).empty());
 }
 
 namespace {
@@ -170,7 +170,7 @@ TEST_CASE("photographs of several cameras and shapes share a cell") {
   const test::CourtPhotographs set = mixedSet();
   BuildOptions options = set.options;
   const BuildReport report = build(options);
-  CHECK(report.unused.empty());
+  CHECK(report.unusedPhotographs.empty());
   REQUIRE(!report.cells.empty());
   bool mixed = false;
   for (const auto& cell : report.cells) {
@@ -212,9 +212,9 @@ TEST_CASE("unsupported files in a folder are reported and listed in the scene") 
     if (level == LogLevel::warning) said += text;
   });
   CHECK_THAT(said, Contains("x.HEIC: HEIC") && !Contains("photo00.CR2"));
-  REQUIRE(report.unused.size() == 1);
-  CHECK(report.unused[0].name == "x.HEIC");
-  CHECK_THAT(report.unused[0].reason, Contains("heif-convert"));
+  REQUIRE(report.unusedPhotographs.size() == 1);
+  CHECK(report.unusedPhotographs[0].name == "x.HEIC");
+  CHECK_THAT(report.unusedPhotographs[0].reason, Contains("heif-convert"));
 }
 
 TEST_CASE("scenes in a folder of photographs are not read as photographs") {
@@ -226,8 +226,9 @@ TEST_CASE("scenes in a folder of photographs are not read as photographs") {
   }
   writeText(folder / "made/scene.gltf", "{}");
   fs::create_directories(folder / "half/.build");
-  CHECK((lookInto(folder / "").pictures == std::vector<std::string>{"a.jpg", "trip/b.jpg"}));
-  CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // requested folder
+  CHECK((scanPhotographFolder(folder / "").pictures == std::vector<std::string>{"a.jpg", "trip/b.jpg"}));
+  CHECK((scanPhotographFolder(folder / "made").pictures ==
+         std::vector<std::string>{"images/a.jpg"}));  // requested folder
 }
 
 TEST_CASE("all missing photographs are reported at once with similar file names") {

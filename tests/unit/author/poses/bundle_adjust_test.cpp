@@ -92,9 +92,9 @@ TEST_CASE("derivatives of a residual match finite differences for near and infin
         const glm::dvec2 down = residual(false)->off;
         at[u] = before;
         for (std::size_t r = 0; r < 2; ++r) {
-          const double by = u < kPose           ? found->byPose[r][u]
-                            : u < kPose + kLens ? found->byLens[r][u - kPose]
-                                                : found->byPoint[r][u - kPose - kLens];
+          const double by = u < kPose           ? found->poseJacobian[r][u]
+                            : u < kPose + kLens ? found->lensJacobian[r][u - kPose]
+                                                : found->pointJacobian[r][u - kPose - kLens];
           INFO("w " << w << ", turn " << turn << ", unknown " << u << ", row " << r);
           CHECK(by == Approx((up - down)[int(r)] / (2 * step)).epsilon(1e-6).margin(1e-5));
         }
@@ -112,7 +112,7 @@ TEST_CASE("exact poses stay, and inaccurate poses converge to the observations")
   }
   const std::vector<Camera> wrong = PoseNoise(4).on(exact, 0.003, 0.01);
   BundleOptions options;
-  options.enoughDecrease = 1e-12;
+  options.minDecrease = 1e-12;
   options.radians = options.shift = 1;
   const Bundle fits = adjustBundle(bundled(wrong), points, options);
   CHECK(largestError(fits.cameras, points, fits) < 0.02);
@@ -133,7 +133,7 @@ TEST_CASE("fixed cameras and intrinsics without a prior stay unchanged; shared i
   BundleOptions options;
   options.focal = 0.05;
   options.centrePx = 1;
-  options.enoughDecrease = 1e-10;
+  options.minDecrease = 1e-10;
   options.rounds = 200;
   const Bundle moved = adjustBundle(cameras, points, options);
   CHECK(moved.cameras[1].pose.position == wrong[1].pose.position);

@@ -63,7 +63,7 @@ TEST_CASE("a patch covers one direction and a twelfth of a photograph's width; h
   }
   CHECK(std::abs(double(odd) / double(all.size()) - 0.5) < 0.2);
   // Orientation, position and scale of the world have no effect, apart from rounding at the limits.
-  const Similarity move{300, glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, 2, -1))), {40, -7, 9}};
+  const SimilarityTransform move{300, glm::angleAxis(2.0, glm::normalize(glm::dvec3(1, 2, -1))), {40, -7, 9}};
   std::vector<Camera> moved = cameras;
   std::vector<BundlePoint> there = points;
   for (Camera& camera : moved) camera.pose = move(camera.pose);

@@ -81,7 +81,7 @@ TEST_CASE("a folder with other files is left unchanged, and photographs of an ex
   CHECK(readTextFile(place.options().folder / "mine.txt") == "kept");
   PoseOptions options = place.options();
   options.folder = place.folder / "other";
-  options.without = place.folder / "photos/more";
+  options.excludedFolder = place.folder / "photos/more";
   CHECK(estimatePoses(options).photographs == 3);
 }
 

@@ -29,7 +29,7 @@ TEST_CASE("a photograph is resected to the other photographs' poses, which stay 
   CHECK(off(given.images[2].camera, cameras[2]) > 0.01);
   CHECK(off(*found, cameras[2]) < 1e-3);
   // The other cameras' world is turned, and their focal lengths grow: the photograph follows them.
-  const Similarity move{1, glm::angleAxis(0.004, glm::dvec3(0, 0, 1)), {0.02, 0.01, 0}};
+  const SimilarityTransform move{1, glm::angleAxis(0.004, glm::dvec3(0, 0, 1)), {0.02, 0.01, 0}};
   PosedModel moved = exact;
   for (PosedImage& image : moved.images) image.camera.pose = move(image.camera.pose);
   const auto there = resected(exact, "002.png", moved);

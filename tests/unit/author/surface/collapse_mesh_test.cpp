@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "author/surface/flat_faces.h"
+#include "author/surface/degenerate_faces.h"
 #include "support/test_meshes.h"
 
 namespace ibr {
@@ -81,9 +81,9 @@ TEST_CASE("a merged vertex stays on the border, and otherwise moves to where the
 TEST_CASE("a flat face is detected by its height, at any size", "[N15]") {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     TriangleMesh mesh{{{0, 0, 0}, {scale, 0, 0}, {scale / 2, 0, 0}}, {{0, 1, 2}}};
-    CHECK(isFlat(mesh, mesh.triangles[0]));
+    CHECK(isDegenerate(mesh, mesh.triangles[0]));
     mesh.positions[2].y = 1e-7 * scale;
-    CHECK_FALSE(isFlat(mesh, mesh.triangles[0]));
+    CHECK_FALSE(isDegenerate(mesh, mesh.triangles[0]));
   }
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("a flat face stays if flipping its edge would make another flat face")
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1e-12, 0, 0}, {1, 1, 0}, {1, -1, 0}};
   mesh.triangles = {{0, 2, 3}, {2, 1, 3}, {0, 1, 2}, {1, 0, 4}};
-  const FlatFaces result = removeFlatFaces(mesh);
+  const DegenerateFaceCounts result = removeDegenerateFaces(mesh);
   CHECK(result.removed == 1);  // the flat face at the border
   CHECK(result.left == 1);
   CHECK(mesh.triangles == std::vector<glm::uvec3>{{2, 1, 3}, {0, 1, 2}, {1, 0, 4}});

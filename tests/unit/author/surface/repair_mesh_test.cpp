@@ -154,8 +154,8 @@ TEST_CASE("faces without area are removed without leaving a hole") {
   mesh.positions = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, -1, 0}};
   mesh.triangles = {{0, 2, 3}, {2, 1, 3}, {0, 1, 2}, {1, 0, 4}};
   const RepairedMesh result = repaired(mesh);
-  CHECK(result.report.flatFaces == 1);
-  CHECK(result.report.flatFacesLeft == 0);
+  CHECK(result.report.degenerateFaces == 1);
+  CHECK(result.report.degenerateFacesLeft == 0);
   CHECK(result.mesh.triangles.size() == 4);
   CHECK(test::borderEdges(result.mesh) == 4);
   CHECK(test::areaOf(result.mesh) == Approx(2.0));

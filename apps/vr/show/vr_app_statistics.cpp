@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// VrApp: frame statistics and screenshots.
+#include <algorithm>
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "ibr/error.h"
+#include "shared/cli/settings.h"
+#include "vr/headset/eye_pictures.h"
+#include "vr/show/vr_app.h"
+
+namespace ibr::app {
+
+void VrApp::recordStatistics(const XrFrameTiming& timing, double seconds, double processorMs) {
+  constexpr double kPause = 1;  // s: a longer interval is a pause, not a slow frame
+  if (seconds == 0 || seconds > kPause) ignoreNextFrames(governor_);
+  pending_[slot_] = {{.frame = ++state_.shown,
+                      .intervalMs = seconds > kPause ? 0 : 1e3 * seconds,
+                      .processorMs = processorMs,
+                      .level = state_.governorEnabled ? governor_.level : 0,
+                      .cells = scene_->plan().cells.size(),
+                      .missed = timing.periodMs > 0 && seconds > 1.5e-3 * timing.periodMs && seconds <= kPause},
+                     timing.periodMs};
+  // The slots of the last frames are not used again, so their statistics are written here, without device times.
+  if (state_.shown != options().frames) return;
+  for (std::uint32_t i = 1; i <= FrameRing::kSlots; ++i) finishStatistics((slot_ + i) % FrameRing::kSlots, 0);
+}
+
+void VrApp::finishStatistics(std::uint32_t slot, double deviceMs) {
+  if (!pending_[slot]) return;
+  Pending pending = *std::exchange(pending_[slot], std::nullopt);
+  FrameLogEntry& times = pending.times;
+  times.deviceMs = deviceMs;
+  state_.log.add(times);
+  updateStatusLine(times, pending.periodMs);
+  if (!state_.governorEnabled || !scene_) return;
+  const Decision decision = govern(
+      governor_,
+      {.workMs = std::max(times.processorMs, times.deviceMs), .periodMs = pending.periodMs, .missed = times.missed});
+  if (decision.reason.empty()) return;
+  state_.log.add(times.frame, decision.reason);
+  logMessage(LogLevel::info, decision.reason);
+}
+
+// Updates the menu's line every 0.5 s, so that people can read it.
+void VrApp::updateStatusLine(const FrameLogEntry& times, double periodMs) {
+  constexpr double kSeconds = 0.5;
+  statusSeconds_ += 1e-3 * times.intervalMs;
+  if (statusSeconds_ < kSeconds) return;
+  statusSeconds_ = 0;
+  statusLine_ = fmt::format("{:.1f} ms of {:.1f} ms per frame, {} cells", std::max(times.processorMs, times.deviceMs),
+                            periodMs, times.cells);
+  if (times.level > 0)
+    statusLine_ += fmt::format(", detail reduced by {} of {} levels", times.level, governor_.levels.size() - 1);
+}
+
+bool VrApp::screenshotDue() const {
+  const std::uint64_t number = state_.shown + 1;
+  const bool last = number == options().frames && !options().screenshot.empty();
+  return last || screenshotRequested_ || (options().screenshotEvery > 0 && number % options().screenshotEvery == 0);
+}
+
+void VrApp::writePictures(const std::vector<Camera>& eyes) {
+  const Stopwatch writing;
+  ring_.wait();
+  const bool last = state_.shown + 1 == options().frames && !options().screenshot.empty();
+  try {
+    const std::filesystem::path file = last ? options().screenshot : freePicture(options().screenshots);
+    const auto written =
+        writeEyes(file, capture_.read(), eyes, pictureSettingsJson(drawnSettings_, options().gpuScene, floor_));
+    state_.pictures.insert(state_.pictures.end(), written.begin(), written.end());
+    logMessage(LogLevel::info, fmt::format("{} and {} written", written[0].string(), written[1].string()));
+  } catch (const std::exception& e) {
+    if (last) throw;  // the requested screenshot failed, so the program fails
+    lastError_ = e.what();
+    logMessage(LogLevel::error, lastError_);
+  }
+  screenshotRequested_ = false;
+  excludedMs_ += 1e3 * writing.seconds();
+  ignoreNextFrames(governor_);
+}
+
+}  // namespace ibr::app

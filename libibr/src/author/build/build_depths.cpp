@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/build_depths.h"
+
+#include <algorithm>
+#include <array>
+
+#include "author/backdrop/backdrop.h"
+#include "author/build/backdrop_maker.h"
+#include "author/build/depth_matcher.h"
+#include "author/geometry/posed_model.h"
+
+namespace ibr {
+namespace {
+
+// Reprojection error of the model's points, px of the stored photographs.
+double storedResidualPx(const BuildInput& input) {
+  if (input.photographs.empty()) return 0;
+  const double scale =
+      double(input.photographs[0].camera.intrinsics.width) / double(input.model.images[0].camera.intrinsics.width);
+  return scale * reprojectionError(input.model);
+}
+
+}  // namespace
+
+std::vector<PhotographDepth> findDepths(const BuildInput& input, DepthSearch search, const BuildOptions& options,
+                                        const BuildJobs& jobs) {
+  constexpr double kFaceShare = 0.5;  // share of a panorama's pixels: one face and its part of the whole
+  double pixels = 0;
+  for (const Photograph& photo : input.photographs) {
+    const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+    pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finePixelFactor(search) * size.x * size.y);
+  }
+  const DepthMatcher matcher(input, search, buildCacheFolder(options), jobs);
+  std::size_t run = 0;
+  std::vector<Camera> cameras;
+  for (const Photograph& photo : input.photographs) cameras.push_back(photo.camera);
+  return depthOfPhotographs(
+      cameras,
+      {.matches = [&](std::size_t view) { return matcher.match(view); },
+       .points = [&](std::uint32_t photograph) { return pointsSeenBy(input, photograph); },
+       .residualPx = storedResidualPx(input),
+       .depths =
+           [&](std::size_t count, const auto& job) {
+             jobs.runAll("finding depth", count, matcher.bytesToMatch(), job, kDepthBytesPerPixel * pixels);
+           },
+       .evidence =
+           [&](std::size_t count, const auto& job) {
+             constexpr std::array kStages{"choosing depth sources", "confirming depth", "finding contradictions"};
+             static_assert(kStages.size() == kEvidenceRuns);
+             jobs.runAll(kStages[run++], count, 1, job);
+           }});
+}
+
+}  // namespace ibr
