@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The caller owns device and command buffer, like an engine or an OpenXR runtime. Its create-infos are merged with
-// Device::requirements(). libibr borrows the handles and records commands; the caller submits. The example checks that
-// the image equals the image from a device that libibr creates.
+// The caller owns the device, like an engine or an OpenXR runtime. Its create-infos are merged with
+// Device::requirements(). libibr borrows the handles; here, ibr::Offscreen submits to the caller's queue and waits. An
+// engine calls Renderer::record with its own command buffer and image instead. The example checks that the image equals
+// the image from a device that libibr creates.
 //
 //   02_adopt_device SCENE
 #include <ibr/ibr.h>

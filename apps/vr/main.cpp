@@ -66,7 +66,7 @@ void declareComfort(CLI::App& app, Options& o) {
   app.add_flag("--no-floor", o.noFloor, "Draw no guiding grid on the floor");
 }
 
-void declare(CLI::App& app, Options& o) {
+void declareOptions(CLI::App& app, Options& o) {
   app.set_version_flag("--version", "ibr-vr " IBR_VERSION);
   app.add_option("SCENE", o.places, "Scenes to show; the map switches between scenes")->required();
   addInt(app, "--frames", o.frames, 0, 1000000000,
@@ -184,7 +184,7 @@ ExitCode run(int argc, char** argv) {
       "Release the trigger to move there. The stick turns. The menu button (Y or B) shows a map\n"
       "and settings.\n",
       kName);
-  declare(app, o);
+  declareOptions(app, o);
   const auto ends = parsed(app, argc, argv, [&] {
     checkOverlays(o.vr.settings);
     if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");

@@ -11,8 +11,8 @@
 #include "ibr/metrics.h"
 #include "reference/compare_pictures.h"
 #include "reference/stage.h"
-#include "render/resident/texture_arrays.h"
 #include "render/resident/photograph_stream.h"
+#include "render/resident/texture_arrays.h"
 #include "support/gpu.h"
 
 using namespace ibr;

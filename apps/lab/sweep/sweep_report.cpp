@@ -47,7 +47,7 @@ std::string csvText(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "";
 }
 
-double numberOf(const Json& json, const char* name) {
+double numberOrNan(const Json& json, const char* name) {
   const Json& value = json.at(name);
   return value.is_null() ? std::nan("") : value.get<double>();
 }
@@ -111,7 +111,7 @@ Json rowJson(const SweepRow& row) {
 
 SweepRow rowOf(const Json& json, const SweepSetting& setting) {
   SweepRow row{.setting = setting, .scores = scoresOf(json.at("scores")), .device = json.at("device")};
-  for (const Figure& figure : kFigures) row.*figure.value = numberOf(json, figure.name);
+  for (const Figure& figure : kFigures) row.*figure.value = numberOrNan(json, figure.name);
   return row;
 }
 

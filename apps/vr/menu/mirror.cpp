@@ -29,15 +29,15 @@ void clear(VkCommandBuffer commands, VkImage image) {
 }  // namespace
 
 VkRect2D letterbox(VkExtent2D picture, VkExtent2D window) noexcept {
-  // 64-bit integers avoid overflow: sides of images are far below 2^31.
-  const auto part = [](std::uint32_t side, std::uint32_t of, std::uint32_t by) {
-    return std::max(1u, std::uint32_t((std::uint64_t(side) * by + of / 2) / of));
+  // Products of two sides may exceed 32 bits.
+  const auto scaled = [](std::uint32_t side, std::uint32_t numerator, std::uint32_t denominator) {
+    return std::max(1u, std::uint32_t((std::uint64_t(side) * numerator + denominator / 2) / denominator));
   };
   VkExtent2D size = window;
   if (std::uint64_t(picture.width) * window.height > std::uint64_t(window.width) * picture.height)
-    size.height = std::min(window.height, part(picture.height, picture.width, window.width));
+    size.height = std::min(window.height, scaled(picture.height, window.width, picture.width));
   else
-    size.width = std::min(window.width, part(picture.width, picture.height, window.height));
+    size.width = std::min(window.width, scaled(picture.width, window.height, picture.height));
   return {{std::int32_t((window.width - size.width) / 2), std::int32_t((window.height - size.height) / 2)}, size};
 }
 

@@ -16,8 +16,8 @@
 #include <limits>
 
 #include "base/check.h"
-#include "optimise/insertion.h"
 #include "optimise/alignment_backend.h"
+#include "optimise/insertion.h"
 #include "optimise/topology.h"
 
 namespace ibr {

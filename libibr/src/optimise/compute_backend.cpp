@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "base/vulkan/submit.h"
-#include "optimise/alignment_pass.h"
 #include "optimise/alignment_backend.h"
+#include "optimise/alignment_pass.h"
 
 namespace ibr {
 namespace {

@@ -72,7 +72,7 @@ class GradientBackend final : public AlignmentBackend {
   ScoredPick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
     ScoredPick pick;
     const MovingPoint place{point, member, at, maxMove(input_.mesh, at, point, member, request.radius),
-                            priorOf(point, member)};
+                            displacementPrior(point, member)};
     if (place.reach == 0) return pick;
     pick.score = scoreAt(place, pick.offset, pick);
     const std::uint32_t seed = shader::eccPointSeed(request.seed, std::uint32_t(member), point);
@@ -129,24 +129,26 @@ class GradientBackend final : public AlignmentBackend {
            double(kAlignmentUnitsPerPixel);
   }
 
-  // Cost by priorOf, in integers.
+  // Cost by displacementPrior, in integers.
   std::int64_t costAt(const MovingPoint& place, glm::ivec2 offset) const {
     const glm::ivec2 way =
         place.at[place.member][place.point] + offset - input_.alignment.position[place.member][place.point];
     const std::int64_t cost = shader::eccCost(way, scoreUnits(input_.options.rigidity));
-    const glm::dvec2 along = epipolarOf(place.point, place.member);
+    const glm::dvec2 along = epipolarDirection(place.point, place.member);
     const int off = int(std::lround(along.x * way.y - along.y * way.x));
     return cost + shader::eccCost(glm::ivec2(off, 0), scoreUnits(input_.options.epipolarWeight));
   }
 
-  DisplacementPrior priorOf(std::uint32_t point, std::size_t member) const {
+  // Quadratic cost of a displacement: rigidity in all directions, epipolarWeight across the epipolar line. Zero for
+  // other definitions of ECC than `channels`, whose costs are in integers (costAt).
+  DisplacementPrior displacementPrior(std::uint32_t point, std::size_t member) const {
     if (input_.options.definition != EccDefinition::channels) return {};
-    const glm::dvec2 along = epipolarOf(point, member), off(-along.y, along.x);
-    return {glm::dmat2(input_.options.rigidity) + input_.options.epipolarWeight * glm::outerProduct(off, off)};
+    const glm::dvec2 along = epipolarDirection(point, member), across(-along.y, along.x);
+    return {glm::dmat2(input_.options.rigidity) + input_.options.epipolarWeight * glm::outerProduct(across, across)};
   }
 
   // Epipolar direction; (0, 0): any direction.
-  glm::dvec2 epipolarOf(std::uint32_t point, std::size_t member) const {
+  glm::dvec2 epipolarDirection(std::uint32_t point, std::size_t member) const {
     const auto& epipolar = input_.alignment.epipolar;
     return epipolar.empty() ? glm::dvec2(0) : glm::dvec2(epipolar[member][point]);
   }

@@ -166,7 +166,8 @@ glm::mat2 apartOf(const shader::EccMap& source) {
   return glm::mat2(glm::dmat2(1.0) - half);
 }
 
-void add(GradientSums& sums, const Totals& t) {
+// Adds the sums of all three channels; centre() subtracts the means.
+void addUncentred(GradientSums& sums, const Totals& t) {
   sums.samples += 3 * t.n;
   sums.xx += t.xx, sums.xy += t.xy, sums.yy += t.yy;
   sums.xg += glm::dvec2(t.xg0, t.xg1), sums.yg += glm::dvec2(t.yg0, t.yg1);
@@ -215,7 +216,7 @@ GradientSums gradientSums(const JudgeInput& input, const Positions& at, std::uin
     Totals totals;
     if (!addPair(input, at, point, member, k, offset, rows, totals)) return {};
     if (totals.n == 0) continue;
-    add(sums, totals);
+    addUncentred(sums, totals);
     for (const Totals::Channel& c : totals.channels) {
       if (definition == EccDefinition::channels) centre(sums, c, totals.n);
       all.x += c.x, all.y += c.y, all.g0 += c.g0, all.g1 += c.g1;

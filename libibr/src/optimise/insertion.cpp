@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "optimise/mesh_edges.h"
 #include "optimise/alignment_backend.h"
+#include "optimise/mesh_edges.h"
 #include "optimise/triangle_agreement.h"
 #include "optimise/workers.h"
 

@@ -11,7 +11,7 @@ namespace {
 
 using shader::EccTarget;
 
-// Sums of a triangle in one pair of images, over all rows or every step-th one.
+// ECC sums of triangles in one pair of images, over all rows or every step-th one.
 class PairSums {
  public:
   PairSums(const Texels& source, const Texels& target, RowChoice rows, const RunAdder& runs, EccTarget& sums)
@@ -19,8 +19,8 @@ class PairSums {
   PairSums(const PairSums&) = delete;
   ~PairSums() { runs_.finish(sums_, lanes_); }
 
-  /// Returns false if the triangle cannot be judged.
-  bool add(const Corner& a, const Corner& b, const Corner& c) {
+  /// Adds the pixels of a triangle; returns false if the triangle is too large or too steep to be evaluated.
+  bool addTriangle(const Corner& a, const Corner& b, const Corner& c) {
     TriangleMaps maps;
     if (!maps.set(a, b, c)) return false;
     forEachRun(a.mean(), b.mean(), c.mean(), rows_, [&](int column, int row, int pixels) {
@@ -49,7 +49,7 @@ Judgement judged(std::span<const Texels> pictures, const Positions& at, std::siz
     PairSums sums(pictures[member], pictures[k], rows, runs, result.targets[std::size_t(result.count++)]);
     const auto corner = [&](std::uint32_t p) { return Corner{at[member][p], at[k][p]}; };
     forEachTriangle(corner, [&](const Corner& a, const Corner& b, const Corner& c) {
-      result.whole = sums.add(a, b, c) && result.whole;
+      result.whole = sums.addTriangle(a, b, c) && result.whole;
     });
   }
   return result;

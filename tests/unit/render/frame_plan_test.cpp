@@ -14,7 +14,7 @@
 #include "ibr/error.h"
 #include "ibr/frame_plan.h"
 #include "render/passes/draw_list.h"
-#include "render/plan/cell_order.h"
+#include "render/plan/cell_distance.h"
 
 using namespace ibr;
 

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "ibr/camera.h"
-#include "render/plan/cell_order.h"
+#include "render/plan/cell_distance.h"
 
 using namespace ibr;
 

@@ -52,7 +52,7 @@ class Device {
       REQUIRE(bytes == residency.arrayBytes());
       REQUIRE(bytes <= budget_);
     }
-    const Residency::Counts counts = residency.end();
+    const Residency::Counts counts = residency.endFrame();
     std::set<std::pair<std::uint32_t, std::uint32_t>> slots;
     std::uint32_t here = 0;
     for (std::size_t i = 0; i < wanted.size(); ++i)
@@ -208,7 +208,7 @@ TEST_CASE("unstreamed and unreadable photographs and a refused allocation are ha
   residency.allocationFailed(step->array);
   CHECK(residency.arrayBytes() == 100);
   CHECK_FALSE(residency.next());
-  const auto counts = residency.end();
+  const auto counts = residency.endFrame();
   CHECK(counts.failed == 1);
   CHECK(counts.waiting == 0);
   residency.begin(std::vector<std::uint32_t>{1, 4}, 2, 2, 1);
@@ -216,7 +216,7 @@ TEST_CASE("unstreamed and unreadable photographs and a refused allocation are ha
   REQUIRE(step->kind == Step::Kind::load);
   CHECK(step->photograph == 4);
   residency.finishLoad(4);
-  CHECK(residency.end().failed == 1);
+  CHECK(residency.endFrame().failed == 1);
 }
 
 TEST_CASE("random walks keep the residency rules") {

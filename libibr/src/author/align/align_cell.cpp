@@ -125,12 +125,12 @@ std::vector<glm::dvec2> PictureAlignment::pixelsOf(std::size_t point, const Matc
   return pixels;
 }
 
-std::vector<glm::uvec3> PictureAlignment::triangles() const {
+std::vector<glm::uvec3> PictureAlignment::alignedTriangles() const {
   std::vector<glm::uvec3> triangles = mesh_.triangles;
   for (std::size_t n = 0; n < grid_.judged.size(); ++n) {
     glm::uvec3& t = triangles[grid_.judged[n]];
-    const glm::uvec3 is = grid_.alignment.triangles[n];
-    if (is != t && is != turned(t)) t = isUpright(mesh_, t) ? is : turned(is);
+    const glm::uvec3 aligned = grid_.alignment.triangles[n];
+    if (aligned != t && aligned != turned(t)) t = isUpright(mesh_, t) ? aligned : turned(aligned);
   }
   const std::vector<glm::uvec3>& all = grid_.alignment.triangles;
   for (std::size_t n = grid_.judged.size(); n < all.size(); ++n)
@@ -339,7 +339,7 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true,
                                        nearMasks(input.views, before));
   mesh.match = alignment.run(options, aligner, progress);
-  mesh.triangles = alignment.triangles();
+  mesh.triangles = alignment.alignedTriangles();
   OptimisedCell& facts = result.facts;
   facts.points = before.vertexCount();
   facts.evaluated = alignment.judged();

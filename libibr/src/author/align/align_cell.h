@@ -71,12 +71,12 @@ class PictureAlignment {
                    const std::vector<std::uint8_t>& fixed = {});
 
   /// Returns the points' final positions, inserted points last. A point that did not move keeps its position to the
-  /// bit. With `options.flipEdges` or `options.insertPoints`, use triangles() afterwards.
+  /// bit. With `options.flipEdges` or `options.insertPoints`, use alignedTriangles() afterwards.
   Match run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress);
 
-  /// The mesh's triangles with the flips and insertions of run(). Each index keeps its tier and its orientation.
-  /// Triangles of inserted points follow at the end, all of tier 0.
-  std::vector<glm::uvec3> triangles() const;
+  /// The mesh's triangles with the flips and insertions of run(). Each index keeps its tier and its orientation;
+  /// a triangle that was divided keeps its index for one part. The other parts follow at the end, all of tier 0.
+  std::vector<glm::uvec3> alignedTriangles() const;
   const std::vector<InsertedPoint>& inserted() const { return grid_.alignment.inserted; }
 
   const AlignmentSummary& summary() const { return summary_; }

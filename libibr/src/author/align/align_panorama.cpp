@@ -35,7 +35,7 @@ class Sphere {
     for (std::size_t p = 0; p < before_.vertexCount(); ++p) {
       glm::dvec3 mean(0.0);
       for (std::size_t i = 0; i < before_.memberCount(); ++i) mean += rayOf(input.views[i].camera, before_.match[i][p]);
-      faceOf_.push_back(nearestFace(mean));
+      faceOf_.push_back(cubeFaceTowards(mean));
     }
     trianglesOf_.resize(before_.vertexCount());
     for (std::size_t t = 0; t < before_.triangles.size(); ++t)
@@ -67,7 +67,7 @@ class Sphere {
   }
 
  private:
-  unsigned nearestFace(glm::dvec3 direction) const {
+  unsigned cubeFaceTowards(glm::dvec3 direction) const {
     unsigned best = 0;
     const auto towards = [&](unsigned f) { return glm::dot(rotations_[f] * glm::dvec3(0, 0, -1), direction); };
     for (unsigned f = 1; f < rotations_.size(); ++f)
@@ -266,7 +266,7 @@ class Sphere {
       for (const std::size_t t : changed) {
         const glm::uvec3& c = mesh.triangles[t];
         const glm::dvec3 middle = meanRay(mesh.match, c.x) + meanRay(mesh.match, c.y) + meanRay(mesh.match, c.z);
-        if (nearestFace(middle) != f || !at.inside[c.x] || !at.inside[c.y] || !at.inside[c.z]) continue;
+        if (cubeFaceTowards(middle) != f || !at.inside[c.x] || !at.inside[c.y] || !at.inside[c.z]) continue;
         number.push_back(t);
         corners.push_back(c);
       }

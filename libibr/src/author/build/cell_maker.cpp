@@ -136,7 +136,7 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
   for (const std::uint32_t i : members)
     views.push_back(
         {input.photographs[i].camera, loadPhotograph(input.photographs[i]), storedMask(input.photographs[i])});
-  return panoramaCell(views, planned.points, {input.refine, planned.depths});
+  return makePanoramaCell(views, planned.points, {input.refine, planned.depths});
 }
 
 }  // namespace

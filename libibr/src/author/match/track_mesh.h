@@ -22,7 +22,8 @@ std::vector<std::vector<std::uint32_t>> trackNeighbours(std::size_t count, std::
 /// Then drops tracks whose triangles fold over.
 void dropContradicted(std::vector<PlaneTrack>& tracks, std::span<const PlaneMaps> planes, double px);
 
-/// Drops tracks whose triangles fold over in one of the first `members` members.
+/// Drops one track of each triangle that folds over in one of the first `members` members, and triangulates again,
+/// until none folds, at most 30 times.
 void dropFolded(std::vector<PlaneTrack>& tracks, std::size_t members);
 
 /// Returns the planes within `px` of each track: at most the four nearest, ascending and counted from 1, padded with 0.

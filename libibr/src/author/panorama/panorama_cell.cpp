@@ -134,7 +134,7 @@ class Maker {
       std::vector<std::vector<glm::vec2>> member(views_.size(), frame);
       for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const glm::uvec3& corner = triangles_[t];
-        if (nearestFace(middle(corner)) != &face || !place(face, corner, frame, member)) continue;
+        if (cubeFaceTowards(middle(corner)) != &face || !place(face, corner, frame, member)) continue;
         inside.push_back(corner);
         number.push_back(t);
       }
@@ -147,7 +147,7 @@ class Maker {
   glm::dvec3 middle(const glm::uvec3& t) const {
     return vertices_.direction[t.x] + vertices_.direction[t.y] + vertices_.direction[t.z];
   }
-  const Face* nearestFace(glm::dvec3 direction) const {
+  const Face* cubeFaceTowards(glm::dvec3 direction) const {
     return &*std::max_element(faces_.begin(), faces_.end(), [&](const Face& a, const Face& b) {
       return a.towards(direction) < b.towards(direction);
     });
@@ -226,8 +226,8 @@ class Maker {
 
 }  // namespace
 
-CellMesh panoramaCell(std::span<const PanoramaView> views, std::span<const glm::dvec3> points,
-                      const MatchOptions& options) {
+CellMesh makePanoramaCell(std::span<const PanoramaView> views, std::span<const glm::dvec3> points,
+                          const MatchOptions& options) {
   return Maker(views, points, options).run();
 }
 

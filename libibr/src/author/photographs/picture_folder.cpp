@@ -33,7 +33,7 @@ bool isReadable(std::string_view extension) {
   return isOneOf(extension, kRead);
 }
 
-bool isRaw(std::string_view extension) {
+bool isRawExtension(std::string_view extension) {
   constexpr std::array<std::string_view, 14> kRaw{".dng", ".nef", ".nrw", ".cr2", ".cr3", ".crw", ".arw",
                                                   ".raf", ".rw2", ".orf", ".pef", ".srw", ".3fr", ".iiq"};
   return isOneOf(extension, kRaw);
@@ -66,7 +66,7 @@ bool isScene(const fs::path& folder) {
 std::string faultOf(const fs::path& file, const std::string& extension) {
   std::error_code ignored;
   if (fs::file_size(file, ignored) == 0) return "is empty: copy it from the camera again";
-  if (isRaw(extension)) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
+  if (isRawExtension(extension)) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
   std::string foreign;
   try {
     foreign = unsupportedImageFormat(file);
@@ -96,7 +96,7 @@ PhotographFolder scanPhotographFolder(const fs::path& folder) {
     }
     const std::string extension = lowered(at->path().extension().string());
     if (file.starts_with('.') || !at->is_regular_file(ignored)) continue;
-    if (!isReadable(extension) && !isRaw(extension) && !isUnsupported(extension)) continue;
+    if (!isReadable(extension) && !isRawExtension(extension) && !isUnsupported(extension)) continue;
     const std::string name = at->path().lexically_relative(folder).generic_string();
     std::string fault = faultOf(at->path(), extension);
     if (fault.empty() && isReadable(extension)) {

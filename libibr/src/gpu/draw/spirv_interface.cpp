@@ -82,13 +82,13 @@ class SpirvReader {
     const auto found = names_.find(id);
     return found == names_.end() ? std::string() : found->second;
   }
-  static std::string shortened(std::string text) {  // limits the text of nested types
+  // Limits the text of nested types.
+  static std::string shortened(const std::string& text) {
     constexpr std::size_t kMaxBytes = 200;
-    if (text.size() > kMaxBytes) text.resize(kMaxBytes);
-    return text;
+    return text.substr(0, kMaxBytes);
   }
   void define(Type type) {
-    type.text = shortened(std::move(type.text));
+    type.text = shortened(type.text);
     types_[word(1)] = std::move(type);
   }
 

@@ -54,7 +54,8 @@ bool isCounted(const FramePlan& plan, const DrawItem& item) {
   return item.cell != kNoCell && plan.cells[item.cell].colourTableNeeded;
 }
 
-bool startsWithMain(const DrawList& list) {
+// True if the list draws the main cell, plan.cells[0], whose colours are the reference.
+bool startsWithMainCell(const DrawList& list) {
   return list.count > 0 && list.items[0].cell == 0;
 }
 
@@ -186,7 +187,7 @@ void ColourMapPass::count(const PlanDraws& draws, VkExtent2D extent, Renderer::C
   }
   std::uint32_t made = std::min(frame.count, 1u);
   counters.dispatches += made;
-  for (std::uint32_t s = startsWithMain(list) ? 1 : 0; s < list.count; ++s) {
+  for (std::uint32_t s = startsWithMainCell(list) ? 1 : 0; s < list.count; ++s) {
     const DrawItem& item = list.items[s];
     ++counters.passes;
     const std::uint32_t upTo = item.cell + 1;
@@ -271,7 +272,7 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const PlanDraws& draw
 
   // The main cell is not mapped: it is the reference.
   canvas_->begin(commands, extent, {0, 0, 0, 0});
-  if (startsWithMain(list)) {
+  if (startsWithMainCell(list)) {
     setViewport(commands, extent);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cells_->pipeline(plan, list.items[0]));
     cells_->bind(commands, cells_->layout());
@@ -280,7 +281,7 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const PlanDraws& draw
   canvas_->end(commands);
   transition(commands, canvas_->colour(), use::kSampled, use::kTransferSource);
 
-  for (std::uint32_t s = startsWithMain(list) ? 1 : 0; s < list.count; ++s) {
+  for (std::uint32_t s = startsWithMainCell(list) ? 1 : 0; s < list.count; ++s) {
     const DrawItem& item = list.items[s];
     transition(commands, copy_->get(), kReplaced, use::kTransferDestination);
     const VkImageSubresourceLayers whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};

@@ -19,7 +19,7 @@
 #include "render/plan/anchors.h"
 #include "render/plan/cell_alignment.h"
 #include "render/plan/cell_choice.h"
-#include "render/plan/cell_order.h"
+#include "render/plan/cell_distance.h"
 #include "render/plan/colour_plan.h"
 #include "render/plan/culling.h"
 #include "render/plan/exposure_plan.h"

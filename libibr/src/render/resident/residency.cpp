@@ -176,7 +176,7 @@ std::optional<Residency::Slot> Residency::slot(std::uint32_t photograph) const {
   return Slot{p.array, p.layer};
 }
 
-Residency::Counts Residency::end() {
+Residency::Counts Residency::endFrame() {
   Counts counts{.needed = std::uint32_t(needed_)};
   for (std::size_t i = 0; i < needed_; ++i) {
     Photograph& p = photographs_[wanted_[i]];

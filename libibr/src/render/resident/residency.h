@@ -64,7 +64,7 @@ class Residency {
     std::uint32_t failed = 0;
   };
   /// Ends the frame: its resident photographs are in use until the frame has finished.
-  Counts end();
+  Counts endFrame();
 
   std::uint64_t arrayBytes() const noexcept { return usedBytes_; }
 

@@ -121,6 +121,8 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
   }
 }
 
+// Divides the budget: small images of all photographs first, which stand in while a photograph is not resident; the
+// rest for arrays of streamed photographs.
 void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
   const std::uint64_t smallest = meshBytes_ + FixedTextureArrays::bytes(*device_, reduced(classes_, 1));
   check(budget_ >= smallest, ErrorCode::outOfMemory,
@@ -144,13 +146,19 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
         "stand-ins of photographs have {} px instead of {}: the budget of {:.1f} MB is too small", side,
         kMaxStandInSide, megabytes(budget_));
 
+  setUpResidency(standIns, rest);
+  stream_ = PhotographStream(*device_, stagingBytes);
+}
+
+// Chooses the levels and the arrays that fit into `budget` bytes.
+void Photographs::setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget) {
   std::vector<Residency::Class> residencyClasses;
   classOf_.assign(scene_->nodes.size(), Residency::kNone);
   std::uint64_t minLayerBytes = ~std::uint64_t(0);
   for (std::size_t c = 0; c < classes_.size(); ++c) {
     TextureArrayClass& arrayClass = classes_[c];
     const std::uint64_t least = std::min<std::uint64_t>(kMinPhotographs, arrayClass.nodes.size());
-    while (arrayClass.firstLevel < standIns[c].firstLevel && arrayClass.layerBytes() * least > rest)
+    while (arrayClass.firstLevel < standIns[c].firstLevel && arrayClass.layerBytes() * least > budget)
       ++arrayClass.firstLevel;
     if (arrayClass.firstLevel > 0)
       say(log_, LogLevel::warning,
@@ -158,7 +166,7 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
           arrayClass.text(), 1u << arrayClass.firstLevel, megabytes(budget_), least,
           arrayClass.format == TextureFormat::bc1 ? "" : "; bc1 textures take less memory");
     const std::uint32_t layers =
-        layersWithin(*device_, arrayClass, std::min<std::uint64_t>(kMaxArrayBytes, rest / kMinArraysInBudget));
+        layersWithin(*device_, arrayClass, std::min<std::uint64_t>(kMaxArrayBytes, budget / kMinArraysInBudget));
     const std::uint64_t arrayBytes = allocationBytes(*device_, arrayInfo(arrayClass, layers), arrayClass.text());
     layersPerArray_.push_back(layers);
     residencyClasses.push_back({arrayBytes, layers});
@@ -166,9 +174,8 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
     if (arrayClass.firstLevel < standIns[c].firstLevel)
       for (const std::uint32_t node : arrayClass.nodes) classOf_[node] = std::uint32_t(c);
   }
-  maxResident_ = std::size_t(rest / std::max<std::uint64_t>(minLayerBytes, 1));
-  residency_ = Residency(std::move(residencyClasses), classOf_, rest);
-  stream_ = PhotographStream(*device_, stagingBytes);
+  maxResident_ = std::size_t(budget / std::max<std::uint64_t>(minLayerBytes, 1));
+  residency_ = Residency(std::move(residencyClasses), classOf_, budget);
 }
 
 Texture Photographs::load(std::uint32_t node, const TextureArrayClass& arrayClass) const {
@@ -242,7 +249,7 @@ GpuScene::StreamStatus Photographs::stream(VkCommandBuffer commandBuffer, std::s
   stream_.begin(frame, completedFrame);
   runSteps(evicting);
   stream_.record(commandBuffer);
-  const Residency::Counts counts = residency_.end();
+  const Residency::Counts counts = residency_.endFrame();
   const GpuScene::StreamStatus streamed{.needed = std::uint32_t(needed),
                                         .waiting = counts.waiting,
                                         .overBudget = counts.overBudget,

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "ibr/gpu_scene.h"
-#include "render/resident/texture_arrays.h"
 #include "render/resident/photograph_stream.h"
 #include "render/resident/residency.h"
+#include "render/resident/texture_arrays.h"
 
 namespace ibr {
 
@@ -44,6 +44,7 @@ class Photographs {
   Texture load(std::uint32_t node, const TextureArrayClass& arrayClass) const;
   void fill(std::span<const TextureArrayClass> classes, std::uint64_t stagingBytes);
   void setUpStreaming(std::uint64_t stagingBytes);
+  void setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget);
   void runSteps(const std::function<void(VkImageView)>& evicting);
   void makeArray(const Residency::Step& step);
   void beginLoad(const Residency::Step& step);

@@ -128,7 +128,7 @@ TEST_CASE("panoramas in a room are matched on its walls, in all directions") {
   std::vector<glm::dvec3> points;
   if (known)
     for (int i = 0; i < 40; ++i) points.emplace_back(-2 + 0.13 * i, i % 2 ? -1.6 : 1.9, -3 + 0.1 * i);
-  const CellMesh cell = panoramaCell(views, points);
+  const CellMesh cell = makePanoramaCell(views, points);
   Scene scene;
   for (std::size_t i = 0; i < cameras.size(); ++i) scene.nodes.push_back({std::to_string(i), cameras[i], {}, {}});
   scene.cells.push_back({{0, 1, 2}, cell.mesh, cell.quality});
@@ -170,14 +170,14 @@ TEST_CASE("panoramas are not matched where they are masked") {
     }
     return agreeing;
   };
-  REQUIRE(agreeingIn(panoramaCell(views, {})) > 20);
+  REQUIRE(agreeingIn(makePanoramaCell(views, {})) > 20);
   Image8 band(views[0].picture.width, views[0].picture.height, 1, 255);
   for (int y = 0; y < band.height; ++y)
     for (int x = band.width / 4; x < band.width / 2; ++x) band.pixel(x, y)[0] = 0;
   views[0].mask = band;
-  CHECK(agreeingIn(panoramaCell(views, {})) > 10);  // the other two panoramas agree
+  CHECK(agreeingIn(makePanoramaCell(views, {})) > 10);  // the other two panoramas agree
   views[1].mask = Image8(band.width, band.height, 1, 0);
-  CHECK(agreeingIn(panoramaCell(views, {})) == 0);
+  CHECK(agreeingIn(makePanoramaCell(views, {})) == 0);
 }
 
 TEST_CASE("the sphere is closed for cocircular, nearly equal and many polar directions", "[N10]") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/plan/cell_order.h"
+#include "render/plan/cell_distance.h"
 
 #include <algorithm>
 #include <cmath>
