@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <clocale>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "base/file.h"

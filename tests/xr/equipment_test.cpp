@@ -4,6 +4,7 @@
 #include <openxr/openxr.h>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "faults.h"

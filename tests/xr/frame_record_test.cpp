@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "support/temporary_folder.h"

@@ -5,6 +5,7 @@
 #include "probe.h"
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace ibr::test {

@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 namespace ibr::test {
 

@@ -2,6 +2,8 @@
 // Faults of a headset: ibr-vr continues, or ends with a message and an exit code that state the reason.
 #include "vr_harness.h"
 
+#include <nlohmann/json.hpp>
+
 using namespace ibr::test;
 using Catch::Contains;
 using nlohmann::json;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames that ibr-vr submits to the runtime, from the record.
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "vr_harness.h"
 

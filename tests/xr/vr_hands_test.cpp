@@ -2,6 +2,7 @@
 // Locomotion with the hands, checked with the world views stored in screenshots.
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtx/quaternion.hpp>
+#include <nlohmann/json.hpp>
 
 #include "vr_harness.h"
 

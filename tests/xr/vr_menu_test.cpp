@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The menu of ibr-vr, operated by a scripted hand.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "io/image_file.h"
 #include "shared/draw/picture_record.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vr_menu_user.h"
 
+#include <nlohmann/json.hpp>
+
 namespace ibr::test {
 
 using nlohmann::json;

@@ -2,6 +2,9 @@
 // Images of the eyes: the runtime's swapchain images, screenshots, and the output of `ibr render --stereo` for the same
 // poses are equal.
 #include "io/image_file.h"
+
+#include <nlohmann/json.hpp>
+
 #include "vr_harness.h"
 
 namespace fs = std::filesystem;

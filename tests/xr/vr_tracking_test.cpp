@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Partial or invalid head tracking in ibr-vr, and output files that cannot be written.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "vr_menu_user.h"
 

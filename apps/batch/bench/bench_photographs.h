@@ -2,7 +2,7 @@
 // `ibr bench` of the photographs on a device: cost of texture formats and filters, and a walk within a memory budget.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "ibr/renderer.h"

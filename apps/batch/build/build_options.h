@@ -2,12 +2,12 @@
 // Options of builds, declared once for all commands that build scenes, so that all of them build the same.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "ibr/author/build.h"
+#include "shared/cli/cli_fwd.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {

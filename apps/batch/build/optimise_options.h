@@ -2,13 +2,13 @@
 // Options of the ECC optimiser, and the optimiser with its device, for commands that change scenes.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ibr/author/optimise_scene.h"
+#include "shared/cli/cli_fwd.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {

@@ -2,7 +2,7 @@
 // Errors of a model's poses against another model of the same photographs.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "ibr/author/poses.h"
 

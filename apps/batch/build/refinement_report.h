@@ -2,7 +2,7 @@
 // Results of pose refinement, as text and as JSON.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "ibr/author/pose_refinement.h"

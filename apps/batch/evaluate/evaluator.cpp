@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <glm/vec3.hpp>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "base/check.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "batch/evaluate/colour_scores.h"
 #include "ibr/metrics.h"

@@ -2,7 +2,7 @@
 // Scores of a rendered view against the truth, and their reports. NaN: not measured, or undefined.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

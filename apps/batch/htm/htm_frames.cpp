@@ -2,6 +2,7 @@
 #include "batch/htm/htm_frames.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "base/check.h"
 #include "base/file.h"

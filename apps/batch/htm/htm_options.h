@@ -2,11 +2,11 @@
 // Options of harmonising, for all commands that build harmonised models.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "ibr/author/htm.h"
 #include "ibr/device.h"
+#include "shared/cli/cli_fwd.h"
 #include "shared/cli/context.h"
 
 namespace ibr::app {

@@ -2,13 +2,13 @@
 // Renders views of a harmonised model or of 3D video to PNG files, for `ibr htm render` and `ibr render`.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
 #include "batch/command.h"
 #include "ibr/asset.h"
 #include "ibr/htm.h"
+#include "shared/cli/cli_fwd.h"
 #include "shared/cli/options.h"
 
 namespace ibr::app {

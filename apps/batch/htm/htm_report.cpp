@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/htm/htm_report.h"
 
+#include <nlohmann/json.hpp>
+
 namespace ibr::app {
 
 using Json = nlohmann::ordered_json;

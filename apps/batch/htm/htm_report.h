@@ -2,7 +2,7 @@
 // Results of harmonising, for reports.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "ibr/author/htm.h"
 

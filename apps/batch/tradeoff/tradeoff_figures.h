@@ -2,7 +2,7 @@
 // Figures of `ibr tradeoff` as SVG drawings.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

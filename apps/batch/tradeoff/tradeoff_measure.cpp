@@ -3,6 +3,7 @@
 #include "batch/files/sha256.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "base/check.h"

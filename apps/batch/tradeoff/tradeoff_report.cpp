@@ -2,6 +2,7 @@
 #include "batch/tradeoff/tradeoff_report.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "shared/report/table.h"
 

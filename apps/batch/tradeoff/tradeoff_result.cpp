@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "ibr/metrics.h"
 #include "shared/draw/image_operations.h"

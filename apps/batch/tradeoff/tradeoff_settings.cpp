@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "shared/cli/presets.h"
 #include "shared/cli/settings.h"

@@ -2,7 +2,7 @@
 // Settings that `ibr tradeoff` compares: presets, knobs varied one at a time, and a few combinations.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -2,6 +2,7 @@
 #include "lab/sweep/sweep_measure.h"
 
 #include <ctime>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 

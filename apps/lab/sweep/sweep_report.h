@@ -2,7 +2,7 @@
 // Results of a sweep as a table, CSV, JSON and a drawing.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

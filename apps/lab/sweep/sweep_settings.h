@@ -2,12 +2,12 @@
 // Settings of the optimiser that a sweep measures ([T] §3.8.1).
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <vector>
 
 #include "ibr/optimiser.h"
+#include "shared/cli/cli_fwd.h"
 
 namespace ibr::app {
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
 
 namespace ibr::app {
 namespace {

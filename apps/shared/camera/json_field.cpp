@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace ibr::app {
@@ -11,6 +12,10 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 constexpr int kMaxDepth = 8;
+}
+
+bool JsonField::has(const char* key) const {
+  return json_.is_object() && json_.contains(key);
 }
 
 JsonField JsonField::at(const char* key) const {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "base/check.h"
@@ -21,7 +21,7 @@ class JsonField {
   /// The root value of the JSON from `name`.
   static JsonField whole(const nlohmann::ordered_json& json, const std::string& name) { return {json, name + ": "}; }
 
-  bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
+  bool has(const char* key) const;
   JsonField at(const char* key) const;
   JsonField at(std::size_t i) const;
   /// Number of elements of an array, from `minSize` to `maxSize`.

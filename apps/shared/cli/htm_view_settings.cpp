@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/cli/htm_view_settings.h"
 
+#include <nlohmann/json.hpp>
+
 #include "shared/cli/options.h"
 
 namespace ibr::app {

@@ -2,10 +2,10 @@
 // Settings for drawing harmonised models: command-line options and their part of the report.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "ibr/htm.h"
+#include "shared/cli/cli_fwd.h"
 
 namespace ibr::app {
 

@@ -2,6 +2,8 @@
 #include "shared/cli/presets.h"
 
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "shared/cli/setting_arguments.h"
 #include "shared/cli/settings.h"

@@ -2,13 +2,13 @@
 // Render settings by name. A preset's values differ by the kind of the device.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "ibr/renderer.h"
+#include "shared/cli/cli_fwd.h"
 
 namespace ibr::app {
 

@@ -2,6 +2,7 @@
 #include "shared/cli/setting_arguments.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "shared/cli/settings.h"
 

@@ -2,7 +2,7 @@
 // Converts settings into command-line words, to pass settings from one program to another.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

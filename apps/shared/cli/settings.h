@@ -2,14 +2,14 @@
 // Render settings as command-line options and as a part of the report.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <utility>
 
 #include "ibr/renderer.h"
 #include "shared/camera/up.h"
+#include "shared/cli/cli_fwd.h"
 
 namespace ibr::app {
 

@@ -2,6 +2,7 @@
 #include "shared/draw/picture_record.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "io/image_file.h"
 #include "shared/camera/camera_json.h"

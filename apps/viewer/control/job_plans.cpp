@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <nlohmann/json.hpp>
 
 #include "shared/cli/setting_arguments.h"
 #include "viewer/control/screenshot.h"

@@ -2,6 +2,7 @@
 #include "viewer/control/screenshot.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "shared/cli/htm_view_settings.h"

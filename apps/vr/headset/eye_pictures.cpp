@@ -2,6 +2,7 @@
 #include "vr/headset/eye_pictures.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "shared/draw/picture_record.h"

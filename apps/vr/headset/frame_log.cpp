@@ -2,6 +2,7 @@
 #include "vr/headset/frame_log.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "base/check.h"
 #include "shared/report/statistics.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VrApp: frame statistics and screenshots.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/stopwatch.h"

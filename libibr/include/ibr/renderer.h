@@ -45,7 +45,7 @@ struct RendererOptions {
   bool crossFadeOrders = true;  // a second canvas for FramePlan::previous; without it the draw order changes as a cut
   bool fill = true;             // tier 3; without it holes show the background
   bool depth = false;           // targets with a DepthTarget
-  ColourSupport colour = ColourSupport::ours;
+  ColourSupport colour = ColourSupport::off;
   bool multiview = true;  // both views of a plan in one render pass, where they have one size and a probe shows that
                           // the device does it right; the pixels are the same
   std::vector<Overlay> overlays;
@@ -55,7 +55,7 @@ struct RendererOptions {
   std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
                                 VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours};
-  std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
+  std::vector<BlendMode> blends{BlendMode::blend};
   std::vector<Composition> compositions{Composition::cells};
   std::uint32_t gatherCandidates = 12;                // most candidates K
   std::uint32_t gatherColours = 4, gatherLayers = 2;  // of all plans

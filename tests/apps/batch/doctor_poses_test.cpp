@@ -2,6 +2,7 @@
 // Pose sets with one problem each: doctor finds this problem and no other.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "batch/doctor/findings.h"
 #include "support/posed_rig.h"

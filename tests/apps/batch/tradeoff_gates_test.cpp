@@ -2,6 +2,7 @@
 // Settings of `ibr tradeoff` and its gates, on handmade figures.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "batch/tradeoff/tradeoff_gates.h"
 #include "batch/tradeoff/tradeoff_histogram.h"

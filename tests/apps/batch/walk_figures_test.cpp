@@ -2,6 +2,7 @@
 #include "batch/evaluate/walk_figures.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 using namespace ibr::app;
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/options.h"

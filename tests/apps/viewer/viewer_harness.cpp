@@ -2,6 +2,7 @@
 #include "viewer_harness.h"
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace fs = std::filesystem;

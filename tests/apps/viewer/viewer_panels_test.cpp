@@ -2,6 +2,8 @@
 // The viewer's panels, driven by keys and the mouse.
 #include "viewer_harness.h"
 
+#include <nlohmann/json.hpp>
+
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;

@@ -2,6 +2,8 @@
 // Files written by the viewer: screenshots, camera paths, videos. `ibr render` draws the same images.
 #include "viewer_harness.h"
 
+#include <nlohmann/json.hpp>
+
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;

@@ -2,6 +2,8 @@
 // Documents of the viewer: opening, closing, several at once, and background builds.
 #include "viewer_harness.h"
 
+#include <nlohmann/json.hpp>
+
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;

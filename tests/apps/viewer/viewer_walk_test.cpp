@@ -2,6 +2,8 @@
 // Walking in the viewer: keys and the mouse, bounds, orbit centres, trust, camera paths.
 #include "viewer_harness.h"
 
+#include <nlohmann/json.hpp>
+
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;

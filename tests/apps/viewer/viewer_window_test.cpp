@@ -2,6 +2,8 @@
 // The viewer's window: size, formats, recovery of lost objects, interface scale.
 #include "viewer_harness.h"
 
+#include <nlohmann/json.hpp>
+
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
