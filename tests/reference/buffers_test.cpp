@@ -37,8 +37,10 @@ class Recorder {
       : renderer_(testDevice(), stage.gpuScene(),
                   {.maxExtent = {400, 360},
                    .fill = false,
+                   .colour = ColourSupport::ours,
                    .bufferScene = &stage.scene(),
-                   .orders = {DrawOrder::ours, DrawOrder::paper}}) {}
+                   .orders = {DrawOrder::ours, DrawOrder::paper},
+                   .blends = {BlendMode::blend, BlendMode::dither, BlendMode::mixed}}) {}
 
   FrameBuffers buffers(const FramePlan& plan) const {
     OffscreenBuffers offscreen(testDevice(), extentOf(plan));

@@ -356,7 +356,7 @@ TEST_CASE("a switch of the main cell changes the mean colour of an image only a 
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
-  const Renderer renderer(testDevice(), scene, {.maxExtent = {160, 120}});
+  const Renderer renderer(testDevice(), scene, {.maxExtent = {160, 120}, .colour = ColourSupport::ours});
   Offscreen offscreen(testDevice(), {160, 120});
   RenderSettings settings = mapped(ColourMapping::ours);
   settings.colourProxy = 2;

@@ -269,6 +269,7 @@ TEST_CASE("a renderer for one setting draws the same image as a renderer for all
                                                       .floor = true,
                                                       .uncertaintyScene = &place.scene,
                                                       .orders = {settings.order},
+                                                      .blends = {BlendMode::blend, BlendMode::dither, BlendMode::mixed},
                                                       .compositions = {settings.composition},
                                                       .maxRenderScale = 1}));
   }

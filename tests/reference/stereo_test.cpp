@@ -163,8 +163,12 @@ TEST_CASE("multiview is probed, and pixels of both eyes are equal with and witho
   const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), settings});
   const auto rendered = [&](bool multiview) {
     const VkExtent2D extent{320, 240};
-    const Renderer renderer(testDevice(), stage.gpuScene(),
-                            {.maxExtent = extent, .maxViews = 2, .depth = true, .multiview = multiview});
+    RendererOptions needed = optionsFor(settings, extent);
+    needed.maxViews = 2;
+    needed.depth = true;
+    needed.multiview = multiview;
+    const Renderer renderer(testDevice(), stage.gpuScene(), needed);
+    REQUIRE(renderer.supports(plan));
     const auto counters = renderer.count(plan);
     Offscreen left(testDevice(), extent), right(testDevice(), extent);
     const Target targets[]{left.target(), right.target()};

@@ -50,7 +50,7 @@ std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::
     flushResults();
     return kExitOk;
   } catch (const CLI::ParseError& e) {
-    const std::string name = app.get_name();
+    const std::string& name = app.get_name();
     return printError(name, fmt::format("{}\n{}: {} --help lists the options", e.what(), name, name), kExitCommandLine);
   }
 }
