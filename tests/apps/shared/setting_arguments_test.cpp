@@ -99,6 +99,11 @@ TEST_CASE("settings start from the preset balanced or from a command's defaults,
       CHECK((settings == preset(chosen, kind)));
       const bool isSame = chosen == Preset::fast || chosen == Preset::reference;  // equal on all devices
       CHECK(presetName(chosen, kind) == name + std::string(isSame ? "" : word));
+      // `ibr render` must accept the words of every preset.
+      RenderSettings again;
+      CLI::App product;
+      declareSettings(product, again);
+      CHECK_NOTHROW(parse(product, settingArguments(optionsJson(preset(chosen, kind)))));
     }
   for (const char* none : {"best", "fast-", "-software", "balanced-gpu"})
     CHECK_THROWS_AS(parse(plain, {"--preset", none}), CLI::ValidationError);

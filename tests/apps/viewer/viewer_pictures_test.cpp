@@ -129,6 +129,7 @@ TEST_CASE("a camera path becomes a video with the view's settings") {
                                        pressAll({"ctrl+m"});
                                        comes([&] { return fs::exists(video); });
                                      });
+    INFO(report["warnings"].dump());
     CHECK(report["warnings"].empty());
     const json path = json::parse(readTextFile(folder / "out/path_0001.json"));
     CHECK(path["size"] == json::array({321, 240}));

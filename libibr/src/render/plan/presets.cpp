@@ -27,15 +27,11 @@ RenderSettings preset(Preset preset, DeviceKind kind) {
     case Preset::accurate:
       if (!software) s.voteScale = 1;
       s.maxCells = 24;
-      s.colourProxy = 4;
       break;
     case Preset::reference:
       s.gatherCandidates = kMaxGatherCandidates;
       s.voteScale = 1;
       s.maxCells = kMaxCellCount;
-      s.colourProxy = 2;
-      s.colourPeriod = 1;
-      s.shareEyeColours = false;
       break;
   }
   return s;
