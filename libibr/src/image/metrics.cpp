@@ -117,8 +117,10 @@ double sampledDetail(const Image8& picture) {
     return sum;
   };
   double sum = 0;
-  for (int i = 0; i < kPlaces * kPlaces; ++i)
-    sum += differences((i % kPlaces + 0.5) / kPlaces, (i / kPlaces + 0.5) / kPlaces) / (kPlaces * kPlaces);
+  for (int i = 0; i < kPlaces * kPlaces; ++i) {
+    const int column = i % kPlaces, row = i / kPlaces;
+    sum += differences((column + 0.5) / kPlaces, (row + 0.5) / kPlaces) / (kPlaces * kPlaces);
+  }
   const double whole = differences(0, 0);
   return whole > 0 ? sum / whole : Limits::quiet_NaN();
 }

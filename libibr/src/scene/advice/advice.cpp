@@ -376,12 +376,11 @@ class Adviser {
       std::vector<std::uint32_t> nodes;
       for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n)
         if (scene_.nodes[n].name == photo.name) nodes.push_back(n);
+      // Reasons of unreadable files include the remedy.
+      const bool hasRemedy = nodes.empty() && photo.reason != kNotRegistered;
       put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoValue,
           fmt::format("{} is not used: {}.", photo.name, photo.reason),
-          // Reasons of unreadable files include the remedy.
-          nodes.empty() && photo.reason != kNotRegistered
-              ? ""
-              : "Take it again nearer to the others, overlapping its neighbours by two thirds.");
+          hasRemedy ? "" : "Take it again nearer to the others, overlapping its neighbours by two thirds.");
     }
   }
 
