@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # ibr_precompiled(target [TEST]): precompiles the standard headers, fmt and GLM for a target (TEST: and Catch2), which
-# halves the time of a cold build. Targets of a kind share one precompiled header. Sources include what they need all the
-# same: tests/check_tidy.py parses them without it.
+# shortens a cold build. Targets of a kind share one precompiled header; ibr_app_batch has its own, with JSON. Sources
+# include what they need all the same: tests/check_tidy.py parses those of the runtime without it.
 option(IBR_PRECOMPILE "Precompile headers" ON)
 
 set(ibr_precompiled_headers

@@ -4,8 +4,8 @@
 
 check_includes.py [ROOT]: a room is a folder of sources. Its row `| room | holds | may include | papers |` names, in
 backquotes, the rooms and the guarded libraries that its files may include and its CMake target may link. Exit code 1
-where an include or a link is not allowed, a program's row names a room that is internal to the library, a room has no row or a row no room, rows form a cycle, a folder has too many
-sources, or CGAL is in two rooms.
+where an include or a link is not allowed, a program's row names a room that is internal to the library, a room has no
+row or a row no room, rows form a cycle, a folder has too many sources, or CGAL is in two rooms.
 """
 import pathlib
 import re

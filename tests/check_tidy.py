@@ -19,7 +19,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # clang 14 lacks parenthesised initialisation of aggregates (C++20), which emplace_back and make_unique use here.
-NOT_OURS = re.compile(r"construct_at|clang-diagnostic-error.*aggregate|no matching constructor for initialization")
+NOT_OURS = re.compile(r"construct_at|no matching constructor for initialization")
+COMPILER = re.compile(r"(?:^|/)(?:c\+\+|g\+\+|clang\+\+)(?:-\d+)?$")
 
 
 def without_precompiled_header(command):
@@ -30,9 +31,8 @@ def without_precompiled_header(command):
         if word == "-include" and words[i + 1].endswith("cmake_pch.hxx"):
             continue
         kept.append(word)
-    while not kept[0].endswith(("c++", "g++", "clang++", "cc", "gcc", "clang")):  # ccache and its environment
-        kept.pop(0)
-    return shlex.join(kept)
+    first = next(i for i, word in enumerate(kept) if COMPILER.search(word))  # after ccache and its environment
+    return shlex.join(kept[first:])
 
 
 def is_checked(path, everything):
@@ -62,7 +62,10 @@ def main():
         def check(path):
             run = subprocess.run([tidy, "-p", folder, "--quiet", "--extra-arg=-Wno-everything", path],
                                  capture_output=True, text=True)
-            return [line for line in run.stdout.splitlines() if " error: " in line and not NOT_OURS.search(line)]
+            errors = [line for line in run.stdout.splitlines() if " error: " in line]
+            if run.returncode and not errors:
+                return [f"{path}: clang-tidy failed: {run.stderr.strip()[-200:]}"]
+            return [line for line in errors if not NOT_OURS.search(line)]
 
         with ThreadPoolExecutor(options.j) as pool:
             faults = sorted({fault for found in pool.map(check, commands) for fault in found})

@@ -164,7 +164,7 @@ ExitCode run(int argc, char** argv) {
       "Shows scenes, harmonised models and 3D video in a window. F1 lists the keys.\n",
       "ibr-viewer");
   declare(app, o);
-  const auto ends = parsed(app, argc, argv, [&] { checkOverlays(o.settings); });
+  const auto ends = parsed(app, argc, argv);
   if (ends) return *ends;
   const Context context(o.common);
   o.session.device = o.common.device;

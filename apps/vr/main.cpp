@@ -130,10 +130,10 @@ std::unique_ptr<VrApp> makeVrApp(VrState& state) {
 void runUntilExit(VrState& state) {
   using Clock = std::chrono::steady_clock;
   for (int losses = 0;;) {
-    const std::unique_ptr<VrApp> show = makeVrApp(state);
+    const std::unique_ptr<VrApp> app = makeVrApp(state);
     const Clock::time_point begun = Clock::now();
     try {
-      return show->run();
+      return app->run();
     } catch (const Error& e) {
       if (e.code() != ErrorCode::deviceLost) throw;
       if (state.leaving) return;
@@ -186,7 +186,6 @@ ExitCode run(int argc, char** argv) {
       kName);
   declareOptions(app, o);
   const auto ends = parsed(app, argc, argv, [&] {
-    checkOverlays(o.vr.settings);
     if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");
     if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot requires --frames");
   });

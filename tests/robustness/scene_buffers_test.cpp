@@ -135,7 +135,7 @@ TEST_CASE("the error for a truncated, missing or special buffer file names the f
   CHECK(refusal(example().folder.path()).code == ErrorCode::io);
   fs::remove(file);
   fs::create_symlink("/dev/zero", file);
-  CHECK_THAT(refusal(example().folder.path(), "/buffers/0/uri").message, Catch::Contains("/buffers/0/uri"));
+  CHECK(refusal(example().folder.path(), "/buffers/0/uri").code == ErrorCode::invalidInput);
   fs::remove(file);
   // A longer file is allowed, because glTF pads.
   std::vector<std::byte> longer = good;

@@ -19,7 +19,7 @@ struct ExaminedPhotograph {
   std::string readError;                     // reason why the file is unreadable; other fields are then unset
   ErrorCode code = ErrorCode::invalidInput;  // error code of `readError`
   ImageFileInfo info;
-  double sharpness = std::numeric_limits<double>::quiet_NaN();  // image/sharpness.h
+  double sharpness = std::numeric_limits<double>::quiet_NaN();  // ibr/metrics.h
   std::uint64_t hash = 0;                                       // of the file's bytes
   std::vector<float> signature;  // 16×16 grey levels, of mean 0 and length 1; empty for a uniform image
 };

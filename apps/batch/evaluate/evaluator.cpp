@@ -52,7 +52,7 @@ RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& opt
   return prepared;
 }
 
-// True for baselines that display photographs directly (ibr/baselines.h).
+// True for baselines that display photographs directly (ibr/author/baselines.h).
 bool needsBaselines(const EvaluationOptions& options) {
   return std::ranges::any_of(options.baselines, [](const std::string& name) {
     return name == "nearest" || name == "lumigraph" || name == "crossFade";

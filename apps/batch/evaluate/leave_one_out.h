@@ -20,8 +20,7 @@ struct LeaveOneOutOptions {
   std::string photographs, work;
   std::vector<std::string> views;  // names; empty: every `every`th, by name
   int every = 1;
-  bool resect =
-      false;  // true: the held-out pose is resected from points shared with the others (author/poses/resect.h)
+  bool resect = false;  // true: the held-out pose is resected from points shared with the others (ibr/author/poses.h)
   std::vector<std::string> words;  // options and values of the command line that affect the scores
 };
 

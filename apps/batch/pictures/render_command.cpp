@@ -229,7 +229,6 @@ const Command kRenderCommand{
           checkHtmViews(options->htm, kind);
         }
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
-        checkOverlays(options->settings);
       });
       return [options](const Context& context) { return renderViews(*options, context); };
     }};

@@ -35,9 +35,9 @@ struct Options {
   ExactMatchOptions matches;
 };
 
-std::vector<DepthView> depthViews(const Options& options, const Context& context) {
+std::vector<ExactDepthView> depthViews(const Options& options, const Context& context) {
   const Truth truth(options.truth, {}, context.log());
-  std::vector<DepthView> views;
+  std::vector<ExactDepthView> views;
   for (const View& view : truth.views())
     views.push_back({view.camera, truthDepth(fs::path(options.truth) / "depth", view.name, options.unit)});
   return views;
@@ -78,7 +78,7 @@ Json figuresJson(const MatchAccuracy& accuracy) {
   return json;
 }
 
-void writeExact(Scene scene, std::span<const DepthView> truth, const Options& options, const Context& context) {
+void writeExact(Scene scene, std::span<const ExactDepthView> truth, const Options& options, const Context& context) {
   std::error_code ignored;
   check(!fs::equivalent(scene.folder, options.exact, ignored), ErrorCode::invalidInput,
         "{}: the scene would overwrite itself; choose another folder for --exact", options.exact);
@@ -95,7 +95,7 @@ void writeExact(Scene scene, std::span<const DepthView> truth, const Options& op
 
 ExitCode measure(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
-  const std::vector<DepthView> truth = depthViews(options, context);
+  const std::vector<ExactDepthView> truth = depthViews(options, context);
   if (!options.exact.empty()) writeExact(scene, truth, options, context);
   std::vector<MatchAccuracy> cells;
   {

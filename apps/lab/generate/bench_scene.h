@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generates scenes of the shapes measured in [T] table 2, for `ibr bench`: cells, triangles, three photographs per
+// Generates scenes of the shapes measured in [T] table 2, for `ibr-lab bench`: cells, triangles, three photographs per
 // cell. Nothing is on disk; photographs are generated one at a time, on request.
 //
 // All photographs are taken at three spots 0.5 m apart, in the middle of a sphere with a fine pattern on its inside.

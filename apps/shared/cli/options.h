@@ -27,7 +27,8 @@ double parsedDouble(const std::string& option, const std::string& text, double l
 
 /// Parses a program's command line, then calls `check`, which throws CLI::ParseError for options that contradict each
 /// other. --help, --version and errors are printed; the program then has to end with the returned code.
-std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::function<void()>& check);
+std::optional<ExitCode> parsed(
+    CLI::App& app, int argc, char** argv, const std::function<void()>& check = [] {});
 
 CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,
                     const std::string& description);

@@ -78,8 +78,8 @@ void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<
   if (!defaults) option->default_str("balanced")->force_callback();
 }
 
-DeviceKind deviceKindFor(const std::string& wish) {
-  const std::optional<DeviceDescription> device = Device::preferred(wish);
+DeviceKind deviceKindFor(const std::string& selector) {
+  const std::optional<DeviceDescription> device = Device::preferred(selector);
   return device ? deviceKindOf(device->type) : DeviceKind::software;
 }
 

@@ -23,8 +23,8 @@ RenderSettings withPreset(const RenderSettings& settings, Preset preset, DeviceK
 /// Declares --preset. `settings` is set to `defaults`, or as declareSettings describes.
 void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults);
 
-/// Returns the kind of the device that --device selects by `wish` (empty: no --device); software if there is none.
-DeviceKind deviceKindFor(const std::string& wish);
+/// Returns the kind of the device that --device selects by `selector` (empty: no --device); software if there is none.
+DeviceKind deviceKindFor(const std::string& selector);
 
 /// Returns a name such as "balanced-software", valid for --preset on any device; no kind if all kinds are the same.
 std::string presetName(Preset preset, DeviceKind kind);

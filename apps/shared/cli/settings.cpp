@@ -39,7 +39,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
       app, "--composition", settings.composition,
       {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
       "Source of pixels: morphing cells, a gather from photographs per pixel, or cells with a gather where members "
-      "disagree [as --preset; cells with the paper's --order or --colour, or --solo]");
+      "disagree [as --preset; cells with --solo]");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
                           "Maximum number of photographs per frame to gather from");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
@@ -53,8 +53,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
          "Draw tiers 0 to N: 0 confirmed by several photographs, 2 adds gathered pixels of unconfirmed depth, 3 fills "
          "holes from around, except in scenes with masks");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
-                  "Shift cells that share photographs slightly until the cells agree, for inaccurate poses; not with "
-                  "the paper's morph [off]");
+                  "Shift cells that share photographs slightly until the cells agree, for inaccurate poses [off]");
   addChoice<BlendMode>(app, "--blend", settings.blend,
                        {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}},
                        "Combine photographs by a weighted sum (blend), by one photograph per pixel (dither), or by the "
@@ -90,16 +89,19 @@ void declareSettings(CLI::App& app, RenderSettings& settings, const std::optiona
 
 void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
   declareSettings(app, settings, defaults);
-  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
-                   "Position of morphed vertices: by inverse distances (ours), or by equation 4 of the paper [ours]");
-  addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
-                       "Draw order: main cell first with a depth test (ours), or the paper's back to front without one "
-                       "[ours]");
+  addChoice<Morph>(
+      app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
+      "Position of morphed vertices: by inverse distances (ours), or by equation 4 of the paper, which excludes "
+      "--align [ours]");
+  addChoice<DrawOrder>(
+      app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
+      "Draw order: main cell first with a depth test (ours), or the paper's back to front without one, with "
+      "--composition cells [ours]");
   app.remove_option(app.get_option("--colour"));
   addChoice<ColourMapping>(
       app, "--colour", settings.colourMapping, {kColourMappings.begin(), kColourMappings.end()},
       "Match colours of all cells to the main cell: tables from a proxy image (ours), or the paper's sequence, applied "
-      "per pixel (paper) or by redrawing [off]");
+      "per pixel (paper) or by redrawing, both with --composition cells [off]");
   addChoice<ColourTable>(
       app, "--colour-table", settings.colourTable,
       {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
@@ -130,15 +132,6 @@ void declareOverlays(CLI::App& app, RenderSettings& settings) {
   };
   cells("--mute", settings.mutedCells, "Never draw these cells");
   cells("--solo", settings.soloCells, "Draw only these cells");
-}
-
-bool overlaysGoWith(const RenderSettings& settings) {
-  return optionsFor(settings, {}).colour != ColourSupport::all;
-}
-
-void checkOverlays(const RenderSettings& settings) {
-  if (settings.overlay != Overlay::none && !overlaysGoWith(settings))
-    throw CLI::ValidationError("--overlay", "cannot be combined with --colour paper or paper-redraw");
 }
 
 void checkCells(const RenderSettings& settings, const Scene& scene) {

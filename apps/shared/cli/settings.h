@@ -13,12 +13,12 @@
 
 namespace ibr::app {
 
-/// Declares the render settings of products. `settings` is set to `defaults`. Without defaults, the preset `balanced`
-/// of the device of --device is set when the options are parsed. Its composition becomes cells if an option needs cells
-/// (the paper's methods, --solo).
+/// Declares the render settings. `settings` is set to `defaults`. Without defaults, the preset `balanced` of the device
+/// of --device is set when the options are parsed; with --solo its composition becomes cells.
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
-/// As declareSettings, with the paper's methods and the parameters of colour tables, for commands that measure.
+/// As declareSettings, with the paper's methods, which make the composition cells, and the parameters of colour tables:
+/// for `ibr eval` and `ibr-lab sweep`.
 void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
 /// Keys in reports of the settings that only declareAllSettings declares.
@@ -32,10 +32,6 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings,
 /// Declares --overlay, --mute and --solo, for programs whose images are viewed by people.
 void declareOverlays(CLI::App& app, RenderSettings& settings);
 
-/// Returns false for the paper's methods of colour mapping.
-bool overlaysGoWith(const RenderSettings& settings);
-/// Throws CLI::ValidationError if there is an overlay that the other settings exclude.
-void checkOverlays(const RenderSettings& settings);
 /// Throws Error{invalidInput} if --mute or --solo names a cell that the scene lacks.
 void checkCells(const RenderSettings& settings, const Scene& scene);
 

@@ -110,7 +110,7 @@ void goTo(OpenItem& item, std::optional<std::size_t> viewpoint) {
 }
 
 void cycleOverlays(OpenItem& item, bool back) {
-  if (!item.scene || !overlaysGoWith(item.settings)) return;
+  if (!item.scene) return;
   const std::size_t n = kOverlays.size();
   item.settings.overlay = kOverlays[(std::size_t(item.settings.overlay) + (back ? n - 1 : 1)) % n].overlay;
   item.changed = true;

@@ -49,7 +49,6 @@ bool count(const char* label, std::uint32_t& value, int low, int high, const cha
 
 bool chooseOverlay(RenderSettings& s) {
   bool changed = false;
-  ImGui::BeginDisabled(!overlaysGoWith(s));
   if (ImGui::BeginCombo("overlay", optionValue(s.overlay).word)) {
     for (const OverlayOption& line : kOverlays) {
       if (ImGui::Selectable(line.word, line.overlay == s.overlay)) s.overlay = line.overlay, changed = true;
@@ -58,7 +57,6 @@ bool chooseOverlay(RenderSettings& s) {
     ImGui::EndCombo();
   }
   hint("Diagnostic image over the rendered image or instead of it (O)");
-  ImGui::EndDisabled();
   return changed;
 }
 

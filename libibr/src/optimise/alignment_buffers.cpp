@@ -34,8 +34,8 @@ std::vector<glm::uvec3> keptOf(const StarMesh& mesh) {
 }
 
 std::vector<glm::uvec3> bordersOf(const StarMesh& mesh) {
-  static_assert(kBorderInterior == std::uint32_t(Border::interior) && kBorderSlides == std::uint32_t(Border::slides) &&
-                kBorderFixed == std::uint32_t(Border::fixed));
+  static_assert(kBorderInterior == std::uint32_t(BorderKind::interior) &&
+                kBorderSlides == std::uint32_t(BorderKind::slides) && kBorderFixed == std::uint32_t(BorderKind::fixed));
   std::vector<glm::uvec3> borders;
   for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
     borders.push_back({mesh.chord[p], std::uint32_t(mesh.border[p])});

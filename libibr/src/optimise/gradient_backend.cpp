@@ -97,7 +97,7 @@ class GradientBackend final : public AlignmentBackend {
   // 1/128 px, ending within the reach; along the chord for a point that slides.
   glm::dvec2 stepFrom(const MovingPoint& place, glm::ivec2 offset) const {
     std::optional<glm::dvec2> chord;
-    if (input_.mesh.border[place.point] == Border::slides) {
+    if (input_.mesh.border[place.point] == BorderKind::slides) {
       const glm::uvec2 ends = input_.mesh.chord[place.point];
       chord = glm::dvec2(place.at[place.member][ends.y] - place.at[place.member][ends.x]);
       if (*chord == glm::dvec2(0)) return glm::dvec2(0);

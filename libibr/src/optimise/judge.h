@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Judges the star of a point at one candidate on the CPU ([T] §3.6): sums over all pixel centres of the means with each
-// target. Implements shaders/shared/ecc.h row by row; shaders/optimise/ecc.comp computes the same.
+// target. Implements shaders/shared/ecc.h row by row; shaders/optimise/ecc_judge.comp computes the same.
 #pragma once
 
 #include <array>

@@ -110,7 +110,9 @@ void findBorder(StarMesh& mesh, std::span<const std::uint8_t> fixed) {
     }
     simple = simple && ends.size() + begin.size() == mesh.star[p].size() + 2 * begin.size() && begin.size() < 2;
     mesh.chord.push_back(simple && !begin.empty() ? glm::uvec2(begin[0], end[0]) : glm::uvec2(0));
-    mesh.border.push_back(!simple || fixed[p] ? Border::fixed : begin.empty() ? Border::interior : Border::slides);
+    mesh.border.push_back(!simple || fixed[p] ? BorderKind::fixed
+                          : begin.empty()     ? BorderKind::interior
+                                              : BorderKind::slides);
   }
 }
 
@@ -121,7 +123,7 @@ void colour(StarMesh& mesh) {
   std::vector<std::uint32_t> classOf(n, kNone);
   std::vector<std::vector<std::uint32_t>> classes;
   for (std::uint32_t p = 0; p < n; ++p) {
-    if (mesh.border[p] == Border::fixed) continue;
+    if (mesh.border[p] == BorderKind::fixed) continue;
     std::vector<bool> taken(classes.size() + 1, false);
     const auto look = [&](std::uint32_t q) {
       if (classOf[q] != kNone) taken[classOf[q]] = true;
@@ -162,7 +164,7 @@ StarMesh starMeshOf(const Alignment& alignment) {
 }
 
 int maxMove(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most) {
-  if (mesh.border[point] == Border::fixed) return 0;
+  if (mesh.border[point] == BorderKind::fixed) return 0;
   int reach = most;
   for (const glm::uvec2& edge : mesh.star[point]) {
     reach = std::min(reach, shader::eccMaxMove(at[member][point], at[member][edge.x], at[member][edge.y]));
@@ -180,7 +182,7 @@ int maxMove(const StarMesh& mesh, const Positions& at, std::uint32_t point, std:
 glm::ivec2 candidateOffset(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member,
                            int radius, std::uint32_t seed, std::uint32_t instance) {
   const std::uint32_t own = shader::eccHash(seed, instance);
-  if (mesh.border[point] == Border::interior) return shader::eccOffsetInDisc(own, radius);
+  if (mesh.border[point] == BorderKind::interior) return shader::eccOffsetInDisc(own, radius);
   const glm::uvec2 chord = mesh.chord[point];
   return shader::eccOffsetAlong(own, radius, at[member][chord.y] - at[member][chord.x]);
 }

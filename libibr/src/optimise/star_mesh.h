@@ -30,16 +30,16 @@ struct Rows {
 };
 
 /// Freedom of a point to move.
-enum class Border : std::uint8_t { interior, slides, fixed };
+enum class BorderKind : std::uint8_t { interior, slides, fixed };
 
 struct StarMesh {
-  std::vector<glm::ivec2> size;   // d, of the images, px
-  Rows<glm::uvec2> star;          // n: the other corners of judged triangles, in the triangle's order
-  Rows<glm::uvec2> kept;          // n: of triangles that are only kept from folding over …
-  Rows<std::uint32_t> keptWhere;  // … bit i: in image i, if not folded over at the start; one word each
-  std::vector<glm::uvec2> chord;  // n: of a point that slides, its neighbours on the border; (0, 0) = interior
-  std::vector<Border> border;     // n
-  Rows<std::uint32_t> colours;    // points that may move, in classes that share no triangle, ascending
+  std::vector<glm::ivec2> size;    // d, of the images, px
+  Rows<glm::uvec2> star;           // n: the other corners of judged triangles, in the triangle's order
+  Rows<glm::uvec2> kept;           // n: of triangles that are only kept from folding over …
+  Rows<std::uint32_t> keptWhere;   // … bit i: in image i, if not folded over at the start; one word each
+  std::vector<glm::uvec2> chord;   // n: of a point that slides, its neighbours on the border; (0, 0) = interior
+  std::vector<BorderKind> border;  // n
+  Rows<std::uint32_t> colours;     // points that may move, in classes that share no triangle, ascending
   std::size_t vertexCount() const { return border.size(); }
   std::size_t memberCount() const { return size.size(); }
 };

@@ -74,7 +74,7 @@ TEST_CASE("interior points keep their number of pixels for every candidate", "[N
   const Prepared p(2, 96, 5, 3.0, 31);
   const Positions& at = p.alignment().position;
   for (std::uint32_t point = 0; point < p.mesh.vertexCount(); ++point) {
-    if (p.mesh.border[point] != Border::interior) continue;
+    if (p.mesh.border[point] != BorderKind::interior) continue;
     const int reach = maxMove(p.mesh, at, point, 1, 640);
     const std::uint64_t pixels = judge({p.mesh, p.pictures}, at, point, 1, glm::ivec2(0)).pixels();
     for (std::uint32_t m = 1; m < 20; ++m)

@@ -100,8 +100,8 @@ TEST_CASE("points of the border slide along the border, and corners of a hole do
   const StarMesh mesh = starMeshOf(planted.alignment);
   const Positions& at = planted.alignment.position;
   const auto index = [](int x, int y) { return std::uint32_t(y * 5 + x); };
-  CHECK(mesh.border[index(2, 2)] == Border::interior);
-  CHECK(mesh.border[index(2, 0)] == Border::slides);
+  CHECK(mesh.border[index(2, 2)] == BorderKind::interior);
+  CHECK(mesh.border[index(2, 0)] == BorderKind::slides);
   for (std::uint32_t m = 1; m < 50; ++m) {
     const glm::ivec2 offset = candidateOffset(mesh, at, index(2, 0), 1, 300, 8, m);
     CHECK(offset.y == 0);  // the upper border is horizontal
@@ -118,7 +118,7 @@ TEST_CASE("points of the border slide along the border, and corners of a hole do
     };
     return inSquare(1, 1) || inSquare(2, 2);
   });
-  CHECK(starMeshOf(crossed).border[index(2, 2)] == Border::fixed);
+  CHECK(starMeshOf(crossed).border[index(2, 2)] == BorderKind::fixed);
 }
 
 TEST_CASE("points of a class share no triangle, and every movable point is in a class") {
@@ -127,7 +127,7 @@ TEST_CASE("points of a class share no triangle, and every movable point is in a 
   std::vector<int> classOf(mesh.vertexCount(), -1);
   for (std::size_t c = 0; c + 1 < mesh.colours.first.size(); ++c)
     for (const std::uint32_t p : mesh.colours[c]) classOf[p] = int(c);
-  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) CHECK((classOf[p] < 0) == (mesh.border[p] == Border::fixed));
+  for (std::size_t p = 0; p < mesh.vertexCount(); ++p) CHECK((classOf[p] < 0) == (mesh.border[p] == BorderKind::fixed));
   for (const glm::uvec3& t : planted.alignment.triangles) {
     CHECK(classOf[t.x] != classOf[t.y]);
     CHECK(classOf[t.y] != classOf[t.z]);

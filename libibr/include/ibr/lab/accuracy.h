@@ -16,7 +16,7 @@
 namespace ibr {
 
 /// Exact depth of a view.
-struct DepthView {
+struct ExactDepthView {
   Camera camera;  // a pinhole
   ImageF depth;   // 1 channel: world units along the viewing axis, at pixel centres; 0: infinitely far
 };
@@ -39,7 +39,7 @@ struct MatchAccuracy {
 
 /// Returns the accuracy of each cell of the scene; zeros for cells with a panorama. 0 threads: all cores. Throws
 /// Error{invalidInput} for a view that is no pinhole or whose depth has another size, Error{cancelled} by `progress`.
-std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const DepthView> truth, int threads = 0,
+std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const ExactDepthView> truth, int threads = 0,
                                          const ProgressCallback& progress = {});
 
 struct ExactMatchOptions {
@@ -55,7 +55,7 @@ struct ExactMatchOptions {
 /// over in a member or in a mean of members. Other points, triangles and tiers stay too; MorphMesh::confirmations and
 /// consensus of changed cells are cleared. Returns the number of moved points. Throws as matchAccuracy(), and
 /// Error{invalidInput} for an option out of range (maxErrorPx > 0, noisePx 0 to 64); then the scene is unchanged.
-std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
+std::size_t setExactMatches(Scene& scene, std::span<const ExactDepthView> truth, const ExactMatchOptions& options,
                             int threads = 0, const ProgressCallback& progress = {});
 
 }  // namespace ibr

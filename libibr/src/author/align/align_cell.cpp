@@ -330,7 +330,7 @@ double meanArea(const MorphMesh& mesh, const glm::uvec3& t) {
 
 }  // namespace
 
-AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignPinholes(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                           const ProgressCallback& progress) {
   const MorphMesh& before = input.cell.mesh;
   AlignedCell result{before, input.cell.quality, {}};
@@ -385,7 +385,7 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   return result;
 }
 
-AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignCell(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                       const ProgressCallback& progress) {
   const bool panoramic = input.views[0].camera.intrinsics.model == CameraModel::equirectangular;
   for (const MatchView& view : input.views)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the optimiser (ibr/optimise_scene.h) on one cell: puts the mesh onto the grid, aligns the mesh, converts the
-// result back, and recomputes ranges, labels and quality of the moved points.
+// Runs the optimiser (ibr/author/optimise_scene.h) on one cell: puts the mesh onto the grid, aligns the mesh, converts
+// the result back, and recomputes ranges, labels and quality of the moved points.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 namespace ibr {
 
 /// Input of the optimiser: images and cameras at the stored size. Both must outlive the call.
-struct CellToAlign {
+struct CellAlignmentInput {
   std::span<const MatchView> views;
   const Cell& cell;
 };
@@ -27,16 +27,16 @@ struct AlignedCell {
 };
 
 /// Aligns a cell whose members are all pinholes or all panoramas.
-AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignCell(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                       const ProgressCallback& progress);
 
 /// Aligns a cell of panoramas on the faces of a cube (panorama_faces.h) that has the same orientation for all members.
 /// A point moves only in the face that contains the point, and only if all its triangles lie well inside that face in
 /// all members. Ignores options.flipEdges and options.insertPoints.
-AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignPanoramas(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                            const ProgressCallback& progress);
 
-AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignPinholes(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                           const ProgressCallback& progress);
 
 /// Parts that alignPinholes and alignPanoramas share.

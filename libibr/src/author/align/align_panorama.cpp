@@ -26,7 +26,7 @@ glm::dvec3 rayOf(const Camera& camera, glm::vec2 pixel) {
 
 class Sphere {
  public:
-  Sphere(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+  Sphere(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
          const ProgressCallback& progress)
       : input_(input), options_(options), aligner_(aligner), progress_(progress), before_(input.cell.mesh) {
     options_.flipEdges = options_.insertPoints = false;
@@ -277,7 +277,7 @@ class Sphere {
 
   static constexpr std::size_t kExpectedCycles = 6;  // estimate, for progress reports only
 
-  const CellToAlign& input_;
+  const CellAlignmentInput& input_;
   AlignmentOptions options_;
   const Aligner& aligner_;
   const ProgressCallback& progress_;
@@ -295,7 +295,7 @@ class Sphere {
 
 }  // namespace
 
-AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+AlignedCell alignPanoramas(const CellAlignmentInput& input, const AlignmentOptions& options, const Aligner& aligner,
                            const ProgressCallback& progress) {
   return Sphere(input, options, aligner, progress).run();
 }

@@ -13,7 +13,7 @@ constexpr const char* kKind = "aligned";  // of cache files
 
 }  // namespace
 
-std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& options) {
+std::uint64_t alignmentKey(const CellAlignmentInput& input, const AlignmentOptions& options) {
   Hash hash;
   hash.add(kVersion);
   hash.add(int(options.method));

@@ -11,7 +11,7 @@
 namespace ibr {
 
 /// Hash of the cell's mesh, cameras, images and masks, and of all options except those set for each cell (threads).
-std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& options);
+std::uint64_t alignmentKey(const CellAlignmentInput& input, const AlignmentOptions& options);
 
 void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const AlignedCell& cell);
 

@@ -90,7 +90,7 @@ class Optimiser {
             camera.width, camera.height);
       if (!node.maskFile.empty()) views.back().mask = readMask(pathInside(scene_.folder, node.maskFile), camera);
     }
-    const CellToAlign input{views, cell};
+    const CellAlignmentInput input{views, cell};
     const bool keeps = !options_.cacheFolder.empty();
     const std::uint64_t key = keeps ? alignmentKey(input, options_.alignment) : 0;
     std::optional<AlignedCell> kept;

@@ -159,7 +159,7 @@ MatchAccuracy& MatchAccuracy::operator+=(const MatchAccuracy& other) {
   return *this;
 }
 
-std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const DepthView> truth, int threads,
+std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const ExactDepthView> truth, int threads,
                                          const ProgressCallback& progress) {
   const auto surfaces = exactSurfaces(scene, truth, threads, progress);
   std::vector<MatchAccuracy> result(scene.cells.size());

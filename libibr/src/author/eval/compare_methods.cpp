@@ -41,7 +41,7 @@ struct Subject {
   std::vector<glm::dvec3> points;
   bool posed = false;
   double reprojectionPx = 0;
-  std::vector<DepthView> depth;
+  std::vector<ExactDepthView> depth;
 };
 
 Image8 readSmall(const fs::path& file, int maxSize) {
@@ -55,8 +55,8 @@ Image8 readSmall(const fs::path& file, int maxSize) {
   return downscaled(rgb, std::max(1, rgb.width * maxSize / longest), std::max(1, rgb.height * maxSize / longest));
 }
 
-std::vector<DepthView> depthViews(const MatchCase& which) {
-  std::vector<DepthView> views;
+std::vector<ExactDepthView> depthViews(const MatchCase& which) {
+  std::vector<ExactDepthView> views;
   for (const PosedImage& image : readColmapModel(which.depth / "sparse").images) {
     const fs::path file = which.depth / "depth" / fs::path(image.name).replace_extension(".png");
     const Image<std::uint16_t> steps = readGrey16(file);

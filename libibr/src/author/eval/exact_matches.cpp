@@ -148,7 +148,7 @@ std::string settingsWith(const std::string& settings, const ExactMatchOptions& o
 
 }  // namespace
 
-std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
+std::size_t setExactMatches(Scene& scene, std::span<const ExactDepthView> truth, const ExactMatchOptions& options,
                             int threads, const ProgressCallback& progress) {
   check(options.maxErrorPx > 0, ErrorCode::invalidInput, "maxErrorPx is {} px, must be above 0", options.maxErrorPx);
   check(options.noisePx >= 0 && options.noisePx <= 64, ErrorCode::invalidInput, "noisePx is {} px, must be 0 to 64",

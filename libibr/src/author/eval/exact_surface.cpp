@@ -18,13 +18,13 @@ constexpr double kSameParallax = 1.5;  // … px, seen from one world unit aside
 
 }  // namespace
 
-ExactSurface::ExactSurface(const Camera& camera, std::span<const DepthView> truth)
+ExactSurface::ExactSurface(const Camera& camera, std::span<const ExactDepthView> truth)
     : camera_(camera),
       toCamera_(glm::mat3_cast(glm::conjugate(camera.pose.rotation))),
       width_(camera.intrinsics.width),
       height_(camera.intrinsics.height),
       pixels_(std::size_t(width_) * std::size_t(height_)) {
-  for (const DepthView& view : truth) add(view);
+  for (const ExactDepthView& view : truth) add(view);
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x)
       if (Pixel& p = pixels_[index(x, y)]; p.known()) p.front = !hidden(x, y, double(p.inverseDepth));
@@ -94,7 +94,7 @@ std::optional<Homogeneous> ExactSurface::between(glm::dvec2 pixel) const {
   return point(pixel, std::max(here + (glm::inverse(normal) * side).x, 0.0));
 }
 
-void ExactSurface::add(const DepthView& view) {
+void ExactSurface::add(const ExactDepthView& view) {
   const Intrinsics& k = view.camera.intrinsics;
   const glm::dmat3 toWorld = glm::mat3_cast(view.camera.pose.rotation);
   for (int y = 0; y < k.height; ++y)
@@ -127,9 +127,9 @@ void forEachOf(std::string_view stage, std::size_t count, int threads, const Pro
 
 }  // namespace
 
-std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::span<const DepthView> truth,
+std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::span<const ExactDepthView> truth,
                                                        int threads, const ProgressCallback& progress) {
-  for (const DepthView& view : truth) {
+  for (const ExactDepthView& view : truth) {
     const Intrinsics& k = view.camera.intrinsics;
     check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "a view with exact depth is not a pinhole");
     check(view.depth.width == k.width && view.depth.height == k.height && view.depth.channels == 1,

@@ -27,7 +27,7 @@ using Homogeneous = glm::dvec4;
 class ExactSurface {
  public:
   /// `camera`: a pinhole.
-  ExactSurface(const Camera& camera, std::span<const DepthView> truth);
+  ExactSurface(const Camera& camera, std::span<const ExactDepthView> truth);
 
   const Camera& camera() const { return camera_; }
   int width() const { return width_; }
@@ -68,7 +68,7 @@ class ExactSurface {
   template <class Visit>
   void forNeighbours(int x, int y, Visit&& visit) const;
   bool hidden(int x, int y, double inverseDepth) const;
-  void add(const DepthView& view);
+  void add(const ExactDepthView& view);
 
   Camera camera_;
   glm::dmat3 toCamera_;
@@ -78,7 +78,7 @@ class ExactSurface {
 
 /// Surfaces of all nodes that are members of cells of pinholes only; nullopt for other nodes. Throws as
 /// matchAccuracy().
-std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::span<const DepthView> truth,
+std::vector<std::optional<ExactSurface>> exactSurfaces(const Scene& scene, std::span<const ExactDepthView> truth,
                                                        int threads, const ProgressCallback& progress);
 
 /// The surfaces of a cell's members; empty for a cell with a panorama.

@@ -220,7 +220,7 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
   missing = missingFeatures(device);
   for (std::string& name : missingExtensions(device, extensions)) missing.push_back(std::move(name));
   description.queueFamily = queueFamily(device);
-  if (!description.queueFamily) missing.push_back("a queue for graphics and compute");
+  if (!description.queueFamily) missing.emplace_back("a queue for graphics and compute");
   return description;
 }
 

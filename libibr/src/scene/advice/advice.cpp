@@ -54,7 +54,7 @@ class Adviser {
  public:
   explicit Adviser(const Scene& scene)
       : scene_(scene),
-        depths_(photographDepths(scene)),
+        depths_(depthGrids(scene)),
         siteGraph_(buildSiteGraph(scene, depths_)),
         walk_(scene, depths_, siteGraph_),
         used_(scene.nodes.size(), false),
@@ -385,7 +385,7 @@ class Adviser {
   }
 
   const Scene& scene_;
-  const std::vector<PhotographDepth> depths_;
+  const std::vector<DepthGrid> depths_;
   const SiteGraph siteGraph_;
   WalkEstimate walk_;
   std::vector<bool> used_;

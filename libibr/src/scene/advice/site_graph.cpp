@@ -24,10 +24,10 @@ double extentOf(const Scene& scene) {
   return glm::length(high - low);
 }
 
-std::vector<std::uint32_t> rootsOf(const Scene& scene, const std::vector<PhotographDepth>& depths) {
+std::vector<std::uint32_t> rootsOf(const Scene& scene, const std::vector<DepthGrid>& depths) {
   const std::size_t n = scene.nodes.size();
   std::vector<double> nearest;
-  for (const PhotographDepth& depth : depths)
+  for (const DepthGrid& depth : depths)
     if (depth.near > 0) nearest.push_back(depth.near);
   double least = kRounding * extentOf(scene);
   if (!nearest.empty()) {
@@ -99,7 +99,7 @@ void findLinks(const Scene& scene, SiteGraph& found) {
 
 }  // namespace
 
-SiteGraph buildSiteGraph(const Scene& scene, const std::vector<PhotographDepth>& depths) {
+SiteGraph buildSiteGraph(const Scene& scene, const std::vector<DepthGrid>& depths) {
   SiteGraph found;
   const std::vector<std::uint32_t> root = rootsOf(scene, depths);
   std::vector<std::uint32_t> byName(root.size());

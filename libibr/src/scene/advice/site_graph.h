@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ibr/scene.h"
-#include "scene/advice/photograph_depth.h"
+#include "scene/advice/depth_grid.h"
 
 namespace ibr {
 
@@ -33,8 +33,8 @@ struct SiteGraph {
   bool row = false;                   // no cell spans more than a line: a path along it, never aside
 };
 
-/// Photographs share a site if near objects (at median PhotographDepth::near) shift by less than 0.003 radians between
+/// Photographs share a site if near objects (at median DepthGrid::near) shift by less than 0.003 radians between
 /// them. Independent of the nodes' order and of the world's position, rotation and scale.
-SiteGraph buildSiteGraph(const Scene& scene, const std::vector<PhotographDepth>& depths);
+SiteGraph buildSiteGraph(const Scene& scene, const std::vector<DepthGrid>& depths);
 
 }  // namespace ibr

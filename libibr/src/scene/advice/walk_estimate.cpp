@@ -55,7 +55,7 @@ double shownAt(double angle) {
   return angle < kMaxAngle ? std::exp(-angle / kAngle) : 0.0;
 }
 
-WalkEstimate::WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const SiteGraph& sites)
+WalkEstimate::WalkEstimate(const Scene& scene, const std::vector<DepthGrid>& depths, const SiteGraph& sites)
     : scene_(scene), depths_(depths), siteGraph_(sites), viewpointsOf_(sites.sites.size()) {
   addViewpoints();
   for (std::uint32_t s = 0; s < viewpoints_.size(); ++s)
@@ -137,7 +137,7 @@ WalkEstimate::SampledViewpoint WalkEstimate::look(Viewpoint viewpoint) const {
     nodes.insert(nodes.end(), siteGraph_.sites[p].nodes.begin(), siteGraph_.sites[p].nodes.end());
   for (const std::uint32_t n : nodes) {
     const Camera& camera = scene_.nodes[n].camera;
-    const PhotographDepth& depth = depths_[n];
+    const DepthGrid& depth = depths_[n];
     for (int y = kStride / 2; y < depth.rows; y += kStride)
       for (int x = kStride / 2; x < depth.columns; x += kStride) {
         const glm::dvec2 pixel = depth.pixel(camera.intrinsics, x, y);

@@ -35,7 +35,7 @@ struct Viewpoint {
 class WalkEstimate {
  public:
   /// The arguments must outlive the object.
-  WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const SiteGraph& sites);
+  WalkEstimate(const Scene& scene, const std::vector<DepthGrid>& depths, const SiteGraph& sites);
 
   std::size_t viewpointCount() const { return viewpoints_.size(); }
   const Viewpoint& viewpoint(std::size_t s) const { return viewpoints_[s].viewpoint; }
@@ -78,7 +78,7 @@ class WalkEstimate {
   void visitNear(const Camera& camera, const std::vector<std::uint32_t>& sites, const Visit& visit) const;
 
   const Scene& scene_;
-  const std::vector<PhotographDepth>& depths_;
+  const std::vector<DepthGrid>& depths_;
   const SiteGraph& siteGraph_;
   std::vector<SampledViewpoint> viewpoints_;
   std::vector<std::vector<std::uint32_t>> viewpointsOf_;  // of each site

@@ -28,8 +28,8 @@ SyntheticScene wallAndBoard(std::size_t members, bool atInfinity = false) {
   return makeScene(options);
 }
 
-std::vector<DepthView> depthAround(const SyntheticScene& made) {
-  std::vector<DepthView> views;
+std::vector<ExactDepthView> depthAround(const SyntheticScene& made) {
+  std::vector<ExactDepthView> views;
   for (const double x : {0.0, 0.2, 0.4, 0.6}) {
     const Camera camera = lookingAlong({x, -0.2, 0.2 * x}, {0.1 * x, 1, 0}, 500, 375, 1.1);
     ImageF depth = renderDepth(made, camera);

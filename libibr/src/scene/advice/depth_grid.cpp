@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/advice/photograph_depth.h"
+#include "scene/advice/depth_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ double percentile(std::vector<float> values, double share) {
 // Triangles wider than half a panorama wrap around behind the camera and are skipped.
 template <class Hit>
 void rasterise(const MorphMesh& mesh, std::size_t member, std::size_t triangleCount, const Intrinsics& k,
-               const PhotographDepth& grid, const Hit& hit) {
+               const DepthGrid& grid, const Hit& hit) {
   const glm::dvec2 scale(double(grid.columns) / k.width, double(grid.rows) / k.height);
   for (std::size_t t = 0; t < triangleCount; ++t) {
     const glm::uvec3 v = mesh.triangles[t];
@@ -50,8 +50,8 @@ void rasterise(const MorphMesh& mesh, std::size_t member, std::size_t triangleCo
   }
 }
 
-PhotographDepth emptyGrid(const Intrinsics& k, int longest) {
-  PhotographDepth grid;
+DepthGrid emptyGrid(const Intrinsics& k, int longest) {
+  DepthGrid grid;
   const double scale = double(longest) / std::max(k.width, k.height);
   grid.columns = std::max(1, int(std::lround(k.width * scale)));
   grid.rows = std::max(1, int(std::lround(k.height * scale)));
@@ -63,24 +63,24 @@ PhotographDepth emptyGrid(const Intrinsics& k, int longest) {
 
 }  // namespace
 
-glm::dvec2 PhotographDepth::pixel(const Intrinsics& k, int column, int row) const {
+glm::dvec2 DepthGrid::pixel(const Intrinsics& k, int column, int row) const {
   return {(column + 0.5) * k.width / columns, (row + 0.5) * k.height / rows};
 }
 
-float PhotographDepth::at(const Intrinsics& k, glm::dvec2 pixel) const {
+float DepthGrid::at(const Intrinsics& k, glm::dvec2 pixel) const {
   const double x = std::floor(pixel.x * columns / k.width), y = std::floor(pixel.y * rows / k.height);
   if (!(x >= 0 && y >= 0 && x < columns && y < rows)) return kUnknown;
   return inverseDistance[std::size_t(y) * std::size_t(columns) + std::size_t(x)];
 }
 
-double PhotographDepth::agreedShare() const {
+double DepthGrid::agreedShare() const {
   return double(std::ranges::count(agreed, true)) / double(std::max<std::size_t>(1, agreed.size()));
 }
 
-std::vector<PhotographDepth> photographDepths(const Scene& scene, int longest) {
-  std::vector<PhotographDepth> grids;
+std::vector<DepthGrid> depthGrids(const Scene& scene, int longest) {
+  std::vector<DepthGrid> grids;
   for (const Node& node : scene.nodes) grids.push_back(emptyGrid(node.camera.intrinsics, longest));
-  const auto nearer = [](PhotographDepth& grid) {
+  const auto nearer = [](DepthGrid& grid) {
     return [&grid](std::size_t cell, float inverse) {
       float& known = grid.inverseDistance[cell];
       if (!(known >= inverse)) known = inverse;
@@ -95,7 +95,7 @@ std::vector<PhotographDepth> photographDepths(const Scene& scene, int longest) {
   }
   for (const Cell& cell : scene.cells)
     for (std::size_t m = 0; m < cell.members.size(); ++m) {
-      PhotographDepth& grid = grids[cell.members[m]];
+      DepthGrid& grid = grids[cell.members[m]];
       const auto depth = nearer(grid);
       const bool known = hasBackdrop[cell.members[m]];
       rasterise(cell.mesh, m, cell.mesh.tier0Count(), scene.nodes[cell.members[m]].camera.intrinsics, grid,
@@ -104,7 +104,7 @@ std::vector<PhotographDepth> photographDepths(const Scene& scene, int longest) {
                   if (!known) depth(at, inverse);
                 });
     }
-  for (PhotographDepth& grid : grids) {
+  for (DepthGrid& grid : grids) {
     std::vector<float> known;
     for (const float inverse : grid.inverseDistance)
       if (!std::isnan(inverse)) known.push_back(inverse);

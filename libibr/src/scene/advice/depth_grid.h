@@ -12,7 +12,7 @@
 namespace ibr {
 
 /// A photograph divided into cells of equal size, row by row from the top left.
-struct PhotographDepth {
+struct DepthGrid {
   int columns = 0, rows = 0;
   std::vector<float> inverseDistance;  // along the ray, 1 / world unit, >= 0; NaN if unknown
   std::vector<bool> agreed;            // a cell of the graph shows it by tier 0
@@ -25,6 +25,6 @@ struct PhotographDepth {
 
 /// One per node: from its backdrop, else from the cells that it is a member of (the nearest surface). `longest`: number
 /// of cells along the longer side. Precondition: validate(scene) is empty.
-std::vector<PhotographDepth> photographDepths(const Scene& scene, int longest = 32);
+std::vector<DepthGrid> depthGrids(const Scene& scene, int longest = 32);
 
 }  // namespace ibr
