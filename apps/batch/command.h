@@ -16,10 +16,10 @@ namespace ibr::app {
 
 struct Command {
   const char* name;
-  const char* summary;   // one line
-  const char* examples;  // one command a line
-  const char* details;   // paragraphs for --help; may be empty
-  const char* afterInterrupt;
+  const char* summary;         // one line
+  const char* examples;        // one command a line
+  const char* details;         // paragraphs for --help; may be empty
+  const char* afterInterrupt;  // files left and how to resume, in lower case without full stop; may be empty
   /// Options that --help shows, separated by spaces; empty: all. --help-all shows all.
   const char* mainOptions = "";
   /// Declares options and returns the action to run after parsing. The action throws Error.

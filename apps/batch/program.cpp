@@ -125,7 +125,8 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
     return code;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::cancelled) throw;
-    context.logMessage(LogLevel::warning, "stopped. {}", chosen()->command->afterInterrupt);
+    const std::string_view hint = chosen()->command->afterInterrupt;
+    context.logMessage(LogLevel::warning, "stopped{}{}", hint.empty() ? "" : ": ", hint);
     return kExitInterrupted;
   }
 }

@@ -127,14 +127,14 @@ std::uint64_t residentBytes() {
   return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
-std::string report(const Viewer& viewer, const Window& window) {
+nlohmann::ordered_json report(const Viewer& viewer, const Window& window) {
   using Json = nlohmann::ordered_json;
   Json places = Json::array();
   for (const auto& place : viewer.items) {
     const glm::dvec3& p = place->navigation.pose.position;
     const glm::dquat& q = place->navigation.pose.rotation;
     const auto& centre = place->navigation.centre;
-    places.push_back({{"place", place->path.string()},
+    places.push_back({{"path", place->path.string()},
                       {"photographs", place->viewpoints.size()},
                       {"position", {p.x, p.y, p.z}},
                       {"rotation", {q.x, q.y, q.z, q.w}},
@@ -147,10 +147,9 @@ std::string report(const Viewer& viewer, const Window& window) {
   const VkExtent2D size = window.pixels();
   Json warnings = Json::array(), said = Json::array();
   for (const LogLine& line : viewer.log) (line.level >= LogLevel::warning ? warnings : said).push_back(line.text);
-  return Json{{"frames", viewer.frames},     {"size", {size.width, size.height}}, {"current", viewer.current},
-              {"onDevice", viewer.onDevice}, {"times", timesJson(viewer)},        {"residentBytes", residentBytes()},
-              {"places", std::move(places)}, {"warnings", std::move(warnings)},   {"said", std::move(said)}}
-      .dump(2, ' ', false, Json::error_handler_t::replace);
+  return Json{{"frames", viewer.frames},        {"size", {size.width, size.height}}, {"current", viewer.current},
+              {"onDevice", viewer.onDevice},    {"times", timesJson(viewer)},        {"residentBytes", residentBytes()},
+              {"documents", std::move(places)}, {"warnings", std::move(warnings)},   {"messages", std::move(said)}};
 }
 
 ExitCode run(int argc, char** argv) {

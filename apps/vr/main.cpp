@@ -158,18 +158,17 @@ double unitsPerMetre(const VrState& state) {
   return state.walk ? state.walk->tracking.unitsPerMetre : state.initialScale(state.current);
 }
 
-std::string report(const VrState& state, const nlohmann::ordered_json& summary) {
+nlohmann::ordered_json report(const VrState& state, const nlohmann::ordered_json& summary) {
   using Json = nlohmann::ordered_json;
   Json pictures = Json::array();
   for (const fs::path& file : state.pictures) pictures.push_back(file.string());
   return Json{{"headset", state.headset},
               {"eyes", state.eyes},
-              {"place", state.options.places[state.current].string()},
+              {"scene", state.options.places[state.current].string()},
               {"unitsPerMetre", unitsPerMetre(state)},
               {"losses", state.losses},
               {"frames", summary},
-              {"pictures", std::move(pictures)}}
-      .dump(2, ' ', false, Json::error_handler_t::replace);
+              {"pictures", std::move(pictures)}};
 }
 
 ExitCode run(int argc, char** argv) {

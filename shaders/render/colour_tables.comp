@@ -112,7 +112,7 @@ void main() {
       uint shown = packedLevel(target, c) * kFine;
       if (remembered)
         shown = approach(slots[s].shown[at], shown, isMain ? frame.mainShare : frame.share,
-                         isMain ? uint(kLevels) * kFine : frame.largestStep);
+                         isMain ? uint(kLevels) * kFine : frame.maxStep);
       slots[s].shown[at] = shown;
       level[c] = roundedLevel(shown);
     }

@@ -71,12 +71,12 @@ IBR_FUNCTION int trustedLevel(int level, int i, uint samples, uint least) {
 IBR_CONSTANT uint kFine = 256u;
 IBR_CONSTANT uint kWhole = 65536u;  // a share of 1
 
-/// Moves by share / kWhole of the way: at least one unit until the target is reached, at most `largestStep`. Monotone
+/// Moves by share / kWhole of the way: at least one unit until the target is reached, at most `maxStep`. Monotone
 /// in `shown` and `target`, so a table stays monotone. Reaches the target exactly.
-IBR_FUNCTION uint approach(uint shown, uint target, uint share, uint largestStep) {
+IBR_FUNCTION uint approach(uint shown, uint target, uint share, uint maxStep) {
   const uint way = target > shown ? target - shown : shown - target;
   uint part = (way * share + (kWhole - 1u)) / kWhole;  // way <= 255·256, so the product is below 2³²
-  const uint most = share == 0u ? 0u : (largestStep < way ? largestStep : way);
+  const uint most = share == 0u ? 0u : (maxStep < way ? maxStep : way);
   part = part < most ? part : most;
   return target > shown ? shown + part : shown - part;
 }
@@ -134,7 +134,7 @@ struct ColourFrame {
   uint measured;     // 1: the histograms are of this frame; 0: targets stay
   uint mainShare;    // share of the main table's way to the identity, of kWhole
   uint share;        // share of the other tables' ways
-  uint largestStep;  // per frame, 1/256 levels
+  uint maxStep;  // per frame, 1/256 levels
   uint tileColumns;  // of the proxy
   uint tileWidth, tileHeight;
   uint slot[kMaxMappedCells];

@@ -57,7 +57,7 @@ shader::ColourFrame frameOf(std::uint32_t count) {
   frame.kept = kEverything;
   frame.measured = 1;
   frame.mainShare = frame.share = shader::kWhole;
-  frame.largestStep = 256 * shader::kFine;
+  frame.maxStep = 256 * shader::kFine;
   frame.tileColumns = kColumns;
   frame.tileWidth = kWidth;
   frame.tileHeight = kHeight;
@@ -200,7 +200,7 @@ TEST_CASE("a table approaches its target in bounded steps and stays there") {
   const std::vector<reference::CellTable> target = reference::tables(expectedTables(after, frame));
   REQUIRE(largestStep(shown, target) > 8);
   frame.share = shader::kWhole / 4;
-  frame.largestStep = 2 * shader::kFine;
+  frame.maxStep = 2 * shader::kFine;
   int frames = 0;
   for (; frames < 200; ++frames) {
     const std::vector<reference::CellTable> next = bench.run(after, frame);

@@ -56,7 +56,7 @@ TEST_CASE("structures of the colour passes have the memory layout of their shade
                                                       {"measured", offsetof(ColourFrame, measured)},
                                                       {"mainShare", offsetof(ColourFrame, mainShare)},
                                                       {"share", offsetof(ColourFrame, share)},
-                                                      {"largestStep", offsetof(ColourFrame, largestStep)},
+                                                      {"maxStep", offsetof(ColourFrame, maxStep)},
                                                       {"tileColumns", offsetof(ColourFrame, tileColumns)},
                                                       {"tileWidth", offsetof(ColourFrame, tileWidth)},
                                                       {"tileHeight", offsetof(ColourFrame, tileHeight)},

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "example_model.h"
 #include "support/error_of.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -28,9 +29,9 @@ struct Example {
   Json document;
   Example() {
     writeExampleModel(folder.path());
-    document = Json::parse(readTextFile(folder / "model.gltf"));
+    document = parseJson(readTextFile(folder / "model.gltf"));
   }
-  void write(const Json& json) const { writeFile(folder / "model.gltf", json.dump()); }
+  void write(const Json& json) const { writeFile(folder / "model.gltf", jsonLine(json)); }
 };
 
 void expectRefused(const Example& example, const std::string& place) {

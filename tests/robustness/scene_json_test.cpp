@@ -10,6 +10,7 @@
 #include "example_scene.h"
 #include "ibr/scene.h"
 #include "spoilt_scene.h"
+#include "support/json.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -50,10 +51,10 @@ TEST_CASE("numbers must be finite and within range", "[P2][N16]") {
     for (const std::string value : {"\"0.5\"", "null", "true", "[1]", "{}"}) refuse(pointer, value);
     for (const std::string value : {"1e999", "-1e999", "NaN", "Infinity", "0x10", "1,5", "+1", ".5", "01"}) {
       INFO(pointer << " = " << value);
-      std::string document = example().document.dump();
+      std::string document = jsonLine(example().document);
       Json wrong = example().document;
       wrong[Json::json_pointer(pointer)] = "@";
-      document = wrong.dump();
+      document = jsonLine(wrong);
       document.replace(document.find("\"@\""), 3, value);
       writeFile(example().folder / "scene.gltf", document);
       const Refusal r = refusal(example().folder.path());
@@ -184,7 +185,7 @@ TEST_CASE("a wrong type of any value in a scene's document gives an error or a v
 }
 
 TEST_CASE("duplicate keys and deep nesting are refused", "[P1]") {
-  std::string document = example().document.dump();
+  std::string document = jsonLine(example().document);
   const auto twice = [&](std::string_view after, std::string_view inserted) {
     std::string wrong = document;
     const std::size_t at = wrong.find(after);
@@ -215,7 +216,7 @@ TEST_CASE("duplicate keys and deep nesting are refused", "[P1]") {
 }
 
 TEST_CASE("a truncated document is refused", "[P1]") {
-  const std::string document = example().document.dump();
+  const std::string document = jsonLine(example().document);
   for (std::size_t length = 0; length < document.size(); length += 97) {
     writeFile(example().folder / "scene.gltf", std::string_view(document).substr(0, length));
     CHECK(refusal(example().folder.path()).code == ErrorCode::invalidInput);

@@ -7,6 +7,7 @@
 #include "example_scene.h"
 #include "ibr/scene.h"
 #include "spoilt_scene.h"
+#include "support/json.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -58,6 +59,6 @@ TEST_CASE("settings of any JSON type load with the same values") {
   for (const std::string settings : {R"({"z":1,"a":{"y":2.5,"b":[1,2]},"m":"\u00e4"})", "[]", "{}", "\"x\"", "0"}) {
     scene.settings = settings;
     saveScene(scene, folder.path());
-    CHECK(Json::parse(loadScene(folder.path()).settings) == Json::parse(settings));
+    CHECK(parseJson(loadScene(folder.path()).settings) == parseJson(settings));
   }
 }

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "example_scene.h"
 #include "ibr/scene.h"
+#include "support/json.h"
 
 namespace fs = std::filesystem;
 
@@ -15,11 +16,11 @@ namespace ibr::test {
 
 Example::Example() {
   writeExampleScene(folder.path());
-  document = Json::parse(readTextFile(folder / "scene.gltf"));
+  document = parseJson(readTextFile(folder / "scene.gltf"));
 }
 
 void Example::write(const Json& json) const {
-  writeFile(folder / "scene.gltf", json.dump());
+  writeFile(folder / "scene.gltf", jsonLine(json));
 }
 
 fs::path Example::bufferOf(std::size_t cell) const {
@@ -50,7 +51,7 @@ void refuse(const std::string& pointer, const std::string& text, std::string pla
   INFO(pointer << " = " << text << ", expected at " << place);
   Json wrong = example().document;
   wrong[Json::json_pointer(pointer)] = "@";  // inserted as text, because a JSON number type cannot hold every value
-  std::string document = wrong.dump();
+  std::string document = jsonLine(wrong);
   document.replace(document.find("\"@\""), 3, text);
   writeFile(example().folder / "scene.gltf", document);
   const Refusal r = refusal(example().folder.path(), place);

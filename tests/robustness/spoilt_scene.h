@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ibr/error.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace ibr::test {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr::test;
@@ -70,7 +71,7 @@ json recorded(const std::function<void(Submitted&)>& change, bool holds = false)
   frame.end.layers = layers.data();
   record.ended(7, frame.end, XR_SUCCESS);
   const std::string text = ibr::readTextFile(folder / "record");
-  return json::parse(text.substr(text.rfind('\n', text.size() - 2) + 1));
+  return parseJson(text.substr(text.rfind('\n', text.size() - 2) + 1));
 }
 
 json viewOf(const json& frame, std::size_t eye) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults of a headset: ibr-vr continues, or ends with a message and an exit code that state the reason.
+#include "support/json.h"
 #include "vr_harness.h"
 
 #include <nlohmann/json.hpp>
@@ -22,7 +23,7 @@ End visit(const std::string& faults, int frames, std::vector<std::string> more =
   more.insert(more.end(), {"--frames", std::to_string(frames)});
   Visitor visitor(setup, more);
   End end{visitor.finish(), nullptr, setup.record(), setup.states()};
-  if (end.outcome.code == 0) end.report = json::parse(end.outcome.out);
+  if (end.outcome.code == 0) end.report = parseJson(end.outcome.out);
   return end;
 }
 

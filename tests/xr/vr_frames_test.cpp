@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "support/json.h"
 #include "vr_harness.h"
 
 using namespace ibr::test;
@@ -12,7 +13,7 @@ namespace {
 
 // Checks the properties of every frame that shows something.
 void checkFrame(const json& frame, const std::string& space) {
-  INFO(frame.dump());
+  INFO(jsonLine(frame));
   CHECK(frame["result"] == 0);
   CHECK(frame["displayTime"] == frame["predicted"]);
   CHECK(frame["shouldRender"] == true);
@@ -88,12 +89,12 @@ TEST_CASE("the log contains each frame and a summary") {
   Visitor visitor(setup, {"--frames", "20"});
   const Outcome outcome = visitor.finish();
   CHECK(outcome.code == 0);
-  const json report = json::parse(outcome.out);
+  const json report = parseJson(outcome.out);
   std::ifstream in(setup.folder() / "log");
   int frames = 0;
   json last;
   for (std::string line; std::getline(in, line);) {
-    last = json::parse(line);
+    last = parseJson(line);
     if (last.contains("intervalMs")) CHECK(last["frame"] == ++frames);
   }
   CHECK(last["summary"] == report["frames"]);

@@ -8,6 +8,7 @@
 
 #include "io/image_file.h"
 #include "shared/draw/picture_record.h"
+#include "support/json.h"
 
 namespace fs = std::filesystem;
 
@@ -77,7 +78,7 @@ json Visitor::leave() {
   INFO(outcome.err);
   CHECK(outcome.code == 130);
   CHECK_THAT(outcome.err, !Contains("Vulkan validation") && !Contains("validation layers"));
-  return json::parse(outcome.out);
+  return parseJson(outcome.out);
 }
 
 Outcome Visitor::finish() {
@@ -114,7 +115,7 @@ std::array<Image8, 2> drawnAgain(const XrSetup& setup, const fs::path& left, con
   std::vector<std::string> words{"render", tinyScene(), "--poses", left, "--stereo", "-o", folder};
   words.insert(words.end(), more.begin(), more.end());
   for (const auto& [setting, option] : {std::pair{"floor", "--floor"}, {"floorSpacing", "--floor-spacing"}})
-    if (settings.at(setting).is_number()) words.insert(words.end(), {option, settings.at(setting).dump()});
+    if (settings.at(setting).is_number()) words.insert(words.end(), {option, jsonLine(settings.at(setting))});
   const Outcome outcome = runProgram(words, {.environment = setup.environment()});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);

@@ -10,6 +10,7 @@
 
 #include "apps/support/tiny_scene.h"
 #include "ibr/camera.h"
+#include "support/json.h"
 #include "xr_setup.h"
 
 namespace ibr::test {

@@ -5,6 +5,7 @@
 
 #include "io/image_file.h"
 #include "shared/draw/picture_record.h"
+#include "support/json.h"
 #include "vr/walk/spots.h"
 #include "vr_menu_user.h"
 
@@ -127,7 +128,7 @@ TEST_CASE("ibr render reproduces a picture of the menu, and a picture that canno
   const Outcome outcome = visitor.finish();
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.err, Contains("nowhere"));
-  const json report = json::parse(outcome.out);
+  const json report = parseJson(outcome.out);
   CHECK(report["pictures"].empty());
   CHECK(report["frames"]["frames"] == 20);
 }
@@ -174,6 +175,6 @@ TEST_CASE("another scene loads while the head is tracked, and a broken scene ret
     for (const json& view : frame["layers"][0]["views"]) CHECK(view["asLocated"] == true);
   }
   const json report = user.visitor().leave();
-  CHECK(report["place"] == second.string());
+  CHECK(report["scene"] == second.string());
   CHECK(report["losses"] == 0);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "support/json.h"
 #include "vr_menu_user.h"
 
 namespace fs = std::filesystem;
@@ -27,7 +28,7 @@ TEST_CASE("without any tracked position the scene is shown in stereo at the defa
   const std::vector<json> frames = shownFrames(setup);
   REQUIRE(frames.size() > 15);
   for (const json& frame : frames) {
-    INFO(frame.dump());
+    INFO(jsonLine(frame));
     REQUIRE(frame["layers"][0]["views"][0]["pose"][0].is_number());
     CHECK(glm::distance(eyeOf(frame, 0), {-0.0315, 1.6, 0}) < 1e-5);
     CHECK(glm::distance(eyeOf(frame, 1), {0.0315, 1.6, 0}) < 1e-5);
@@ -65,7 +66,7 @@ TEST_CASE("a log that cannot be written gives an error after the report") {
   Visitor visitor(setup, {"--frames", "8"});
   const Outcome outcome = visitor.finish();
   CHECK(outcome.code == 2);
-  CHECK(json::parse(outcome.out)["frames"]["frames"] == 8);
+  CHECK(parseJson(outcome.out)["frames"]["frames"] == 8);
 }
 
 TEST_CASE("a headset lost during the exit does not prevent the exit") {
@@ -73,7 +74,7 @@ TEST_CASE("a headset lost during the exit does not prevent the exit") {
   Visitor visitor(setup, {"--frames", "8"});
   const Outcome outcome = visitor.finish();
   CHECK(outcome.code == 0);
-  const json report = json::parse(outcome.out);
+  const json report = parseJson(outcome.out);
   CHECK(report["losses"] == 0);
   CHECK(report["frames"]["frames"] == 8);
 }

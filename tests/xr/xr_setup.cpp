@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "support/json.h"
 
 namespace ibr::test {
 
@@ -61,7 +62,7 @@ XrSetup::XrSetup(std::string faults, XrCompositor compositor)
     : faults_(std::move(faults)), compositor_(compositor), port_(freePort()), headset_(port_) {
   std::filesystem::create_directory(folder_ / "monado");
   const json settings{{"active", "remote"}, {"remote", {{"version", 0}, {"port", port_}, {"view_count", 2}}}};
-  writeFile(folder_ / "monado/config_v0.json", settings.dump());
+  writeFile(folder_ / "monado/config_v0.json", jsonLine(settings));
 }
 
 std::vector<std::string> XrSetup::environment() const {
@@ -106,7 +107,7 @@ std::vector<json> XrSetup::record() const {
   std::vector<json> lines;
   std::ifstream in(folder_ / "record");
   for (std::string line; std::getline(in, line);)
-    if (!in.eof()) lines.push_back(json::parse(line));  // the last line may be incomplete
+    if (!in.eof()) lines.push_back(parseJson(line));  // the last line may be incomplete
   return lines;
 }
 

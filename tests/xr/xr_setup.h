@@ -11,6 +11,7 @@
 #include "apps/support/run_program.h"
 #include "ibr/image.h"
 #include "remote_headset.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace ibr::test {

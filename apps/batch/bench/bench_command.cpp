@@ -68,7 +68,7 @@ ExitCode benchPhotographs(const Options& options, const Context& context) {
   report["size"] = sizeOf(views[0]);
   report["settings"] = settingsJson(options.run.wanted.settings, options.run.gpuScene);
   report["scene"] = options.scene;
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 
@@ -97,7 +97,7 @@ const Command kBenchCommand{
         "trilinear filters.\n"
         "--walk follows a camera path as a viewer does: each frame shows the photographs that are\n"
         "loaded.",
-    .afterInterrupt = "No report was written; run the same command again.",
+    .afterInterrupt = "no report was written; run the same command again",
     .mainOptions = "size cells views repeat stereo preset formats walk json device",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

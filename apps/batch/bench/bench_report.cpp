@@ -89,8 +89,7 @@ void BenchReport::print(const Context& context, const Device& device, const Benc
       {"passTimes", software ? "timestamps within one submission of a software device; the passes add up to the frame"
                              : "device timestamps"},
       {"settings", settingsJson(run.wanted.settings, run.gpuScene)},
-      {"scene",
-       scene}}.dump(2, ' ', false, Json::error_handler_t::replace));
+      {"scene", scene}});
 }
 
 }  // namespace ibr::app

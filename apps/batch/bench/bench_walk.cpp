@@ -27,8 +27,8 @@ double emptyShare(const Image8& picture) {
 
 struct Walk {
   GpuScene::Memory peak;
-  std::uint64_t uploadedBytes = 0, mostUploadedBytes = 0;  // in total, and maximum of a frame
-  std::size_t framesWithStandIns = 0, framesWithGaps = 0;
+  std::uint64_t uploadedBytes = 0, maxUploadedBytes = 0;  // in total, and maximum of a frame
+  std::size_t framesWithStandIns = 0, framesWithHoles = 0;
   std::vector<double> standIns, empty, streamMs, frameMs;  // of every frame: shares, ms
   std::uint32_t failed = 0;                                // photographs, maximum of a frame
 };
@@ -67,9 +67,9 @@ Walk measureWalk(const PhotographBench& bench, Device& device, GpuScene& gpuScen
     const std::uint32_t standIns = streamed.waiting + streamed.overBudget + streamed.failed;
     walk.standIns.push_back(streamed.needed > 0 ? double(standIns) / streamed.needed : 0);
     walk.framesWithStandIns += standIns > 0;
-    walk.framesWithGaps += walk.empty.back() > 0;
+    walk.framesWithHoles += walk.empty.back() > 0;
     walk.uploadedBytes += streamed.uploadedBytes;
-    walk.mostUploadedBytes = std::max(walk.mostUploadedBytes, streamed.uploadedBytes);
+    walk.maxUploadedBytes = std::max(walk.maxUploadedBytes, streamed.uploadedBytes);
     walk.failed = std::max(walk.failed, streamed.failed);
     if (const GpuScene::Memory memory = gpuScene.memory(); memory.sum() > walk.peak.sum()) walk.peak = memory;
   }
@@ -92,10 +92,10 @@ Json benchWalk(const PhotographBench& bench, const Context& context) {
                 bytesText(double(walk.peak.positions)), bytesText(double(walk.peak.indices)),
                 budget > 0 ? fmt::format("; budget {}", bytesText(double(budget))) : "");
   context.print("streamed     {}, at most {} in a frame\n", bytesText(double(walk.uploadedBytes)),
-                bytesText(double(walk.mostUploadedBytes)));
+                bytesText(double(walk.maxUploadedBytes)));
   context.print("stand-ins    in {} frames; {} % of the photographs that frames need\n", walk.framesWithStandIns,
                 numberText(100 * mean(walk.standIns), 2));
-  context.print("holes        in {} frames; at most {} % of an image\n", walk.framesWithGaps,
+  context.print("holes        in {} frames; at most {} % of an image\n", walk.framesWithHoles,
                 numberText(100 * *std::ranges::max_element(walk.empty), 3));
   context.print("frame time   median {} ms, of which streaming {} ms; 95 % quantiles {} ms and {} ms\n",
                 numberText(quantile(walk.frameMs, 0.5), 1), numberText(quantile(walk.streamMs, 0.5), 2),
@@ -108,11 +108,11 @@ Json benchWalk(const PhotographBench& bench, const Context& context) {
             {"peak",
              {{"positions", walk.peak.positions}, {"indices", walk.peak.indices}, {"textures", walk.peak.textures}}},
             {"streamedBytes", walk.uploadedBytes},
-            {"mostStreamedBytes", walk.mostUploadedBytes},
+            {"maxStreamedBytes", walk.maxUploadedBytes},
             {"framesWithStandIns", walk.framesWithStandIns},
             {"standInShare", mean(walk.standIns)},
-            {"framesWithGaps", walk.framesWithGaps},
-            {"largestGap", *std::ranges::max_element(walk.empty)},
+            {"framesWithHoles", walk.framesWithHoles},
+            {"maxHoleShare", *std::ranges::max_element(walk.empty)},
             {"failed", walk.failed},
             {"medianMs", quantile(walk.frameMs, 0.5)},
             {"p95Ms", quantile(walk.frameMs, 0.95)},

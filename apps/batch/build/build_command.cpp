@@ -156,7 +156,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
     json["backdrops"].push_back({{"photograph", backdrop.photograph},
                                  {"points", backdrop.points},
                                  {"triangles", backdrop.triangles},
-                                 {"known", backdrop.matchedShare},
+                                 {"matchedShare", backdrop.matchedShare},
                                  {"seconds", backdrop.seconds},
                                  {"resumed", backdrop.cached}});
   for (const auto& [photograph, given, moved] : report.masks)
@@ -164,7 +164,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
   if (const BuildReport::ExposureSummary& e = report.exposures; !e.text.empty())
     json["exposures"] = {{"measured", e.measured}, {"parts", e.parts}, {"alike", e.alike}, {"text", e.text}};
   if (!report.exposures.vignetting.empty()) json["vignetting"] = report.exposures.vignetting;
-  for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
+  for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"item", what}, {"reason", reason}});
   for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
   return json;
 }
@@ -187,7 +187,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
     stages = progress.stageSeconds();
   }
   if (options.dryRun) {
-    context.report(Json{{"predicted", predictionJson(report.prediction)}}.dump(2));
+    context.report({{"predicted", predictionJson(report.prediction)}});
     return kExitOk;
   }
   if (!report.refinement.steps.empty()) context.print("{}\n", text(report.refinement));
@@ -203,7 +203,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
     context.print("\n{}", adviceSummary(advice, build.output.string()));
     json["capture"] = adviceJson(scene, advice);
   }
-  context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(json);
   return kExitOk;
 }
 
@@ -232,7 +232,7 @@ const Command kBuildCommand{
         "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
         "be deleted. After photographs are added, a build matches only what the new photographs\n"
         "change. COLMAP adds the new photographs to the poses in SCENE/.poses.",
-    .afterInterrupt = "Finished work is cached: run the same command again to resume.",
+    .afterInterrupt = "finished work is cached; run the same command again to resume",
     .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

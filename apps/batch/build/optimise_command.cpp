@@ -42,7 +42,7 @@ void printTable(const OptimiseSceneReport& report, const Context& context) {
   context.print("{}\n", table.text());
 }
 
-std::string reportJson(const OptimiseSceneReport& report, const Options& options) {
+Json reportJson(const OptimiseSceneReport& report, const Options& options) {
   const AlignmentOptions& alignment = options.scene.cells.alignment;
   Json json{{"cells", Json::array()}, {"mean", Json::object()}};
   for (const OptimisedCell& cell : report.cells) {
@@ -58,7 +58,7 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                  {"flipped", cell.flipped},
                  {"inserted", cell.inserted},
                  {"fixed", cell.fixed},
-                 {"takenBack", cell.reverted},
+                 {"reverted", cell.reverted},
                  {"cycles", cell.summary.cycles.size()},
                  {"bestCycle", cell.summary.bestCycle},
                  {"mutations", all.mutations},
@@ -88,7 +88,7 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                {"prune", alignment.prune},
                {"seed", alignment.seed},
                {"seconds", report.seconds}});
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+  return json;
 }
 
 ExitCode optimise(Options options, const Context& context) {
@@ -138,7 +138,7 @@ const Command kOptimiseCommand{
         "--pictures draws the image half-way between the photographs of each cell, under a map of\n"
         "the correlation (hot: bad). Images before and after are side by side, together with the\n"
         "positions that changed most.",
-    .afterInterrupt = "Finished cells are cached: run the same command again to resume.",
+    .afterInterrupt = "finished cells are cached; run the same command again to resume",
     .mainOptions = "output method instances radius decay threshold rigidity flip-edges pictures json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -32,30 +32,30 @@ PoseErrors poseErrors(const PosedModel& model, const PosedModel& truth) {
   const double n = double(are.size());
   for (std::size_t i = 0; i < are.size(); ++i) {
     const Pose pose = onto(are[i]);
-    const double turnPx = angleBetween(pose.rotation, should[i].rotation) * focals[i];
+    const double rotationPx = angleBetween(pose.rotation, should[i].rotation) * focals[i];
     const double shift = glm::distance(pose.position, should[i].position);
-    errors.turnPx += turnPx * turnPx / n;
+    errors.rotationPx += rotationPx * rotationPx / n;
     errors.shift += shift * shift / n;
-    errors.mostTurnPx = std::max(errors.mostTurnPx, turnPx);
-    errors.mostShift = std::max(errors.mostShift, shift);
+    errors.maxRotationPx = std::max(errors.maxRotationPx, rotationPx);
+    errors.maxShift = std::max(errors.maxShift, shift);
   }
-  errors.turnPx = std::sqrt(errors.turnPx);
+  errors.rotationPx = std::sqrt(errors.rotationPx);
   errors.shift = std::sqrt(errors.shift);
   errors.focalFactor = 1 + (errors.focalFactor - 1) / n;
   return errors;
 }
 
 nlohmann::ordered_json json(const PoseErrors& errors) {
-  return {{"photographs", errors.photographs}, {"turnPx", errors.turnPx},
-          {"mostTurnPx", errors.mostTurnPx},   {"shift", errors.shift},
-          {"mostShift", errors.mostShift},     {"focalFactor", errors.focalFactor}};
+  return {{"photographs", errors.photographs},     {"rotationPx", errors.rotationPx},
+          {"maxRotationPx", errors.maxRotationPx}, {"shift", errors.shift},
+          {"maxShift", errors.maxShift},           {"focalFactor", errors.focalFactor}};
 }
 
 std::string text(const PoseErrors& errors) {
   return fmt::format(
       "rotation error {:.3f} px RMS (at most {:.3f}), position error {:.6f} RMS (at most {:.6f}), focal lengths × "
       "{:.5f}",
-      errors.turnPx, errors.mostTurnPx, errors.shift, errors.mostShift, errors.focalFactor);
+      errors.rotationPx, errors.maxRotationPx, errors.shift, errors.maxShift, errors.focalFactor);
 }
 
 }  // namespace ibr::app

@@ -9,10 +9,10 @@
 namespace ibr::app {
 
 struct PoseErrors {
-  std::size_t photographs = 0;        // in both models, pinholes only
-  double turnPx = 0, mostTurnPx = 0;  // rotation × focal length, px: root mean square, and maximum
-  double shift = 0, mostShift = 0;    // of positions, units of the truth's world: root mean square, and maximum
-  double focalFactor = 1;             // mean ratio of the focal lengths to the truth's
+  std::size_t photographs = 0;               // in both models, pinholes only
+  double rotationPx = 0, maxRotationPx = 0;  // rotation × focal length, px: root mean square, and maximum
+  double shift = 0, maxShift = 0;            // of positions, units of the truth's world: root mean square, and maximum
+  double focalFactor = 1;                    // mean ratio of the focal lengths to the truth's
 };
 
 /// Compares after the similarity that aligns the model with the truth: origin, orientation and scale of a world are no

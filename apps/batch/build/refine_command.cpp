@@ -59,7 +59,7 @@ ExitCode refine(const Options& options, const Context& context) {
     context.print("pose errors before: {}\npose errors after:  {}\n", text(before), text(after));
     report["truth"] = {{"before", json(before)}, {"after", json(after)}};
   }
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 
@@ -87,7 +87,7 @@ const Command kRefineCommand{
         "MODEL is a COLMAP model in text. Intrinsics of distorting lenses stay fixed. Poses stay\n"
         "fixed where the points of the model reproject exactly. Parts of a model that share no\n"
         "points are refined separately.",
-    .afterInterrupt = "Finished work is cached: run the same command again to resume.",
+    .afterInterrupt = "finished work is cached; run the same command again to resume",
     .mainOptions = "output truth model masks tracks exclude-from cache json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -49,14 +49,15 @@ std::string text(const PoseRefinement& r) {
 
 Json json(const PoseRefinement& r) {
   Json report{{"tracksOfCells", r.cellTracks},         {"tracksOfModel", r.modelTracks},
-              {"kept", r.poseChanges.empty()},         {"steps", Json::array()},
+              {"posesKept", r.poseChanges.empty()},    {"steps", Json::array()},
               {"before", errorsJson(r.initialErrors)}, {"after", errorsJson(r.finalErrors)},
               {"photographs", Json::array()}};
-  for (const auto& [by, cells, model, taken] : r.steps)
-    report["steps"].push_back({{"by", by}, {"cellsSurer", cells}, {"modelSurer", model}, {"taken", taken}});
-  for (const auto& [photograph, turnPx, shift, focalFactor] : r.poseChanges)
+  for (const auto& [description, cells, model, accepted] : r.steps)
+    report["steps"].push_back(
+        {{"description", description}, {"cellsGainSigmas", cells}, {"modelGainSigmas", model}, {"accepted", accepted}});
+  for (const auto& [photograph, rotationPx, shift, focalFactor] : r.poseChanges)
     report["photographs"].push_back(
-        {{"photograph", photograph}, {"turnPx", turnPx}, {"shift", shift}, {"focalFactor", focalFactor}});
+        {{"photograph", photograph}, {"rotationPx", rotationPx}, {"shift", shift}, {"focalFactor", focalFactor}});
   return report;
 }
 

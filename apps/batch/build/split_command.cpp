@@ -46,8 +46,7 @@ ExitCode split(Options options, const Context& context) {
                       {"sampleSeconds", report.sampleSeconds},
                       {"writeSeconds", report.writeSeconds},
                       {"seconds", report.seconds},
-                      {"output", options.output}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+                      {"output", options.output}});
   return kExitOk;
 }
 
@@ -68,7 +67,7 @@ const Command kSplitCommand{
         "`ibr build DIR/images` finds the model.\n"
         "Above 90 degrees, the faces of a cube overlap. By default, faces are as sharp as the\n"
         "panorama's horizon; smaller faces are averaged, without aliasing.",
-    .afterInterrupt = "Written images are complete, but the model is missing; run the same command again.",
+    .afterInterrupt = "written images are complete, but the model is missing; run the same command again",
     .mainOptions = "output views poles fov size format model json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

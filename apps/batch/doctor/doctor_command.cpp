@@ -63,8 +63,8 @@ ExitCode examine(const std::string& path, const BuildChoices& choices, const Con
   }
   findings.print(context);
   nlohmann::ordered_json json = findings.json();
-  json["of"] = path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path);
-  context.report(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  json["path"] = path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path);
+  context.report(json);
   return findings.code();
 }
 

@@ -14,6 +14,7 @@
 #include "base/usage.h"
 #include "batch/doctor/findings.h"
 #include "ibr/device.h"
+#include "shared/cli/json_text.h"
 #include "shared/report/table.h"
 
 namespace fs = std::filesystem;
@@ -81,7 +82,7 @@ void examineDevices(Findings& findings) {
                      {"apiVersion", versionText(device.apiVersion)},
                      {"memoryBytes", device.memoryBytes},
                      {"features", device.features},
-                     {"lacking", device.missing}});
+                     {"missing", device.missing}});
     std::string why;
     for (const std::string& reason : device.missing) why += (why.empty() ? "" : ", ") + reason;
     if (!why.empty()) {
@@ -252,7 +253,7 @@ void examineHeadset(Findings& findings) {
   for (const fs::path& file : runtimeFiles()) {
     if (!fs::exists(file, ignored)) continue;
     try {
-      const auto json = nlohmann::json::parse(readTextFile(file));
+      const nlohmann::ordered_json json = parsedJson(readTextFile(file));
       fs::path library = json.at("runtime").at("library_path").get<std::string>();
       const bool pathGiven = library.has_parent_path();
       if (pathGiven && library.is_relative()) library = fs::canonical(file).parent_path() / library;
@@ -261,7 +262,7 @@ void examineHeadset(Findings& findings) {
                       fmt::format("The OpenXR runtime named in {} is missing: {}.", file.string(), library.string()),
                       "Reinstall the runtime, or make another runtime the active one."});
       else
-        findings.fact(fmt::format("headsets: {}", json["runtime"].value("name", library.string())));
+        findings.fact(fmt::format("headsets: {}", json.at("runtime").value("name", library.string())));
     } catch (const std::exception&) {
       findings.add({"headset", Severity::warning, fmt::format("{} does not name an OpenXR runtime.", file.string()),
                     "Reinstall the runtime of the headset."});

@@ -53,18 +53,22 @@ void errors(const PosedModel& model, Findings& findings) {
       const Intrinsics& k = camera.intrinsics;
       if (pixel) ofImage[seen.image].push_back(glm::distance(*pixel, seen.pixel) / std::max(k.width, k.height));
     }
-  std::vector<double> medians;
-  for (const auto& list : ofImage)
-    if (!list.empty()) medians.push_back(median(list));
-  const double typical = median(medians);
   const auto px = [&](double share, std::size_t i) {
     const Intrinsics& k = model.images[i].camera.intrinsics;
     return share * std::max(k.width, k.height);
   };
+  std::vector<double> medians, mediansPx;
+  for (std::size_t i = 0; i < ofImage.size(); ++i) {
+    if (ofImage[i].empty()) continue;
+    medians.push_back(median(ofImage[i]));
+    mediansPx.push_back(px(medians.back(), i));
+  }
+  const double typical = median(medians);
   if (typical > kError) {
-    findings.add({"poses", Severity::warning,
-                  fmt::format("The poses are inaccurate: the median reprojection error is {:.1f} px.", px(typical, 0)),
-                  "Estimate the poses again, from sharp photographs of one lens without zoom."});
+    findings.add(
+        {"poses", Severity::warning,
+         fmt::format("The poses are inaccurate: the median reprojection error is {:.1f} px.", median(mediansPx)),
+         "Estimate the poses again, from sharp photographs of one lens without zoom."});
     return;
   }
   for (std::size_t i = 0; i < ofImage.size(); ++i) {

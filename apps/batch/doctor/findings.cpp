@@ -45,7 +45,7 @@ nlohmann::ordered_json Findings::json() const {
   for (const Finding& f : sorted())
     json["findings"].push_back({{"subject", f.subject},
                                 {"severity", severityName(f.severity)},
-                                {"sentence", f.sentence},
+                                {"problem", f.sentence},
                                 {"remedy", f.remedy}});
   if (!devices_.empty()) json["devices"] = devices_;
   if (!devices_.empty()) json["disabledFeatures"] = Device::disabledFeatures();

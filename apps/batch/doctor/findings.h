@@ -35,7 +35,7 @@ class Findings {
 
   /// Prints the most serious first; at most a few of each subject and severity.
   void print(const Context& context) const;
-  /// Returns {"facts": […], "findings": [{"subject", "severity", "sentence", "remedy"}]}; "devices" and
+  /// Returns {"facts": […], "findings": [{"subject", "severity", "problem", "remedy"}]}; "devices" and
   /// "disabledFeatures" too if the machine has Vulkan devices.
   nlohmann::ordered_json json() const;
   /// Returns kExitOk if no finding is serious, else the code of the first serious one.

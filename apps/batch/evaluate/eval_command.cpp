@@ -115,7 +115,7 @@ const Command kEvalCommand{
         "left out of all columns. -o writes prediction, truth and four times the difference side\n"
         "by side. ms is the time from planning until the image is on the host. In JSON, PSNR is\n"
         "null for views without covered pixels and for equal images.",
-    .afterInterrupt = "Finished views of --leave-one-out are cached: run the same command again to resume.",
+    .afterInterrupt = "finished views of --leave-one-out are cached; run the same command again to resume",
     .mainOptions = "truth leave-one-out views output preset fit-gain baselines seams guessed json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -274,7 +274,7 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
   if (all.size() < outcomes.size()) context.print("\n{}", failures.text());
   Json report{{"views", std::move(views)}, {"mean", std::move(mean)}};
   report.update(more);
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
 }
 
 }  // namespace ibr::app

@@ -11,6 +11,7 @@
 #include "batch/files/poses.h"
 #include "ibr/author/build.h"
 #include "ibr/author/poses.h"
+#include "shared/cli/json_text.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
@@ -96,7 +97,7 @@ class LeaveOneOut {
     json["device"] = device_;
     json["posesRefined"] = refined_;
     counts_.refined += refined_;
-    writeFile(file(view.name), json.dump());
+    writeFile(file(view.name), jsonLine(json));
     return outcome;
   }
 
@@ -115,7 +116,7 @@ class LeaveOneOut {
   std::optional<ViewOutcome> fetch(const std::string& view) {
     if (!fs::exists(file(view))) return std::nullopt;
     try {
-      const Json json = Json::parse(readTextFile(file(view)));
+      const Json json = parsedJson(readTextFile(file(view)));
       ViewOutcome outcome = outcomeOf(json);
       const auto pictures = evaluationFiles(evaluation_, view);
       if (outcome.failure.empty() && !std::ranges::all_of(pictures, [](const fs::path& f) { return fs::exists(f); }))

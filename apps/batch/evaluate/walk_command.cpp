@@ -224,7 +224,7 @@ ExitCode walk(const Options& options, const Context& context) {
   report["device"] = walk.deviceName();
   report["settings"] = settingsJson(walk.settings(), options.gpuScene);
   report["scene"] = options.scene;
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 
@@ -248,7 +248,7 @@ const Command kWalkCommand{
         "of the largest step, and four times their difference. --pop also reports steps as FLIP;\n"
         "the largest FLIP at a switch is the pop. --stereo compares the images of both eyes at\n"
         "the same depth.",
-    .afterInterrupt = "No report was written; run the same command again.",
+    .afterInterrupt = "no report was written; run the same command again",
     .mainOptions = "frames poses output pop stereo size preset json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -46,15 +46,15 @@ WalkSummary summaryOf(const std::vector<WalkFrame>& frames) {
     const WalkFrame& frame = frames[i];
     if (!std::isnan(frame.step)) {
       steps.push_back(frame.step);
-      summary.largestStep = std::fmax(summary.largestStep, frame.step);
-      if (frame.switching) summary.largestStepAtSwitch = std::fmax(summary.largestStepAtSwitch, frame.step);
+      summary.maxStep = std::fmax(summary.maxStep, frame.step);
+      if (frame.switching) summary.maxStepAtSwitch = std::fmax(summary.maxStepAtSwitch, frame.step);
     }
     if (!std::isnan(frame.flipStep)) {
       flipSteps.push_back(frame.flipStep);
       if (frame.switching) summary.pop = std::fmax(summary.pop, frame.flipStep);
     }
     summary.switches += i > 0 && frame.mainCell != frames[i - 1].mainCell;
-    summary.leastCoverage = std::min(summary.leastCoverage, frame.coverage);
+    summary.minCoverage = std::min(summary.minCoverage, frame.coverage);
     if (!std::isnan(frame.coverageInside)) inside.push_back(frame.coverageInside);
     for (std::size_t t = 0; t < summary.tier.size(); ++t) summary.tier[t] += frame.tier[t] / double(frames.size());
     if (frame.flicker > summary.flicker) {
@@ -66,7 +66,7 @@ WalkSummary summaryOf(const std::vector<WalkFrame>& frames) {
   summary.medianStep = quantile(steps, 0.5);
   summary.medianFlipStep = quantile(flipSteps, 0.5);
   summary.meanCoverageInside = meanOrNan(inside);
-  if (!inside.empty()) summary.leastCoverageInside = std::ranges::min(inside);
+  if (!inside.empty()) summary.minCoverageInside = std::ranges::min(inside);
   summary.eyes = meanOf(frames);
   return summary;
 }
@@ -89,12 +89,12 @@ Json summaryJson(const WalkSummary& summary) {
   const bool held = summary.flicker >= 0;
   return {{"switches", summary.switches},
           {"medianStep", summary.medianStep},
-          {"largestStep", summary.largestStep},
-          {"largestStepAtSwitch", summary.largestStepAtSwitch},
+          {"maxStep", summary.maxStep},
+          {"maxStepAtSwitch", summary.maxStepAtSwitch},
           {"medianFlipStep", summary.medianFlipStep},
           {"pop", summary.pop},
-          {"leastCoverage", summary.leastCoverage},
-          {"leastCoverageInside", summary.leastCoverageInside},
+          {"minCoverage", summary.minCoverage},
+          {"minCoverageInside", summary.minCoverageInside},
           {"meanCoverageInside", summary.meanCoverageInside},
           {"coverageTier", summary.tier},
           {"flicker", held ? Json(summary.flicker) : Json()},
@@ -111,16 +111,16 @@ Table summaryTable(const WalkSummary& summary, std::size_t frames) {
   table.row({"frames", std::to_string(frames)});
   table.row({"switches of the main cell", std::to_string(summary.switches)});
   row("median step, 8-bit levels", summary.medianStep, 3);
-  row("largest step", summary.largestStep, 3);
-  row("largest step at a switch", summary.largestStepAtSwitch, 3);
-  row("  ratio to the median step", summary.largestStepAtSwitch / summary.medianStep, 2);
+  row("largest step", summary.maxStep, 3);
+  row("largest step at a switch", summary.maxStepAtSwitch, 3);
+  row("  ratio to the median step", summary.maxStepAtSwitch / summary.medianStep, 2);
   row("median step, FLIP", summary.medianFlipStep, 4);
   row("pop (largest step at a switch), FLIP", summary.pop, 4);
   if (summary.flicker >= 0)
     table.row({"largest flicker of a still camera, 8-bit levels", std::to_string(summary.flicker)});
   if (summary.flicker > 0) table.row({"  at frame", fmt::format("{} ({})", summary.flickerFrame, summary.flickerAt)});
-  row("minimum coverage", summary.leastCoverage, 4);
-  row("minimum coverage inside the photographs' views", summary.leastCoverageInside, 4);
+  row("minimum coverage", summary.minCoverage, 4);
+  row("minimum coverage inside the photographs' views", summary.minCoverageInside, 4);
   row("mean coverage inside the photographs' views", summary.meanCoverageInside, 4);
   for (int t = 0; t < kTierCount; ++t)
     table.row({"tier " + std::to_string(t) + ", share", numberText(summary.tier[std::size_t(t)], 4)});

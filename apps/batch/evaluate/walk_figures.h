@@ -34,9 +34,9 @@ struct WalkFrame {
 /// Summary of a walk. NaN: nothing was measured.
 struct WalkSummary {
   std::size_t switches = 0;
-  double medianStep = NAN, largestStep = NAN, largestStepAtSwitch = NAN;
+  double medianStep = NAN, maxStep = NAN, maxStepAtSwitch = NAN;
   double medianFlipStep = NAN, pop = NAN;  // pop: largest FLIP step at a switch
-  double leastCoverage = 1, leastCoverageInside = NAN, meanCoverageInside = NAN;
+  double minCoverage = 1, minCoverageInside = NAN, meanCoverageInside = NAN;
   std::array<double, kTierCount> tier{};
   int flicker = -1;              // maximum
   std::size_t flickerFrame = 0;  // first frame that has it; undefined if the camera was never held

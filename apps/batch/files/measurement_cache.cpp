@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/file.h"
+#include "shared/cli/json_text.h"
 
 namespace ibr::app {
 namespace {
@@ -23,7 +24,7 @@ MeasurementCache::MeasurementCache(std::filesystem::path file) : file_(std::move
   if (!std::filesystem::exists(file_)) return;
   std::istringstream lines(readTextFile(file_));
   for (std::string line; std::getline(lines, line);) {
-    const Json json = Json::parse(line, nullptr, false);
+    const Json json = parsedJson(line);
     if (!json.is_object() || !json.contains("key") || !json["key"].is_string()) continue;
     byKey_[json["key"].get<std::string>()] = json;
   }
@@ -39,7 +40,7 @@ void MeasurementCache::add(std::uint64_t key, const Json& json) {
   line.update(json);
   byKey_[nameOf(key)] = std::move(line);
   std::string text;
-  for (const auto& [name, kept] : byKey_) text += kept.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  for (const auto& [name, measurement] : byKey_) text += jsonLine(measurement) + '\n';
   writeFile(file_, text);
 }
 

@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "ibr/author/poses.h"
 #include "io/image_file.h"
+#include "shared/cli/json_text.h"
 #include "shared/draw/picture_record.h"
 
 namespace fs = std::filesystem;
@@ -67,7 +68,7 @@ std::optional<fs::path> otherEye(const fs::path& picture) {
 
 // True for the format of nerfstudio and instant-ngp: an object with "frames".
 bool isTransforms(const fs::path& file) {
-  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
+  const nlohmann::ordered_json json = parsedJson(readTextFile(file));
   return json.is_object() && json.contains("frames");
 }
 

@@ -75,7 +75,7 @@ ExitCode buildModel(const Options& options, const Context& context) {
   printReport(result.report, build, context);
   Json report{{"model", options.output}, {"mesh", options.mesh}};
   report.update(htmReportJson(result.report));
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 
@@ -96,7 +96,7 @@ const Command kHtmBuildCommand{
         "still differ, the mesh is refined and matched again. Masks are white on the object.\n"
         "D_f is the colour difference of the photographs on a face, in 8-bit levels.\n"
         "--stages writes the intermediate meshes, coloured by D_f, and an image of them.",
-    .afterInterrupt = "No model was written; run the same command again.",
+    .afterInterrupt = "no model was written; run the same command again",
     .mainOptions = "mesh model images masks output faces adjust rounds stages json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -245,7 +245,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
                       {"keepMesh", options.keepMesh},
                       {"poses", options.poses}};
   json["model"] = options.model;
-  context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(json);
   return kExitOk;
 }
 
@@ -270,7 +270,7 @@ const Command kHtmEvalCommand{
         "is over the object's pixels that all methods draw. Without masks, all figures are over\n"
         "these pixels.\n"
         "-o writes psnr.svg, and for each view a row: photograph, VDVBM, VDTBM, HTM.",
-    .afterInterrupt = "No report was written; run the same command again, or a part of the views with --views.",
+    .afterInterrupt = "no report was written; run the same command again, or a part of the views with --views",
     .mainOptions = "truth leave-one-out keep-mesh views output json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -26,7 +26,7 @@ const Command kHtmRenderCommand{
         "--smooth, weights continue from frame to frame; cameras correspond by name.\n"
         "Methods: htm, harmonised photographs; vdtbm, photographs blended without displacement;\n"
         "vdvbm, vertex colours.",
-    .afterInterrupt = "Written images are complete; the same command writes all images again.",
+    .afterInterrupt = "written images are complete; the same command writes all images again",
     .mainOptions = "poses path output size fov method smooth time json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<HtmViewsOptions>();

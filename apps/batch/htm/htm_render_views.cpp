@@ -160,8 +160,7 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
                       {"frames", framesJson(player)},
                       {"device", player.deviceName()},
                       {"settings", settings},
-                      {player.isVideo() ? "sequence" : "model", options.model}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+                      {player.isVideo() ? "sequence" : "model", options.model}});
   return kExitOk;
 }
 

@@ -88,12 +88,12 @@ ExitCode buildSequence(const Options& options, const Context& context) {
   Json json{{"sequence", options.output}, {"fps", options.fps}, {"frames", Json::array()}};
   for (std::size_t f = 0; f < frames.size(); ++f) {
     Json line{{"frame", frames[f].name},
-              {"kept", models[f].kept},
+              {"cached", models[f].kept},
               {"seconds", models[f].kept ? Json() : Json(models[f].seconds)}};
     line.update(models[f].report);
     json["frames"].push_back(std::move(line));
   }
-  context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(json);
   return kExitOk;
 }
 
@@ -113,7 +113,7 @@ const Command kHtmSequenceCommand{
         "Models that this program built from the same files with the same options are cached.\n"
         "After new frames, changed frames or a stop, the same command builds the missing models.\n"
         "D_f is the colour difference of the photographs on a face, in 8-bit levels.",
-    .afterInterrupt = "Finished frames are cached: run the same command again to resume.",
+    .afterInterrupt = "finished frames are cached; run the same command again to resume",
     .mainOptions = "output fps faces adjust rounds json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -81,20 +81,20 @@ nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advic
   };
   Json json{{"advice", Json::array()},
             {"shown", advice.coverage},
-            {"shownThen", advice.coverageWithViews},
+            {"shownWithNext", advice.coverageWithViews},
             {"next", Json::array()}};
   for (const Advice& one : advice.advice)
     json["advice"].push_back({{"kind", adviceKindName(one.kind)},
                               {"severity", severityName(one.severity)},
-                              {"sentence", one.problem},
+                              {"problem", one.problem},
                               {"remedy", one.remedy},
                               {"photographs", names(one.nodes)},
-                              {"figure", std::isfinite(one.value) ? Json(one.value) : Json(nullptr)}});
+                              {"value", std::isfinite(one.value) ? Json(one.value) : Json(nullptr)}});
   for (const NextView& view : advice.views) {
     Json camera = intrinsicsJson(view.camera.intrinsics);
     addPose(camera, view.camera.pose);
-    json["next"].push_back({{"where", view.where},
-                            {"beside", names(view.referenceNodes)},
+    json["next"].push_back({{"description", view.where},
+                            {"referencePhotographs", names(view.referenceNodes)},
                             {"gain", view.gain},
                             {"view", std::move(camera)}});
   }

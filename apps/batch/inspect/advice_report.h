@@ -16,8 +16,8 @@ std::string adviceText(const CaptureAdvice& advice);
 /// Returns the worst sentence of each kind and the first three next-best views; `scene`: as for `ibr info --advice`.
 std::string adviceSummary(const CaptureAdvice& advice, const std::string& scene);
 
-/// {"advice": [{"kind", "severity", "sentence", "remedy", "photographs", "figure"}], "shown", "shownThen",
-///  "next": [{"where", "beside", "gain", "view"}]}; "view" as in the report of `ibr info PICTURE`.
+/// {"advice": [{"kind", "severity", "problem", "remedy", "photographs", "value"}], "shown", "shownWithNext",
+///  "next": [{"description", "referencePhotographs", "gain", "view"}]}; "view" as in the report of `ibr info PICTURE`.
 nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advice);
 
 /// Writes the next-best views next_01 and so on: as a camera path if the name ends in .json, else as a COLMAP model in

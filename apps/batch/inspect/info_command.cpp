@@ -253,7 +253,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   context.print("\n");
   report["backdrops"] = {{"count", scene.backdrops.size()},        {"points", summary.backdropPoints},
                          {"triangles", summary.backdropTriangles}, {"bytes", backdropBytes},
-                         {"known", summary.backdropKnown},         {"confirmed", confirmed}};
+                         {"matchedShare", summary.backdropKnown},  {"confirmed", confirmed}};
   report["depth"] = {{"textures", depths}, {"bytes", depthBytes}};
 
   const auto memoryJson = [](const Memory& memory) {
@@ -271,7 +271,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (measured) memoryLine("             measured  ", *measured);
   if (const double kept = folderBytes(scene.folder / ".build"); kept > 0) {
     context.print("cache        {} in .build for further builds; may be deleted\n", bytesText(kept));
-    report["kept"] = kept;
+    report["cacheBytes"] = kept;
   }
   report["memory"] = {{"predicted", memoryJson(predicted)}, {"measured", nullptr}};
   if (measured) report["memory"]["measured"] = memoryJson(*measured);
@@ -283,7 +283,7 @@ ExitCode showScene(const Options& options, const Context& context) {
         optionsFor(preset(Preset::balanced, deviceKindFor(context.options().device)), {1, 1});
     for (const StageExplanation& stage : explain(requirementsOf(scene, renderer), renderer)) {
       context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
-      report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
+      report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"reason", stage.why}});
     }
   }
   CaptureAdvice advice;
@@ -301,7 +301,7 @@ ExitCode showScene(const Options& options, const Context& context) {
     check(written > 0, ErrorCode::unsupported, "{}: no photograph has a depth texture", options.scene);
     context.logMessage(LogLevel::info, "depth of {} photographs written to {}", written, options.depth);
   }
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);
   return kExitOk;
 }

@@ -73,7 +73,7 @@ ExitCode showModel(const std::string& path, const Context& context) {
   context.print("visibility   {:.1f} cameras per vertex; {} vertices without camera\n", meanMembers, unseen);
   context.print("complements  {:.2f} px RMS; {} predicted, {} actual{}\n", rms, bytesText(double(predicted)),
                 bytesText(double(real)), real == 0 ? ": all are 0" : "");
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 
@@ -99,17 +99,15 @@ ExitCode showSequence(const std::string& path, const Context& context) {
   context.print("frames       {} at {} per second: {:.2f} s\n", index.frames.size(), index.fps, seconds);
   context.print("per frame    at most {} faces, {} vertices, {} cameras; {} of images, {} of complements\n", faces,
                 vertices, cameras, bytesText(double(pictures)), bytesText(double(complements)));
-  context.report(Json{
-      {"sequence", path},
-      {"frames", index.frames.size()},
-      {"fps", index.fps},
-      {"seconds", seconds},
-      {"faces", faces},
-      {"vertices", vertices},
-      {"cameras", cameras},
-      {"pictureBytes", pictures},
-      {"complementBytes",
-       complements}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(Json{{"sequence", path},
+                      {"frames", index.frames.size()},
+                      {"fps", index.fps},
+                      {"seconds", seconds},
+                      {"faces", faces},
+                      {"vertices", vertices},
+                      {"cameras", cameras},
+                      {"pictureBytes", pictures},
+                      {"complementBytes", complements}});
   return kExitOk;
 }
 

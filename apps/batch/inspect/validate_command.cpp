@@ -30,7 +30,7 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
   else
     context.print("{}: {}{} fault{}\n", scene, faults.size() == kMaxFaults ? "at least " : "", faults.size(),
                   faults.size() == 1 ? "" : "s");
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return faults.empty() ? kExitOk : kExitInvalidInput;
 }
 

@@ -48,14 +48,19 @@ ExitCode comparePictures(const Options& options, const Context& context) {
                 tolerance ? tolerance->levels : 0);
   if (tolerance) context.print("{}\n", within ? "within the tolerance" : "exceeds the tolerance");
   if (!options.output.empty()) writeImage(options.output, absoluteDifference(a, b, options.gain));
-  Json report{{"a", options.a},           {"b", options.b},
-              {"psnr", decibels},         {"ssim", similarity},
-              {"msSsim", scales},         {"flip", seen},
-              {"largest", found.largest}, {"meanAbsolute", found.meanAbsolute},
-              {"percentAbove", percent},  {"tolerance", nullptr},
+  Json report{{"a", options.a},
+              {"b", options.b},
+              {"psnr", decibels},
+              {"ssim", similarity},
+              {"msSsim", scales},
+              {"flip", seen},
+              {"maxDifference", found.largest},
+              {"meanDifference", found.meanAbsolute},
+              {"percentAbove", percent},
+              {"tolerance", nullptr},
               {"within", within}};
   if (tolerance) report["tolerance"] = {tolerance->levels, tolerance->percent, tolerance->largest};
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return within ? kExitOk : kExitComparison;
 }
 

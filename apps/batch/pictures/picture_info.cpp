@@ -37,7 +37,7 @@ ExitCode showPicture(const std::filesystem::path& file, const Context& context) 
   } else {
     context.print("rendered by  unknown: no view is stored in this image\n");
   }
-  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(report);
   return kExitOk;
 }
 

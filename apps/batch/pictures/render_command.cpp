@@ -161,8 +161,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
   reported["ipd"] = options.ipd > 0 ? Json(options.ipd) : Json();
   context.report(
-      Json{{"views", written}, {"device", renderer.deviceName()}, {"settings", reported}, {"scene", options.scene}}
-          .dump(2, ' ', false, Json::error_handler_t::replace));
+      Json{{"views", written}, {"device", renderer.deviceName()}, {"settings", reported}, {"scene", options.scene}});
   return kExitOk;
 }
 
@@ -202,7 +201,7 @@ const Command kRenderCommand{
         "confidence.extrapolation: distance to the cell, world units\n"
         "During a cross-fade, the channels are those of the new draw order.\n"
         "Harmonised models and 3D video are drawn as ibr htm render does (ibr htm render --help).",
-    .afterInterrupt = "Written images are complete; the same command writes all images again.",
+    .afterInterrupt = "written images are complete; the same command writes all images again",
     .mainOptions = "poses path output size fov preset stereo buffers overlay json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -21,6 +21,7 @@
 #include "ibr/metrics.h"
 #include "ibr/texture.h"
 #include "shared/camera/auto_path.h"
+#include "shared/cli/json_text.h"
 #include "shared/cli/options.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
@@ -210,11 +211,11 @@ std::vector<TradeoffWalk> walksOf(TradeoffRenderer& stage, const std::vector<Tra
 }
 
 // Reads the report of `ibr-lab sweep`; null if no file is given.
-nlohmann::json sweepOf(const std::string& file) {
+Json sweepOf(const std::string& file) {
   if (file.empty()) return nullptr;
-  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
+  const Json json = parsedJson(readTextFile(file));
   const bool good = json.is_object() && json.contains("settings") && json["settings"].is_array() &&
-                    std::ranges::all_of(json["settings"], [](const nlohmann::json& row) {
+                    std::ranges::all_of(json["settings"], [](const Json& row) {
                       return row.is_object() && row.contains("method") && row["method"].is_string() &&
                              row.contains("setting") && row["setting"].is_string() && row.contains("seconds") &&
                              row.contains("ecc") && row.contains("scores") && row["scores"].is_object() &&
@@ -282,7 +283,7 @@ std::vector<std::string> missingKnobs(const Options& options, const Scene& scene
 }
 
 ExitCode tradeoff(const Options& options, const Context& context) {
-  const nlohmann::json sweep = sweepOf(options.sweep);
+  const Json sweep = sweepOf(options.sweep);
   const SceneBuilds sceneBuilds = sceneBuildsOf(options);
   const TradeoffSettings settings =
       tradeoffSettings({deviceKindFor(context.options().device), options.knobs, options.grid,
@@ -328,8 +329,8 @@ ExitCode tradeoff(const Options& options, const Context& context) {
   const std::vector<TradeoffFigure> figures = tradeoffFigures(report, sweep);
   for (const TradeoffFigure& figure : figures) writeFile(folder / figure.file, figure.svg);
   writeFile(folder / "report.html", tradeoffHtml(report, figures, worstViews(stage, report.rows, subjects), folder));
-  const std::string json = reportJson(report);
-  writeFile(folder / "tradeoff.json", json);
+  const Json json = reportJson(report);
+  writeFile(folder / "tradeoff.json", jsonText(json) + '\n');
   writeFile(folder / "tradeoff.csv", tradeoffCsv(report.rows));
   context.print("{}", reportText(report));
   context.report(json);
@@ -360,7 +361,7 @@ const Command kTradeoffCommand{
         "the measurement.\n"
         "The folder gets tradeoff.json, tradeoff.csv, figures, and report.html, which contains\n"
         "all of them.",
-    .afterInterrupt = "Finished measurements are cached: run the same command again to resume.",
+    .afterInterrupt = "finished measurements are cached; run the same command again to resume",
     .mainOptions = "output truth only shrink path size knobs no-grid check json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

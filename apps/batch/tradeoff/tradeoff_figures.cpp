@@ -165,7 +165,7 @@ TradeoffFigure passes(const TradeoffReport& report) {
           stackedSvg("Time of the parts of a frame", bars, " ms")};
 }
 
-TradeoffFigure optimiser(const nlohmann::json& sweep) {
+TradeoffFigure optimiser(const nlohmann::ordered_json& sweep) {
   PlotPanel time, ecc;
   time.title = "Time and held-out PSNR";
   time.xName = ecc.xName = "optimisation time, s";
@@ -173,8 +173,10 @@ TradeoffFigure optimiser(const nlohmann::json& sweep) {
   ecc.title = "Time and ECC";
   ecc.yName = "mean ECC, optimised";
   for (PlotPanel* panel : {&time, &ecc}) panel->logarithmicX = panel->joinFront = true;
-  const auto number = [](const nlohmann::json& json) { return json.is_number() ? json.get<double>() : std::nan(""); };
-  for (const nlohmann::json& row : sweep.at("settings")) {
+  const auto number = [](const nlohmann::ordered_json& json) {
+    return json.is_number() ? json.get<double>() : std::nan("");
+  };
+  for (const nlohmann::ordered_json& row : sweep.at("settings")) {
     const std::string method = row.at("method"), name = row.at("setting");
     const double psnr = number(row.at("scores").at("psnrCovered")), found = number(row.at("ecc"));
     if (method == "none") {
@@ -210,7 +212,7 @@ TradeoffFigure histogram(const TradeoffReport& report) {
 
 }  // namespace
 
-std::vector<TradeoffFigure> tradeoffFigures(const TradeoffReport& report, const nlohmann::json& sweep) {
+std::vector<TradeoffFigure> tradeoffFigures(const TradeoffReport& report, const nlohmann::ordered_json& sweep) {
   std::vector<TradeoffFigure> figures{pareto(report), tornado(report), memory(report)};
   if (!sweep.is_null()) figures.push_back(optimiser(sweep));
   figures.push_back(passes(report));

@@ -18,6 +18,6 @@ struct TradeoffFigure {
 
 /// Draws time against error, knobs, memory against PSNR, passes, and if known the optimiser and colour tables.
 /// `sweep`: report of `ibr-lab sweep`, or null; settings without the needed values are left out.
-std::vector<TradeoffFigure> tradeoffFigures(const TradeoffReport& report, const nlohmann::json& sweep);
+std::vector<TradeoffFigure> tradeoffFigures(const TradeoffReport& report, const nlohmann::ordered_json& sweep);
 
 }  // namespace ibr::app

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/hash.h"
 #include "base/random.h"
+#include "shared/cli/json_text.h"
 #include "shared/draw/image_operations.h"
 
 namespace ibr::app {
@@ -74,7 +75,7 @@ const std::vector<Image8>& TradeoffMeasure::references() {
 
 void TradeoffMeasure::renderViews(TradeoffRow& row) {
   const TradeoffVariant& variant = row.setting.variant;
-  const std::uint64_t key = keyOf("pictures " + variantJson(variant).dump());
+  const std::uint64_t key = keyOf("pictures " + jsonLine(variantJson(variant)));
   if (const std::optional<Json> json = cache_.find(key)) try {
       readPicture(*json, row);
       ++found_;
@@ -110,7 +111,7 @@ void TradeoffMeasure::renderViews(TradeoffRow& row) {
 
 void TradeoffMeasure::timeRound(std::vector<TradeoffRow>& rows, int round) {
   std::string variants;
-  for (const TradeoffRow& row : rows) variants += variantJson(row.setting.variant).dump();
+  for (const TradeoffRow& row : rows) variants += jsonLine(variantJson(row.setting.variant));
   const std::uint64_t key = keyOf(fmt::format("round {} seed {} of {}", round, plan_.seed, variants));
   if (const std::optional<Json> json = cache_.find(key)) try {
       std::vector<Timed> timed;

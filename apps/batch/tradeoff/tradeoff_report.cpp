@@ -45,12 +45,13 @@ std::vector<TradeoffGate> TradeoffReport::gates() const {
   return all;
 }
 
-std::string reportJson(const TradeoffReport& report) {
+Json reportJson(const TradeoffReport& report) {
   Json json{{"version", 1}};
   json.update(report.about);
   Json knobs = Json::array(), front = Json::array(), walks = Json::array(), gates = Json::array();
   for (const TradeoffKnob& knob : report.knobs)
-    knobs.push_back({{"name", knob.name}, {"about", knob.about}, {"around", report.rows[knob.base].setting.name()}});
+    knobs.push_back(
+        {{"name", knob.name}, {"description", knob.about}, {"baseSetting", report.rows[knob.base].setting.name()}});
   for (const std::size_t i : timeFront(report.rows)) front.push_back(report.rows[i].setting.name());
   for (const TradeoffWalk& walk : report.walks) walks.push_back(walkJson(walk));
   for (const TradeoffGate& gate : report.gates())
@@ -74,7 +75,7 @@ std::string reportJson(const TradeoffReport& report) {
   json["walks"] = std::move(walks);
   json["settings"] = Json::array();
   for (const TradeoffRow& row : report.rows) json["settings"].push_back(rowJson(row));
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json;
 }
 
 std::string reportText(const TradeoffReport& report) {

@@ -28,7 +28,7 @@ struct TradeoffReport {
   std::vector<TradeoffGate> gates() const;
 };
 
-std::string reportJson(const TradeoffReport& report);
+nlohmann::ordered_json reportJson(const TradeoffReport& report);
 
 /// Returns the tables of settings, the front, the walks and the gates, for people.
 std::string reportText(const TradeoffReport& report);

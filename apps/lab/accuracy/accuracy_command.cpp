@@ -59,7 +59,7 @@ constexpr Figure kFigures[] = {
     {"medianPx", "median px", 3, [](const MatchAccuracy& a) { return quantile(a.vertexErrorsPx, 0.5); }},
     {"within1Px", "< 1 px", 4, [](const MatchAccuracy& a) { return shareWithin(a.vertexErrorsPx, 1.0); }},
     {"beyond3Px", "> 3 px", 4, [](const MatchAccuracy& a) { return 1.0 - shareWithin(a.vertexErrorsPx, 3.0); }},
-    {"kept", "kept", 3, [](const MatchAccuracy& a) { return a.coVisibleTier0 / a.coVisible; }},
+    {"completeness", "completeness", 3, [](const MatchAccuracy& a) { return a.coVisibleTier0 / a.coVisible; }},
     {"precision", "precision", 3, [](const MatchAccuracy& a) { return a.correctTier0 / a.tier0; }},
     {"recall", "recall", 3, [](const MatchAccuracy& a) { return a.correctTier0 / a.correct; }},
     {"within1Sigma", "< 1 sigma", 3, [](const MatchAccuracy& a) { return shareWithin(a.deviation, 1.0); }},
@@ -130,9 +130,7 @@ ExitCode measure(const Options& options, const Context& context) {
     kindsJson[name] = figuresJson(sum);
   }
   context.print("{}", table.text());
-  context.report(
-      Json{{"cells", cellsJson}, {"kinds", kindsJson}, {"scene", options.scene}, {"truth", options.truth}}.dump(
-          2, ' ', false, Json::error_handler_t::replace));
+  context.report(Json{{"cells", cellsJson}, {"kinds", kindsJson}, {"scene", options.scene}, {"truth", options.truth}});
   return kExitOk;
 }
 
@@ -157,7 +155,7 @@ const Command kAccuracyCommand{
         "--exact writes the scene with exact matches, where matches are within 4 px. Images of\n"
         "this scene show the loss through wrong matches. With --noise, matches of the written\n"
         "scene are inaccurate, as input for an optimiser.",
-    .afterInterrupt = "No report was written; run the same command again.",
+    .afterInterrupt = "no report was written; run the same command again",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Scene folder")->required();

@@ -74,7 +74,7 @@ const Command kLabBenchCommand{.name = "bench",
                                .summary = "Measures frame times of synthetic scenes with our methods and the paper's",
                                .examples = "ibr-lab bench all\nibr-lab bench stitched-12 stacked-12 --stereo --json -",
                                .details = "All cells of each scene are drawn. The columns are those of `ibr bench`.",
-                               .afterInterrupt = "No report was written; run the same command again.",
+                               .afterInterrupt = "no report was written; run the same command again",
                                .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
                                  const auto options = std::make_shared<Options>();
                                  declareGenerated(app, *options);

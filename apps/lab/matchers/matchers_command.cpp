@@ -42,7 +42,7 @@ constexpr Figure kFigures[] = {{"vertices", "vertices", 0, [](const MatchScore& 
                                {"medianPx", "median px", 3, [](const MatchScore& s) { return s.medianPx; }},
                                {"within1Px", "< 1 px", 3, [](const MatchScore& s) { return s.within1Px; }},
                                {"beyond3Px", "> 3 px", 3, [](const MatchScore& s) { return s.beyond3Px; }},
-                               {"kept", "kept", 3, [](const MatchScore& s) { return s.completeness; }},
+                               {"completeness", "completeness", 3, [](const MatchScore& s) { return s.completeness; }},
                                {"precision", "precision", 3, [](const MatchScore& s) { return s.precision; }},
                                {"coverage", "coverage", 3, [](const MatchScore& s) { return s.coverage; }},
                                {"memberPsnr", "member dB", 1, [](const MatchScore& s) { return s.memberPsnr; }},
@@ -81,8 +81,7 @@ ExitCode compare(const Options& options, const Context& context) {
   }
   progress.show({"matching", cases.size(), cases.size()});
   context.print("{}", table.text());
-  context.report(Json{{"matchers", std::move(rows)}, {"cases", options.cases}}.dump(2, ' ', false,
-                                                                                    Json::error_handler_t::replace));
+  context.report(Json{{"matchers", std::move(rows)}, {"cases", options.cases}});
   return kExitOk;
 }
 
@@ -97,7 +96,7 @@ const Command kMatchersCommand{
         "\"disparity\", \"homography\" or \"depth\" and \"depthUnit\" if known. Errors are those\n"
         "of the vertices of blended triangles. \"member dB\" is the PSNR between members in these\n"
         "triangles, without differences of exposure.",
-    .afterInterrupt = "No report was written; run the same command again.",
+    .afterInterrupt = "no report was written; run the same command again",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("FILE", options->cases, "JSON file with the list of cases")->required();

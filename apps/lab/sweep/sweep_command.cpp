@@ -14,6 +14,7 @@
 #include "batch/files/measurement_cache.h"
 #include "lab/lab_commands.h"
 #include "lab/sweep/sweep_measure.h"
+#include "shared/cli/json_text.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
@@ -53,7 +54,7 @@ class Report {
               options.command};
   }
 
-  std::string json(const std::vector<SweepRow>& rows) const {
+  Json json(const std::vector<SweepRow>& rows) const {
     Json more = more_;
     more["device"] = rows.empty() ? "" : rows.back().device;
     return sweepJson(rows, more);
@@ -61,7 +62,7 @@ class Report {
 
   void write(const std::vector<SweepRow>& rows) const {
     writeFile(folder_ / "sweep.csv", sweepCsv(rows));
-    writeFile(folder_ / "sweep.json", json(rows) + '\n');
+    writeFile(folder_ / "sweep.json", jsonText(json(rows)) + '\n');
     writeFile(folder_ / "sweep.svg", sweepSvg(rows, "Settings of the ECC optimiser", notes_));
   }
 
@@ -152,7 +153,7 @@ const Command kSweepCommand{
         "against PSNR with their rank correlation. PSNR is that of covered pixels. Time is that\n"
         "of the optimisation, including reading photographs. Run nothing else on the machine\n"
         "during the measurement.",
-    .afterInterrupt = "Finished settings are cached: run the same command again to resume.",
+    .afterInterrupt = "finished settings are cached; run the same command again to resume",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       EvaluationOptions& evaluation = options->sweep.evaluation;

@@ -10,6 +10,7 @@
 #include "batch/build/cell_figures.h"
 #include "batch/build/optimise_options.h"
 #include "batch/files/file_hash.h"
+#include "shared/cli/json_text.h"
 #include "shared/cli/settings.h"
 
 namespace ibr::app {
@@ -34,7 +35,7 @@ std::uint64_t keyOfAll(const SweepOptions& options, const Context& context) {
   addFolder(hash, options.truth);
   for (const std::string& view : options.views) hash.add(view);
   for (const std::size_t cell : options.cells) hash.add(std::uint64_t(cell));
-  hash.add(settingsJson(options.evaluation.settings, options.evaluation.gpuScene).dump());
+  hash.add(jsonLine(settingsJson(options.evaluation.settings, options.evaluation.gpuScene)));
   hash.add(context.options().device);
   hash.add(std::int64_t(context.options().threads));  // the measured time depends on the threads
   return hash.value();

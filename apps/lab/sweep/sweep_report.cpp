@@ -178,12 +178,12 @@ std::string sweepCsv(const std::vector<SweepRow>& rows) {
   return csv;
 }
 
-std::string sweepJson(const std::vector<SweepRow>& rows, const Json& more) {
+Json sweepJson(const std::vector<SweepRow>& rows, const Json& more) {
   Json json{{"settings", Json::array()}, {"spearman", {{"all", rankCorrelation(rows)}}}, {"verdict", verdict(rows)}};
   for (const SweepRow& row : rows) json["settings"].push_back(rowJson(row));
   for (const std::string& method : methodsOf(rows)) json["spearman"][method] = rankCorrelation(rows, method);
   json.update(more);
-  return json.dump(1, ' ', false, Json::error_handler_t::replace);
+  return json;
 }
 
 std::string sweepSvg(const std::vector<SweepRow>& rows, const std::string& title,

@@ -37,7 +37,7 @@ std::string sweepTable(const std::vector<SweepRow>& rows);
 std::string sweepCsv(const std::vector<SweepRow>& rows);
 
 /// Returns one line for each setting; the fields of `more` are added.
-std::string sweepJson(const std::vector<SweepRow>& rows, const nlohmann::ordered_json& more);
+nlohmann::ordered_json sweepJson(const std::vector<SweepRow>& rows, const nlohmann::ordered_json& more);
 
 /// Plots time against ECC, time against PSNR ([T] fig. 17), and ECC against PSNR, which the paper does not show.
 std::string sweepSvg(const std::vector<SweepRow>& rows, const std::string& title,

@@ -168,14 +168,12 @@ ExitCode synthesise(const Options& options, const Context& context) {
   }
   context.print("{}: {} photographs, {} of {} triangles; {} views in {}\n", options.output, photographs,
                 cells == 1 ? "1 cell" : fmt::format("{} cells", cells), triangles, views.size(), truth.string());
-  context.report(nlohmann::ordered_json{
-      {"scene", options.output},
-      {"truth", truth.string()},
-      {"photographs", photographs},
-      {"cells", cells},
-      {"triangles", cells * triangles},
-      {"views",
-       views.size()}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  context.report(nlohmann::ordered_json{{"scene", options.output},
+                                        {"truth", truth.string()},
+                                        {"photographs", photographs},
+                                        {"cells", cells},
+                                        {"triangles", cells * triangles},
+                                        {"views", views.size()}});
   return kExitOk;
 }
 
@@ -207,7 +205,7 @@ const Command kSynthCommand{
         "  noise: a COLMAP model with random pose errors, to measure ibr refine\n"
         "SCENE/truth gets views with their images, as input of ibr eval. Views are inside the\n"
         "cell, and every third view is slightly outside. The same seed gives the same scene.",
-    .afterInterrupt = "Some files may exist already; run the same command again.",
+    .afterInterrupt = "some files may exist already; run the same command again",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       addChoice<Kind>(app, "KIND", options->kind,

@@ -62,13 +62,11 @@ ExitCode synthesiseCourt(const CourtOptions& options, const Context& context) {
   writeColmapViews(truth / "sparse", views);
   context.print("{}: {} photographs, {} tracks; {} views in {}\n", options.output, photographs.size(),
                 model.tracks.size(), views.size(), truth.string());
-  context.report(nlohmann::ordered_json{
-      {"folder", options.output},
-      {"truth", truth.string()},
-      {"photographs", photographs.size()},
-      {"tracks", model.tracks.size()},
-      {"views",
-       views.size()}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  context.report(nlohmann::ordered_json{{"folder", options.output},
+                                        {"truth", truth.string()},
+                                        {"photographs", photographs.size()},
+                                        {"tracks", model.tracks.size()},
+                                        {"views", views.size()}});
   return kExitOk;
 }
 

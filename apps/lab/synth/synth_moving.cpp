@@ -85,13 +85,11 @@ ExitCode synthesiseMoving(const MovingOptions& options, const Context& context) 
   const std::size_t faces = movingFigure(0, context.options().seed).mesh.triangles.size();
   context.print("{}: {} frames with {} cameras and {} truth views each; {} faces\n", options.output, options.frames,
                 cameras.size(), truth.size(), faces);
-  context.report(nlohmann::ordered_json{
-      {"folder", options.output},
-      {"frames", options.frames},
-      {"cameras", cameras.size()},
-      {"views", truth.size()},
-      {"faces",
-       faces}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  context.report(nlohmann::ordered_json{{"folder", options.output},
+                                        {"frames", options.frames},
+                                        {"cameras", cameras.size()},
+                                        {"views", truth.size()},
+                                        {"faces", faces}});
   return kExitOk;
 }
 

@@ -83,9 +83,7 @@ ExitCode synthesiseNoise(const NoiseOptions& options, const Context& context) {
   const PoseErrors errors = poseErrors(model, exact);
   context.print("{}: {} photographs, {} points; {}\n", options.output, model.images.size(), model.tracks.size(),
                 text(errors));
-  context.report(
-      nlohmann::ordered_json{{"model", options.output}, {"points", model.tracks.size()}, {"errors", json(errors)}}.dump(
-          2));
+  context.report({{"model", options.output}, {"points", model.tracks.size()}, {"errors", json(errors)}});
   return kExitOk;
 }
 

@@ -7,6 +7,7 @@
 #include "shared/camera/camera_json.h"
 #include "shared/camera/camera_path.h"
 #include "shared/camera/json_field.h"
+#include "shared/cli/json_text.h"
 
 namespace ibr::app {
 namespace {
@@ -76,7 +77,7 @@ void writeCameraPath(const std::filesystem::path& file, const CameraPath& path) 
     addPose(entry, {key.position, key.rotation});
     entry["fovY"] = key.fovY;
   }
-  writeFile(file, json.dump(1) + '\n');
+  writeFile(file, jsonText(json) + '\n');
 }
 
 }  // namespace ibr::app

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "shared/camera/camera_json.h"
+#include "shared/cli/json_text.h"
 
 namespace ibr::app {
 namespace {
@@ -34,7 +35,7 @@ std::string viewText(const TextView& view) {
   addPose(json, view.pose);
   json["fovY"] = view.fovY;
   if (view.up) json["up"] = {view.up->x + 0.0, view.up->y + 0.0, view.up->z + 0.0};
-  return json.dump();
+  return jsonLine(json);
 }
 
 TextView viewOf(const std::string& text) {

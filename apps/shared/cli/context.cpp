@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "shared/cli/json_text.h"
 #include "shared/cli/progress.h"
 
 namespace ibr::app {
@@ -51,11 +52,11 @@ LogCallback Context::log() const {
   return [this](LogLevel level, std::string_view message) { write(level, message); };
 }
 
-void Context::report(const std::string& json) const {
+void Context::report(const nlohmann::ordered_json& report) const {
   if (options_.json == "-")
-    writeOut(json + '\n');
+    writeOut(jsonText(report) + '\n');
   else if (!options_.json.empty())
-    writeFile(options_.json, json + '\n');
+    writeFile(options_.json, jsonText(report) + '\n');
 }
 
 void Context::writeOut(std::string_view text) {

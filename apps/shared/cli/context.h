@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -36,7 +37,7 @@ class Context {
   }
 
   /// Writes the complete report, for programs, to the destination of --json. Throws Error{io}.
-  void report(const std::string& json) const;
+  void report(const nlohmann::ordered_json& report) const;
 
   /// Log for messages of the library and of the commands, to stderr.
   LogCallback log() const;

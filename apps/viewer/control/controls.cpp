@@ -33,6 +33,7 @@ constexpr std::array kKeys{
     KeyHelp{"K, J", "add a key to the camera path; play the path"},
     KeyHelp{"ctrl S", "save the path, for ibr render --poses"},
     KeyHelp{"ctrl M", "render a video of the path"},
+    KeyHelp{"C", "next composition: cells, gathered, hybrid"},
     KeyHelp{"O", "next overlay: wireframe, tiers, depth and more; with shift: previous"},
     KeyHelp{"P", "screenshot"},
     KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},

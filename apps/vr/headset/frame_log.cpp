@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "shared/cli/json_text.h"
 #include "shared/report/statistics.h"
 
 namespace ibr::app {
@@ -33,7 +34,7 @@ FrameLog::FrameLog(const std::filesystem::path& file) : path_(file) {
 }
 
 void FrameLog::write(const Json& line) {
-  if (!path_.empty()) file_ << line.dump() << '\n' << std::flush;
+  if (!path_.empty()) file_ << jsonLine(line) << '\n' << std::flush;
 }
 
 void FrameLog::add(const FrameLogEntry& times) {

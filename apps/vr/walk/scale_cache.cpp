@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "ibr/error.h"
+#include "shared/cli/json_text.h"
 
 namespace fs = std::filesystem;
 
@@ -33,8 +34,8 @@ ScaleCache::ScaleCache(const fs::path& file, LogCallback log) : file_(file), log
   try {
     const std::vector<std::byte> bytes = readFile(file_, kMaxFileBytes);
     const auto* text = reinterpret_cast<const char*>(bytes.data());
-    const nlohmann::json kept = nlohmann::json::parse(text, text + bytes.size());
-    for (const auto& [scene, scale] : kept.at("scales").items())
+    const nlohmann::ordered_json cached = parsedJson({text, bytes.size()});
+    for (const auto& [scene, scale] : cached.at("scales").items())
       if (scale.is_number() && isScale(scale.get<double>())) scales_[scene] = scale.get<double>();
   } catch (const std::exception& e) {
     warn(e.what());
@@ -50,8 +51,7 @@ void ScaleCache::store(const fs::path& scene, double unitsPerMetre) {
   if (file_.empty() || !isScale(unitsPerMetre)) return;
   scales_[keyOf(scene)] = unitsPerMetre;
   try {
-    writeFile(file_, nlohmann::json{{"version", 1}, {"scales", scales_}}.dump(
-                         1, ' ', false, nlohmann::json::error_handler_t::replace));
+    writeFile(file_, jsonText({{"version", 1}, {"scales", scales_}}));
   } catch (const Error& e) {
     warn(e.what());
   }

@@ -58,14 +58,14 @@ Image8 padded(const HtmImage& picture, VkExtent2D extent) {
 
 void checkImages(const HtmImage& picture, const HtmCamera& camera) {
   const int width = camera.camera.intrinsics.width, height = camera.camera.intrinsics.height;
-  const auto fits = [&](const char* what, const Image8& image, bool channels) {
-    check(image.width == width && image.height == height && channels, ErrorCode::invalidInput,
-          "camera '{}': {} is {}x{} with {} channels, must be {}x{} ({})", camera.name, what, image.width, image.height,
-          image.channels, width, height,
-          image.channels == 1 ? "photographs: 3 or 4 channels" : "visibility: 1 channel");
+  const auto require = [&](const char* kind, const Image8& image, int minChannels, int maxChannels) {
+    const bool fits = image.width == width && image.height == height && image.channels >= minChannels &&
+                      image.channels <= maxChannels;
+    check(fits, ErrorCode::invalidInput, "camera '{}': {} is {}x{} with {} channels, must be {}x{} with {} to {}",
+          camera.name, kind, image.width, image.height, image.channels, width, height, minChannels, maxChannels);
   };
-  fits("photograph", picture.photograph, picture.photograph.channels == 3 || picture.photograph.channels == 4);
-  if (!picture.visibility.empty()) fits("visibility", picture.visibility, picture.visibility.channels == 1);
+  require("photograph", picture.photograph, 3, 4);
+  if (!picture.visibility.empty()) require("visibility", picture.visibility, 1, 1);
 }
 
 // Half of the nearest corner's depth; at least a thousandth of the farthest's.

@@ -5,6 +5,7 @@
 
 #include "apps/support/run_program.h"
 #include "apps/support/tiny_scene.h"
+#include "support/json.h"
 
 using namespace ibr;
 using Catch::Contains;
@@ -19,7 +20,7 @@ TEST_CASE("bench of a synthetic scene reports frames and passes of every method"
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   CHECK(outcome.err.find("VUID") == std::string::npos);
-  const auto report = nlohmann::json::parse(outcome.out);
+  const auto report = test::parseJson(outcome.out);
   for (const char* key : {"device", "size", "frames", "passes", "passTimes", "settings", "scene"})
     CHECK(report.contains(key));
   CHECK(report["size"] == nlohmann::json{64, 36});
@@ -67,7 +68,7 @@ TEST_CASE("bench compares a scene's composition with the paper's cells") {
                                      "--views", "1", "--repeat", "1", "--cells", "5", "--stereo", "--json", "-"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    const auto report = nlohmann::json::parse(outcome.out);
+    const auto report = test::parseJson(outcome.out);
     for (const auto& frame : report["frames"])
       CHECK(frame["composition"] == (frame["way"] == "paper" ? "cells" : composition));
     bool gathers = false;

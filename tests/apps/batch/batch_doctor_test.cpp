@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "ibr/scene.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 #include "unit/io/unusual_files.h"
 
@@ -37,10 +38,10 @@ Diagnosis doctor(const std::vector<std::string>& arguments, const test::RunOptio
   const auto outcome = runProgram(words, options);
   Diagnosis diagnosis{outcome.code, {}, {}, outcome.err};
   if (outcome.out.empty()) return diagnosis;
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = test::parseJson(outcome.out);
   for (const auto& finding : json.at("findings")) {
     diagnosis.subjects.insert(finding.at("subject").get<std::string>());
-    diagnosis.text += finding.at("sentence").get<std::string>() + ' ' + finding.at("remedy").get<std::string>() + '\n';
+    diagnosis.text += finding.at("problem").get<std::string>() + ' ' + finding.at("remedy").get<std::string>() + '\n';
   }
   return diagnosis;
 }

@@ -9,6 +9,7 @@
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 #include "unit/io/unusual_files.h"
 
@@ -43,7 +44,7 @@ TEST_CASE("leave-one-out scores equal those of a build that excludes the photogr
   const auto outcome = runProgram(line);
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const json report = json::parse(outcome.out);
+  const json report = test::parseJson(outcome.out);
   REQUIRE(report.at("views").size() == 3);
   // Cells 1-2, 2-3, 3-4; 0-1, 1-3, 3-4; 0-1, 1-2, 2-3: five different cells, nine uses.
   CHECK(report.at("cellsMatched") == 5);
@@ -60,14 +61,14 @@ TEST_CASE("leave-one-out scores equal those of a build that excludes the photogr
         runProgram({"eval", scene, "--truth", photographs, "--views", name, "-o", compared, "--json", "-"});
     INFO(eval.err);
     REQUIRE(eval.code == 0);
-    CHECK(withoutTimes(json::parse(eval.out)["views"][0]) == withoutTimes(view));
+    CHECK(withoutTimes(test::parseJson(eval.out)["views"][0]) == withoutTimes(view));
     CHECK(readTextFile(compared / name) == readTextFile(pictures / name));
   }
 
   SECTION("a second run reuses all results") {
     const auto again = runProgram(line);
     REQUIRE(again.code == 0);
-    const json second = json::parse(again.out);
+    const json second = test::parseJson(again.out);
     CHECK(second.at("views") == report["views"]);
     CHECK(second.at("cellsMatched") == 0);
     CHECK(second.at("cellsShared") == 0);
@@ -80,7 +81,7 @@ TEST_CASE("leave-one-out scores equal those of a build that excludes the photogr
       const auto optimised = runProgram(words);
       INFO(optimised.err);
       REQUIRE(optimised.code == 0);
-      psnr.push_back(json::parse(optimised.out).at("mean").at("psnr"));
+      psnr.push_back(test::parseJson(optimised.out).at("mean").at("psnr"));
     }
     CHECK(psnr[0] != report.at("mean").at("psnr"));
     CHECK(psnr[1] != report.at("mean").at("psnr"));
@@ -88,14 +89,14 @@ TEST_CASE("leave-one-out scores equal those of a build that excludes the photogr
   }
   SECTION("other settings and a deleted image reuse the cached cells") {
     fs::remove(pictures / "row2.png");
-    const json repaired = json::parse(runProgram(line).out);
+    const json repaired = test::parseJson(runProgram(line).out);
     CHECK(fs::exists(pictures / "row2.png"));
     CHECK(withoutTimes(repaired["views"]) == withoutTimes(report["views"]));
     CHECK(repaired.at("cellsMatched") == 0);
     CHECK(repaired.at("cellsShared") == 3);
     auto other = line;
     other.insert(other.end(), {"--tiers", "0"});
-    const json tier0 = json::parse(runProgram(other).out);
+    const json tier0 = test::parseJson(runProgram(other).out);
     CHECK(tier0.at("cellsMatched") == 0);
     CHECK(tier0.at("mean").at("coverage") < report["mean"]["coverage"]);
   }
@@ -115,7 +116,7 @@ TEST_CASE("leave-one-out resumes after an interrupt") {
   CHECK_THAT(stopped.err, Contains("--leave-one-out") && Contains("again"));
   const auto outcome = runProgram(line);
   REQUIRE(outcome.code == 0);
-  const json report = json::parse(outcome.out);
+  const json report = test::parseJson(outcome.out);
   CHECK(report.at("views").size() == 3);
   CHECK(report.at("cellsMatched") < 9);  // no cell is shared, because member depth depends on all remaining photographs
 }
@@ -138,7 +139,7 @@ TEST_CASE("a photograph without which no cell is left is reported, and the other
     INFO(outcome.err);
     CHECK_THAT(outcome.err, Contains("row0.png") && Contains("cells"));
     CHECK(outcome.code == (excluded.size() == 2 ? 0 : 3));
-    return json::parse(readTextFile(folder / "report.json"));
+    return test::parseJson(readTextFile(folder / "report.json"));
   };
   const json report = leaveOut({"row3.png", "row4.png"});
   REQUIRE(report.at("views").size() == 3);
@@ -184,7 +185,7 @@ TEST_CASE("baselines are scored, and return photographs at their own poses") {
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK_THAT(outcome.out, Contains("lumigraph") && Contains("gain"));
-    return json::parse(readTextFile(folder / "report.json"));
+    return test::parseJson(readTextFile(folder / "report.json"));
   };
   const auto isPhotograph = [](const json& scores) { return scores.at("psnr").is_null() || scores.at("psnr") > 45; };
   const json atPhotographs = evaluate(test::tinySet().photographs);
@@ -219,7 +220,7 @@ TEST_CASE("the reference gather agrees with the device's and rejects scenes with
   const auto outcome = evaluate(test::tinyScene());
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const json gathered = json::parse(readTextFile(folder / "report.json")).at("views").at(0);
+  const json gathered = test::parseJson(readTextFile(folder / "report.json")).at("views").at(0);
   const json& composed = gathered["baselines"]["gathered"];
   CHECK(composed["coverage"] == 1);  // holes are filled, as on a device
   CHECK(double(composed["psnr"]) == Approx(double(gathered["psnr"])).margin(0.3));
@@ -258,7 +259,7 @@ TEST_CASE("eval reports named baselines, torn tiles, guessed pixels and depth ag
                   "--depth-unit", "0.01", "--json", folder / "report.json", "--baselines", "gathered"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const json view = json::parse(readTextFile(folder / "report.json")).at("views").at(0);
+  const json view = test::parseJson(readTextFile(folder / "report.json")).at("views").at(0);
   REQUIRE(view.at("baselines").size() == 1);
   for (const json& scores : {view, view["baselines"]["gathered"]}) {
     for (const char* key : {"tornTiles", "guessed", "rightDepth", "tooFar", "tooNear"}) {

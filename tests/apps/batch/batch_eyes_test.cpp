@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "io/exr.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -143,7 +144,7 @@ TEST_CASE("--buffers writes depth, tier, weights and confidence of every pixel, 
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   CHECK(outcome.err.find("VUID") == std::string::npos);
-  const auto report = nlohmann::json::parse(outcome.out);
+  const auto report = test::parseJson(outcome.out);
   CHECK(report.at("settings").at("ipd") == 0.06);
   CHECK(report.at("settings").at("fov").is_null());
   CHECK(report.at("views").at(1).at("buffers") == (folder / "out/view_r.exr").string());

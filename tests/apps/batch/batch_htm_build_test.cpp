@@ -9,6 +9,7 @@
 #include "io/image_file.h"
 #include "support/contents_below.h"
 #include "support/htm_files.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -88,7 +89,7 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 
 TEST_CASE("htm build writes a model and a report") {
   const Built& once = built();
-  const auto report = json::parse(readTextFile(once.folder / "report.json"));
+  const auto report = test::parseJson(readTextFile(once.folder / "report.json"));
   for (const char* key : {"model", "mesh", "sourceFaces", "reducedFaces", "toReduced", "toSource", "adjustments",
                           "collapses", "differenceReduced", "differenceCollapsed", "rounds", "camerasPerVertex",
                           "rejected", "complementBytes", "stages"})
@@ -152,7 +153,7 @@ TEST_CASE("htm eval scores each method against known views") {
       runProgram({"htm", "eval", once.model, "--truth", once.truth, "-o", folder / "out", "--json", "-"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const auto report = json::parse(outcome.out);
+  const auto report = test::parseJson(outcome.out);
   REQUIRE(report.at("views").size() == 2);
   for (const auto& view : report["views"]) {
     CHECK_THAT(view.at("name").get<std::string>(), Contains("between"));
@@ -171,8 +172,8 @@ TEST_CASE("htm eval scores each method against known views") {
   const auto one =
       runProgram({"htm", "eval", once.model, "--truth", once.truth, "--views", "between1.png", "--json", "-"});
   REQUIRE(one.code == 0);
-  CHECK(json::parse(one.out).at("views").size() == 1);
-  CHECK(json::parse(one.out)["views"][0] == report["views"][1]);
+  CHECK(test::parseJson(one.out).at("views").size() == 1);
+  CHECK(test::parseJson(one.out)["views"][0] == report["views"][1]);
 }
 
 TEST_CASE("htm eval scores each photograph that is left out") {
@@ -181,7 +182,7 @@ TEST_CASE("htm eval scores each photograph that is left out") {
   const auto kept = runProgram({"htm", "eval", once.model, "--leave-one-out", "--keep-mesh", "--json", "-"});
   INFO(kept.err);
   REQUIRE(kept.code == 0);
-  const auto report = json::parse(kept.out);
+  const auto report = test::parseJson(kept.out);
   REQUIRE(report.at("views").size() == 6);
   for (const auto& view : report["views"]) checkScores(view);
   CHECK(report["settings"]["keepMesh"] == true);
@@ -189,12 +190,12 @@ TEST_CASE("htm eval scores each photograph that is left out") {
                                 once.files / "sparse", "--json", "-"});
   INFO(anew.err);
   REQUIRE(anew.code == 0);
-  const auto one = json::parse(anew.out);
+  const auto one = test::parseJson(anew.out);
   REQUIRE(one.at("views").size() == 1);
   CHECK(one["views"][0]["name"] == "camera2.png");
   checkScores(one["views"][0]);
   // The held-out photograph does not contribute, so its score is lower than with the photograph.
-  const auto truth = json::parse(
+  const auto truth = test::parseJson(
       runProgram({"htm", "eval", once.model, "--truth", once.truth, "--views", "between0.png", "--json", "-"}).out);
   CHECK(report["views"][0]["htm"]["psnr"] < truth["views"][0]["htm"]["psnr"]);
 }
@@ -213,7 +214,7 @@ TEST_CASE("with default options, harmonising scores no worse than blending, with
     REQUIRE(runProgram(build).code == 0);
     const auto compared = runProgram({"htm", "eval", folder / "model", "--truth", frame / "truth", "--json", "-"});
     REQUIRE(compared.code == 0);
-    const json mean = json::parse(compared.out).at("mean");
+    const json mean = test::parseJson(compared.out).at("mean");
     for (const char* figure : {"psnr", "psnrCovered"}) {
       const double htm = mean.at("htm").at(figure), blended = mean.at("vdtbm").at(figure);
       CHECK(htm > blended - 0.2);
@@ -221,7 +222,7 @@ TEST_CASE("with default options, harmonising scores no worse than blending, with
     // A held-out photograph without a mask must not contribute its own outline to the covered pixels.
     const auto left = runProgram({"htm", "eval", folder / "model", "--leave-one-out", "--keep-mesh", "--json", "-"});
     REQUIRE(left.code == 0);
-    const json htm = json::parse(left.out).at("mean").at("htm");
+    const json htm = test::parseJson(left.out).at("mean").at("htm");
     CHECK((htm.at("psnr") == htm.at("psnrCovered")) == !masked);
   }
 }

@@ -7,6 +7,7 @@
 #include "apps/support/run_program.h"
 #include "io/image_file.h"
 #include "support/bumpy_model.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -51,7 +52,7 @@ TEST_CASE("htm render writes images with every method") {
       const auto outcome = runValidated({"htm", "render", folder / "model", "--path", "auto:3", "--method", method,
                                          "--mesh", mesh, "-o", folder / "out", "--json", "-"});
       REQUIRE(outcome.code == 0);
-      const auto report = nlohmann::json::parse(outcome.out);
+      const auto report = test::parseJson(outcome.out);
       CHECK(report.at("settings").at("method") == method);
       REQUIRE(report.at("views").size() == 3);
       for (const auto& view : report.at("views")) {
@@ -76,7 +77,7 @@ TEST_CASE("htm render at a camera's pose reproduces the photograph") {
                                {"position", {camera.pose.position.x, camera.pose.position.y, camera.pose.position.z}},
                                {"rotation", {q.x, q.y, q.z, q.w}},
                                {"fovY", 2 * std::atan(0.5 * camera.intrinsics.height / camera.intrinsics.fy)}}}}};
-  std::ofstream(folder / "path.json") << path.dump();
+  std::ofstream(folder / "path.json") << test::jsonLine(path);
   const auto outcome = runValidated({"htm", "render", folder / "model", "--poses", folder / "path.json", "--gamma",
                                      "200", "-o", folder / "out", "--size", "160x120"});
   REQUIRE(outcome.code == 0);

@@ -5,6 +5,7 @@
 
 #include "apps/support/run_program.h"
 #include "ibr/htm_sequence.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
@@ -36,7 +37,7 @@ TEST_CASE("info and validate accept a harmonised model") {
   for (const std::string& path : {folder.path().string(), (folder / "model.gltf").string()}) {
     const Outcome info = runProgram({"info", path, "--json", "-"});
     CHECK(info.code == 0);
-    const auto report = nlohmann::json::parse(info.out.substr(info.out.find('{')));
+    const auto report = parseJson(info.out.substr(info.out.find('{')));
     CHECK(report["faces"] == 12);
     CHECK(report["vertices"] == 8);
     CHECK(report["cameras"] == 3);
@@ -63,7 +64,7 @@ TEST_CASE("info and validate accept 3D video") {
   saveHtmSequence({12.5, {"one", "two"}}, folder.path());
   const Outcome info = runProgram({"info", (folder / "sequence.json").string(), "--json", "-"});
   CHECK(info.code == 0);
-  const auto report = nlohmann::json::parse(info.out.substr(info.out.find('{')));
+  const auto report = parseJson(info.out.substr(info.out.find('{')));
   CHECK(report["frames"] == 2);
   CHECK(report["seconds"] == 0.16);
   CHECK(report["cameras"] == 3);

@@ -11,6 +11,7 @@
 #include "ibr/scene.h"
 #include "io/image_file.h"
 #include "support/contents_below.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -38,7 +39,7 @@ TEST_CASE("ibr optimise writes an improved scene, a table, a report and images")
   REQUIRE(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("ECC") && Contains("192x144"));
   CHECK_THAT(outcome.err, Contains("cells") && Contains("drawing"));
-  const Json report = Json::parse(readTextFile(folder / "report.json"));
+  const Json report = parseJson(readTextFile(folder / "report.json"));
   const Scene before = loadScene(tinyScene()), after = loadScene(out);
   REQUIRE(report.at("cells").size() == before.cells.size());
   for (const Json& cell : report["cells"]) {
@@ -87,7 +88,7 @@ TEST_CASE("ibr optimise writes an improved scene, a table, a report and images")
                                      "0", "--json", folder / "more.json", "--pictures", folder / "grown"});
     INFO(more.err);
     REQUIRE(more.code == 0);
-    const Json grown = Json::parse(readTextFile(folder / "more.json"));
+    const Json grown = parseJson(readTextFile(folder / "more.json"));
     CHECK(grown.at("insertPoints") == true);
     CHECK(grown.at("insertGain") == 0.0);
     CHECK(report["cells"][0].at("inserted") == 0);
@@ -121,7 +122,7 @@ TEST_CASE("ibr optimise --cells-only leaves all other cells unchanged") {
       runProgram({"optimise", folder / "scene", "-o", folder / "out", "--cells-only", "1", last, "--json", "-"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const Json report = Json::parse(outcome.out);
+  const Json report = parseJson(outcome.out);
   REQUIRE(report.at("cells").size() == 2);
   CHECK(report["cells"][0].at("cell") == 1);
   const Scene after = loadScene(folder / "out");
@@ -159,7 +160,7 @@ TEST_CASE("ibr optimise: Ctrl-C leaves complete files, and the same command resu
   CHECK(!fs::exists(folder / "out/scene.gltf"));
   for (const auto& [file, unused] : contentsBelow(folder / "out")) CHECK(file.find(".tmp") == std::string::npos);
   REQUIRE(runProgram(line).code == 0);
-  const Json report = Json::parse(readTextFile(folder / "report.json"));
+  const Json report = parseJson(readTextFile(folder / "report.json"));
   CHECK(report.at("cells")[0].at("resumed") == true);
   REQUIRE(runProgram({"optimise", folder / "scene", "-o", folder / "whole", "--method", "cpu", "--decay", "1", "-q"})
               .code == 0);

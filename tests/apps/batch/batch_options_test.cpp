@@ -7,6 +7,7 @@
 
 #include "apps/support/run_program.h"
 #include "base/file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -185,10 +186,10 @@ TEST_CASE("a malformed file gives exit code 3 and a message that names the file"
 TEST_CASE("doctor lists the Vulkan devices") {
   if (!test::deviceIsThere()) return;
   const auto outcome = runProgram({"doctor", "--json", "-"});
-  const auto report = nlohmann::json::parse(outcome.out);
+  const auto report = test::parseJson(outcome.out);
   REQUIRE(!report.at("devices").empty());
   for (const auto& device : report.at("devices"))
-    for (const char* key : {"index", "name", "driver", "type", "apiVersion", "memoryBytes", "features", "lacking"})
+    for (const char* key : {"index", "name", "driver", "type", "apiVersion", "memoryBytes", "features", "missing"})
       CHECK(device.contains(key));
   CHECK_THAT(runProgram({"doctor"}).out, Contains(report["devices"][0]["name"].get<std::string>()));
 }
@@ -196,9 +197,9 @@ TEST_CASE("doctor lists the Vulkan devices") {
 TEST_CASE("doctor reports disabled features, and unknown features are rejected", "[mask]") {
   CHECK_THAT(runProgram({"doctor", "--disable-feature", "bc,multiview"}).out, Contains("bc, multiview"));
   const auto byEnvironment =
-      nlohmann::json::parse(runProgram({"doctor", "--json", "-"}, {.environment = {"IBR_DISABLE_FEATURES=int64"}}).out);
+      test::parseJson(runProgram({"doctor", "--json", "-"}, {.environment = {"IBR_DISABLE_FEATURES=int64"}}).out);
   CHECK(byEnvironment.at("disabledFeatures") == std::vector<std::string>{"int64"});
-  const auto report = nlohmann::json::parse(runProgram({"doctor", "--json", "-", "--disable-feature", "bc"}).out);
+  const auto report = test::parseJson(runProgram({"doctor", "--json", "-", "--disable-feature", "bc"}).out);
   CHECK(report.at("disabledFeatures") == std::vector<std::string>{"bc"});
   const auto wrong = runProgram({"doctor", "--disable-feature", "bc,teleport"});
   CHECK(wrong.code == 1);

@@ -7,6 +7,7 @@
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -36,7 +37,7 @@ TEST_CASE("an image rendered again from its metadata has the same bytes, also fr
 
   const auto info = test::runProgram({"info", picture, "--json", "-"});
   REQUIRE(info.code == 0);
-  const auto json = nlohmann::json::parse(info.out);
+  const auto json = test::parseJson(info.out);
   CHECK(json.at("settings").at("cells") == 2);
   CHECK(json.at("settings").at("floor") == 1.0);
   CHECK(json.at("settings").at("overlay").is_null());

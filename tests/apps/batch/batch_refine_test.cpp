@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "ibr/image.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -25,7 +26,7 @@ namespace {
 json reportOf(const test::Outcome& run) {
   INFO(run.err);
   REQUIRE(run.code == 0);
-  return json::parse(run.out.substr(run.out.find("{\n")));
+  return test::parseJson(run.out.substr(run.out.find("{\n")));
 }
 
 // Photographs of one wall of the synthetic scene "court". Photographs of other walls share no point with them.
@@ -57,7 +58,7 @@ TEST_CASE("ibr refine and build --refine-poses remove noise from poses") {
   const std::string refined = folder / "refined", scene = folder / "scene";
   const json planted = reportOf(runLab(wall.noise(folder / "again")));
   CHECK(planted["errors"]["photographs"] == 16);
-  CHECK(planted["errors"]["turnPx"] > 2);
+  CHECK(planted["errors"]["rotationPx"] > 2);
   for (const char* file : {"cameras.txt", "images.txt", "points3D.txt"})
     CHECK(readTextFile(folder / "again" / file) == readTextFile(folder / "noisy" / file));
 
@@ -65,9 +66,9 @@ TEST_CASE("ibr refine and build --refine-poses remove noise from poses") {
       reportOf(runProgram(wall.line({"refine", wall.photographs, "-o", refined, "--truth", wall.exact})));
   const json &before = report["truth"]["before"], &after = report["truth"]["after"];
   CHECK(before["photographs"] == 4);
-  CHECK(before["turnPx"] > 2);
+  CHECK(before["rotationPx"] > 2);
   CHECK(after["photographs"] == 4);
-  CHECK(after["turnPx"] < 0.2);
+  CHECK(after["rotationPx"] < 0.2);
   CHECK(after["shift"] < 0.005);
   CHECK(report["refinement"]["after"]["medianPx"] < 0.1 * report["refinement"]["before"]["medianPx"].get<double>());
   CHECK(report["refinement"]["photographs"].size() == 4);
@@ -123,7 +124,7 @@ TEST_CASE("poses that points confirm are kept, and so are the matched cells") {
                                 "--refine-poses", "auto",           "--json",  "-",   "--exclude"};
   for (int i = 4; i < 16; ++i) line.push_back(fmt::format("photo{:04}.jpg", i));
   const json report = reportOf(runProgram(line));
-  CHECK(report["refinement"]["kept"] == true);
+  CHECK(report["refinement"]["posesKept"] == true);
   CHECK(report["refinement"]["photographs"].empty());
   CHECK(report["model"] == loose);
   REQUIRE_FALSE(report["cells"].empty());

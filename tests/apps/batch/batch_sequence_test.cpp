@@ -7,6 +7,7 @@
 #include "apps/support/run_program.h"
 #include "base/file.h"
 #include "support/contents_below.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -27,8 +28,8 @@ std::vector<bool> keptOf(const test::Outcome& outcome) {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   std::vector<bool> kept;
-  const json report = json::parse(outcome.out);
-  for (const json& frame : report.at("frames")) kept.push_back(frame.at("kept"));
+  const json report = test::parseJson(outcome.out);
+  for (const json& frame : report.at("frames")) kept.push_back(frame.at("cached"));
   return kept;
 }
 
@@ -44,7 +45,7 @@ TEST_CASE("htm sequence builds missing frames and keeps the others", "[sequence]
   };
   CHECK(build({"--fps", "10"}) == Kept{false, false, false});
   const auto made = modelsBelow(folder / "out");
-  const json index = json::parse(made.at("sequence.json"));
+  const json index = test::parseJson(made.at("sequence.json"));
   CHECK(index.at("fps") == 10);
   CHECK(index.at("frames") == json{"frame0000", "frame0001", "frame0002"});
   CHECK(test::runProgram({"validate", folder / "out"}).code == 0);
@@ -57,7 +58,7 @@ TEST_CASE("htm sequence builds missing frames and keeps the others", "[sequence]
   CHECK(build() == Kept{true, false, true});
   const auto changed = modelsBelow(folder / "out");
   CHECK(changed.at("frame0001/images/cam02.png") != made.at("frame0001/images/cam02.png"));
-  CHECK(json::parse(changed.at("sequence.json")).at("fps") == 25);
+  CHECK(test::parseJson(changed.at("sequence.json")).at("fps") == 25);
 
   for (const auto& entry : fs::directory_iterator(folder / "out/frame0002/meshes")) fs::resize_file(entry.path(), 10);
   fs::remove(folder / "out/frame0000/build.json");

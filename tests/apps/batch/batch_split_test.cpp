@@ -7,6 +7,7 @@
 #include "apps/support/run_program.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -23,7 +24,7 @@ TEST_CASE("ibr split writes images, a model and a report, and rejects invalid op
   const Outcome made = runProgram({"split", pano, "-o", out, "--size", "20", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
-  const auto json = nlohmann::json::parse(made.out);
+  const auto json = parseJson(made.out);
   CHECK(json.at("pictures") == 6);
   CHECK(json.at("size") == 20);
   CHECK(json.at("fovDegrees") == 105);

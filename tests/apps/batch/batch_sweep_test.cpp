@@ -8,6 +8,7 @@
 #include "apps/support/run_program.h"
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -82,7 +83,7 @@ TEST_CASE("ibr-lab sweep measures the figures of ibr optimise and ibr eval for e
 
   const std::string text = readTextFile(out / "sweep.json");
   CHECK(text == readTextFile(folder / "report.json"));
-  const Json report = Json::parse(text);
+  const Json report = parseJson(text);
   const std::vector<std::string> names{"unoptimised",        "cpu default",      "cpu R 1",
                                        "cpu rigidity 0",     "gradient default", "gradient R 1",
                                        "gradient rigidity 0"};
@@ -137,12 +138,12 @@ TEST_CASE("ibr-lab sweep measures the figures of ibr optimise and ibr eval for e
       const Outcome eval = runProgram({"eval", scene, "--truth", tinySet().truth, "--composition", "cells", "--cells",
                                        "1", "--tiers", "0", "-q", "--json", "-"});
       REQUIRE(eval.code == 0);
-      return Json::parse(eval.out).at("mean");
+      return parseJson(eval.out).at("mean");
     };
     const Outcome optimised = runProgram({"optimise", tinyScene(), "-o", folder / "sharper", "--method", "cpu",
                                           "--instances", "16", "--radius", "1", "-q", "--json", "-"});
     REQUIRE(optimised.code == 0);
-    const Json mean = Json::parse(optimised.out).at("mean"), cell = Json::parse(optimised.out)["cells"][0];
+    const Json mean = parseJson(optimised.out).at("mean"), cell = parseJson(optimised.out)["cells"][0];
     const Json& row = report["settings"][2];
     CHECK(row["ecc"] == mean.at("finalEcc"));
     CHECK(row["eccPaper"] == mean.at("finalEccPaper"));
@@ -178,7 +179,7 @@ TEST_CASE("ibr-lab sweep measures the figures of ibr optimise and ibr eval for e
     const Outcome again = runLab(line);
     REQUIRE(again.code == 0);
     CHECK_THAT(again.err, Contains("5 cached"));
-    CHECK(Json::parse(readTextFile(out / "sweep.json")).at("settings").size() == 7);
+    CHECK(parseJson(readTextFile(out / "sweep.json")).at("settings").size() == 7);
     for (const std::vector<std::string>& other :
          std::vector<std::vector<std::string>>{{"--seed", "2"}, {"--tiers", "1"}, {"--threads", "1"}}) {
       std::vector<std::string> words = sweepOfTiny(
@@ -233,7 +234,7 @@ TEST_CASE("ibr-lab sweep resumes after Ctrl-C with the measured settings cached"
   const Outcome resumed = runLab(line);
   REQUIRE(resumed.code == 0);
   CHECK_THAT(resumed.err, Contains(std::to_string(kept) + " cached"));
-  CHECK(Json::parse(readTextFile(out / "sweep.json")).at("settings").size() == 7);
+  CHECK(parseJson(readTextFile(out / "sweep.json")).at("settings").size() == 7);
 }
 
 TEST_CASE("ibr-lab sweep rejects invalid options and inputs") {

@@ -7,6 +7,7 @@
 #include "apps/support/run_program.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -34,7 +35,7 @@ TEST_CASE("synth writes scenes that every command reads, and truth for eval") {
                               "--members", "3", "--views", "3", "--json", "-"});
     INFO(kind << ": " << made.err);
     REQUIRE(made.code == 0);
-    const auto report = nlohmann::json::parse(made.out);
+    const auto report = test::parseJson(made.out);
     CHECK(report.at("photographs") == 3);
     CHECK(report.at("views") == 3);
     CHECK(report.at("triangles") > 100);
@@ -44,7 +45,7 @@ TEST_CASE("synth writes scenes that every command reads, and truth for eval") {
     const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--tiers", "2", "--json", "-"});
     INFO(eval.err);
     REQUIRE(eval.code == 0);
-    const auto mean = nlohmann::json::parse(eval.out).at("mean");
+    const auto mean = test::parseJson(eval.out).at("mean");
     CHECK(mean.at("psnrCovered") > 28);
     CHECK(mean.at("coverage") > (kind == "planes" ? 0.6 : kind == "room-mixed" ? 0.5 : 0.9999));
   }
@@ -57,7 +58,7 @@ TEST_CASE("a synthetic grid is evaluated, walked within a memory budget, and com
                             "--views", "2", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
-  const auto report = nlohmann::json::parse(made.out);
+  const auto report = test::parseJson(made.out);
   CHECK(report.at("photographs") == 25);
   CHECK(report.at("cells") == 32);
   CHECK(runProgram({"validate", scene}).code == 0);
@@ -65,19 +66,19 @@ TEST_CASE("a synthetic grid is evaluated, walked within a memory budget, and com
   if (!test::deviceIsThere()) return;
   const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--tiers", "2", "--json", "-"});
   REQUIRE(eval.code == 0);
-  CHECK(nlohmann::json::parse(eval.out).at("mean").at("psnrCovered") > 23);  // magnified photographs of 128×96 px
+  CHECK(test::parseJson(eval.out).at("mean").at("psnrCovered") > 23);  // magnified photographs of 128×96 px
 
   const auto walked = [&](const std::string& budget) {
     const auto outcome = runProgram(
         {"bench", scene, "--walk", scene + "/walk.json", "--size", "64x40", "--vram-budget", budget, "--json", "-"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    const auto walk = nlohmann::json::parse(outcome.out).at("walk");
+    const auto walk = test::parseJson(outcome.out).at("walk");
     const auto& peak = walk.at("peak");
     const auto bytes = [&](const char* kind) { return peak.at(kind).get<std::uint64_t>(); };
     CHECK(bytes("positions") + bytes("indices") + bytes("textures") <= walk.at("budget"));
     CHECK(walk.at("frames") > 50);
-    CHECK(walk.at("framesWithGaps") == 0);
+    CHECK(walk.at("framesWithHoles") == 0);
     CHECK(walk.at("failed") == 0);
     return walk;
   };
@@ -93,7 +94,7 @@ TEST_CASE("a synthetic grid is evaluated, walked within a memory budget, and com
     return;
   }
   REQUIRE(outcome.code == 0);
-  const auto formats = nlohmann::json::parse(outcome.out).at("formats");
+  const auto formats = test::parseJson(outcome.out).at("formats");
   REQUIRE(formats.size() == 7);
   CHECK(formats[0].at("ratio") == 1);
   CHECK(formats[0].at("textureBytes") > formats[2].at("textureBytes"));
@@ -168,7 +169,7 @@ TEST_CASE("synth court writes photographs from which build makes a scene") {
       runLab({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
-  const auto report = nlohmann::json::parse(made.out);
+  const auto report = test::parseJson(made.out);
   CHECK(report.at("photographs") == 6);
   CHECK(report.at("tracks") > 100);
   CHECK(readImage(folder / "court/truth/images/truth00.png").width == 160);
@@ -176,7 +177,7 @@ TEST_CASE("synth court writes photographs from which build makes a scene") {
       {"build", court + "/images", "-o", folder / "scene", "--tracks", "model", "--no-backdrops", "-q", "--json", "-"});
   INFO(built.err);
   REQUIRE(built.code == 0);
-  const auto scene = nlohmann::json::parse(built.out);
+  const auto scene = test::parseJson(built.out);
   CHECK(scene.at("dropped").empty());
   CHECK(scene.at("cells").size() >= 1);
   const auto before = contentsBelow(court);

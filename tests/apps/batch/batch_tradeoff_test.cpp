@@ -10,6 +10,7 @@
 #include "apps/support/run_program.h"
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -51,14 +52,14 @@ TEST_CASE("ibr tradeoff measures the scores of ibr eval, and a second run reuses
   CHECK_THAT(outcome.out,
              Contains("preset reference") && Contains("front") && Contains("between.png") && Contains("99 %"));
   const std::string text = readTextFile(out / "tradeoff.json");
-  const Json report = Json::parse(text);
+  const Json report = parseJson(text);
 
   // Scores against the truth equal those of `ibr eval`.
   for (const char* preset : {"fast", "balanced"}) {
     const Outcome eval =
         runProgram({"eval", tinyScene(), "--truth", tinySet().truth, "--preset", preset, "-q", "--json", "-"});
     REQUIRE(eval.code == 0);
-    const Json mean = Json::parse(eval.out).at("mean"), &row = settingOf(report, std::string("preset ") + preset);
+    const Json mean = parseJson(eval.out).at("mean"), &row = settingOf(report, std::string("preset ") + preset);
     for (const char* figure : {"psnr", "ssim", "flip"}) CHECK(row.at("truth").at(figure) == mean.at(figure));
     CHECK(row.at("holes").get<double>() == Approx(1 - mean.at("coverage").get<double>()).margin(1e-12));
   }
@@ -109,7 +110,7 @@ TEST_CASE("ibr tradeoff reports how far two eyes agree, also from cached measure
                                       "-o",        out};
   REQUIRE(runProgram(line).code == 0);
   const std::string text = readTextFile(out / "tradeoff.json");
-  const Json report = Json::parse(text);
+  const Json report = parseJson(text);
   CHECK_FALSE(settingOf(report, "preset balanced").contains("eyes"));
   for (const char* setting : {"eyeColours shared", "eyeColours own"}) {
     const Json& eyes = settingOf(report, setting).at("eyes");
@@ -163,7 +164,7 @@ TEST_CASE("ibr tradeoff resumes after Ctrl-C without losing measurements") {
   const std::string after = readTextFile(kept);
   std::istringstream lines(before);
   for (std::string each; std::getline(lines, each);) CHECK((after.find(each + '\n') != std::string::npos));
-  CHECK(settingOf(Json::parse(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
+  CHECK(settingOf(parseJson(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
 }
 
 TEST_CASE("ibr tradeoff plots the optimiser's settings that ibr-lab sweep measured") {
@@ -174,7 +175,7 @@ TEST_CASE("ibr tradeoff plots the optimiser's settings that ibr-lab sweep measur
               "--instances", "16", "--radius", "1", "5", "--decay", "0.5", "--threshold", "0.005", "-q"});
   INFO(swept.err);
   REQUIRE(swept.code == 0);
-  const Json sweep = Json::parse(readTextFile(folder / "swept" / "sweep.json"));
+  const Json sweep = parseJson(readTextFile(folder / "swept" / "sweep.json"));
   const Outcome outcome =
       runProgram({"tradeoff", tinyScene(), "--truth", tinySet().truth, "--knobs", "blend", "--no-grid", "--repeat", "1",
                   "--walk", "0", "--sweep", folder / "swept" / "sweep.json", "-o", folder / "out", "-q"});

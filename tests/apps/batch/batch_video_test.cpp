@@ -9,6 +9,7 @@
 #include "apps/support/run_program.h"
 #include "base/file.h"
 #include "support/contents_below.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -37,7 +38,7 @@ void writePath(const fs::path& file, double fps, double from, double to) {
   for (const double time : {from, to})
     keys.push_back({{"time", time}, {"position", {0, 1, 2.6}}, {"rotation", {0, 0, 0, 1}}, {"fovY", 0.8}});
   if (from == to) keys.erase(1);
-  writeFile(file, json{{"version", 1}, {"size", {64, 64}}, {"fps", fps}, {"keys", keys}}.dump());
+  writeFile(file, test::jsonLine(json{{"version", 1}, {"size", {64, 64}}, {"fps", fps}, {"keys", keys}}));
 }
 
 json render(std::vector<std::string> arguments) {
@@ -46,7 +47,7 @@ json render(std::vector<std::string> arguments) {
   INFO(outcome.out << outcome.err);
   CHECK(outcome.err.find("VUID") == std::string::npos);
   REQUIRE(outcome.code == 0);
-  return json::parse(outcome.out);
+  return test::parseJson(outcome.out);
 }
 
 // Rendered images by name, without their metadata texts, which contain times and settings.
@@ -146,7 +147,8 @@ TEST_CASE("smoothed weights continue from frame to frame", "[video]") {
   const double half = std::sqrt(0.5);
   keys.push_back({{"time", 0}, {"position", {0, 1, 2.6}}, {"rotation", {0, 0, 0, 1}}, {"fovY", 0.8}});
   keys.push_back({{"time", 0.1}, {"position", {2.6, 1, 0}}, {"rotation", {0, half, 0, half}}, {"fovY", 0.8}});
-  writeFile(folder / "path.json", json{{"version", 1}, {"size", {64, 64}}, {"fps", 10}, {"keys", keys}}.dump());
+  writeFile(folder / "path.json",
+            test::jsonLine(json{{"version", 1}, {"size", {64, 64}}, {"fps", 10}, {"keys", keys}}));
   const auto pictures = [&](const fs::path& asset, const std::string& smooth) {
     fs::remove_all(folder / "out");
     render({"render", asset, "--poses", folder / "path.json", "--smooth", smooth, "-o", folder / "out"});

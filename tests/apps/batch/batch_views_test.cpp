@@ -8,6 +8,7 @@
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -45,7 +46,7 @@ TEST_CASE("render names images as a COLMAP model does, folders included") {
     CHECK((image.width == 192 && image.height == 144));
     CHECK(darkPixels(image) < image.values.size() / 3 / 2);
   }
-  const auto report = nlohmann::json::parse(outcome.out);
+  const auto report = test::parseJson(outcome.out);
   CHECK(report.at("views").size() == 3);
   CHECK(report.at("device").is_string());
   CHECK(report.at("settings").at("morph") == "ours");
@@ -91,7 +92,7 @@ TEST_CASE("a preset sets all settings, and explicit settings override the preset
     line.insert(line.end(), more.begin(), more.end());
     const auto outcome = runValidated(line);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(outcome.out).at("settings");
+    return test::parseJson(outcome.out).at("settings");
   };
   const auto fast = settings({"--preset", "fast"});
   CHECK((fast["cells"] == 2 && fast["photographs"] == 6 && fast["extrapolation"] == 1.0));
@@ -112,7 +113,7 @@ TEST_CASE("render accepts transforms.json") {
     json["frames"].push_back({{"file_path", "./" + name},
                               {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
   }
-  writeFile(folder / "transforms.json", json.dump());
+  writeFile(folder / "transforms.json", test::jsonLine(json));
   REQUIRE(runValidated({"render", test::tinyScene(), "--poses", folder / "transforms.json", "-o", folder / "a"}).code ==
           0);
   REQUIRE(
@@ -123,7 +124,7 @@ TEST_CASE("render accepts transforms.json") {
     CHECK(readFile(folder / "a" / name) == readFile(folder / "b" / name));
   }
   json["frames"][1]["transform_matrix"][0][0] = 2;
-  writeFile(folder / "transforms.json", json.dump());
+  writeFile(folder / "transforms.json", test::jsonLine(json));
   const auto outcome =
       runValidated({"render", test::tinyScene(), "--poses", folder / "transforms.json", "-o", folder / "c"});
   CHECK(outcome.code == 3);
@@ -140,7 +141,7 @@ TEST_CASE("render accepts a camera path") {
   REQUIRE(runValidated({"render", test::tinyScene(), "--poses", folder / "path.json", "-o", folder / "out", "--json",
                         folder / "report.json"})
               .code == 0);
-  const auto viewsReport = nlohmann::json::parse(readTextFile(folder / "report.json"));
+  const auto viewsReport = test::parseJson(readTextFile(folder / "report.json"));
   for (const auto& view : viewsReport.at("views")) {
     const std::vector<double> tiers = view.at("tiers");
     REQUIRE(tiers.size() == 4);
@@ -180,7 +181,7 @@ TEST_CASE("eval reports all documented keys and writes images") {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   CHECK_THAT(outcome.out, Contains("PSNR") && Contains("b/2.png"));
-  const auto report = nlohmann::json::parse(readTextFile(folder / "eval.json"));
+  const auto report = test::parseJson(readTextFile(folder / "eval.json"));
   for (const char* key : {"device", "settings", "scene"}) CHECK(report.contains(key));
   REQUIRE(report.at("views").size() == 3);
   double sum = 0;
@@ -212,7 +213,7 @@ TEST_CASE("eval scores a view between the photographs as close to the truth") {
       runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--tiers", "2", "--json", "-"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const auto view = nlohmann::json::parse(outcome.out).at("views").at(0);
+  const auto view = test::parseJson(outcome.out).at("views").at(0);
   CHECK(view.at("name") == "between.png");
   CHECK(view.at("coverage") > 0.5);
   CHECK(view.at("psnrCovered") > 25);
@@ -232,7 +233,7 @@ TEST_CASE("an overlay overrides the preset in any order") {
       line.push_back(word);
     const auto outcome = runValidated(line);
     REQUIRE(outcome.code == 0);
-    CHECK(nlohmann::json::parse(outcome.out).at("settings").at("overlay") == "tiers");
+    CHECK(test::parseJson(outcome.out).at("settings").at("overlay") == "tiers");
   }
 }
 
@@ -241,7 +242,7 @@ TEST_CASE("eval --seams separates colour differences from misalignment") {
   const auto outcome =
       runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--seams", "--json", "-"});
   REQUIRE(outcome.code == 0);
-  const auto mean = nlohmann::json::parse(outcome.out).at("mean");
+  const auto mean = test::parseJson(outcome.out).at("mean");
   CHECK(mean.at("deltaE") > 0);
   CHECK(mean.at("deltaE") < 10);  // all photographs have one exposure
   CHECK(mean.contains("seam"));
@@ -249,7 +250,7 @@ TEST_CASE("eval --seams separates colour differences from misalignment") {
   for (const char* figure : {"misalignedPx", "misaligned95Px", "uncorrectedPx", "uncorrected95Px"})
     CHECK(mean.contains(figure));
   const auto without = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--json", "-"});
-  CHECK(nlohmann::json::parse(without.out).at("mean").at("deltaE").is_null());
+  CHECK(test::parseJson(without.out).at("mean").at("deltaE").is_null());
 }
 
 TEST_CASE("eval accepts selected views and images/ beside the model, and rejects a truth of another size") {
@@ -259,7 +260,7 @@ TEST_CASE("eval accepts selected views and images/ beside the model, and rejects
   const auto some =
       runValidated({"eval", test::tinyScene(), "--truth", set.photographs, "--views", "a/1.png", "--json", "-"});
   REQUIRE(some.code == 0);
-  CHECK(nlohmann::json::parse(some.out).at("views").size() == 1);
+  CHECK(test::parseJson(some.out).at("views").size() == 1);
   CHECK(test::runProgram({"eval", test::tinyScene(), "--truth", set.photographs, "--views", "none.png"}).code == 3);
 
   // A truth folder as data sets have them: images/ beside cameras.txt, with one image missing.
@@ -268,7 +269,7 @@ TEST_CASE("eval accepts selected views and images/ beside the model, and rejects
   fs::copy_file(set.photographs / "a/0.png", folder / "truth/images/0.png");
   const auto missing = runValidated({"eval", test::tinyScene(), "--truth", folder / "truth", "--json", "-"});
   REQUIRE(missing.code == 0);
-  CHECK(nlohmann::json::parse(missing.out).at("views").size() == 1);
+  CHECK(test::parseJson(missing.out).at("views").size() == 1);
   CHECK_THAT(missing.err, Contains("warning:") && Contains("gone.png"));
 
   writeImage(folder / "truth/images/0.png", Image8(50, 40, 3));
@@ -287,7 +288,7 @@ TEST_CASE("eval --masks excludes masked pixels of the truth from all scores") {
     const auto outcome = runValidated(line);
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(outcome.out).at("views").at(0);
+    return test::parseJson(outcome.out).at("views").at(0);
   };
   fs::copy(set.truth, folder / "truth", fs::copy_options::recursive);
   const auto clean = scores({});
@@ -325,11 +326,11 @@ TEST_CASE("walk reports equal frames for a still camera and steps for a moving c
     {"time": 0.3, "position": [0.3, 0, 0.1], "rotation": [0, 0, 0, 1], "fovY": 0.8}]})"));
   const auto still = runValidated({"walk", test::tinyScene(), "--poses", folder / "still.json", "--json", "-"});
   REQUIRE(still.code == 0);
-  auto report = nlohmann::json::parse(still.out);
+  auto report = test::parseJson(still.out);
   CHECK(report.at("frames").size() == 10);
-  CHECK(report.at("largestStep") == 0);
+  CHECK(report.at("maxStep") == 0);
   CHECK(report.at("switches") == 0);
-  CHECK(report.at("largestStepAtSwitch").is_null());
+  CHECK(report.at("maxStepAtSwitch").is_null());
   CHECK(report.at("flicker") == 0);
   CHECK(report.at("pop").is_null());
   CHECK(report.at("eyes").is_null());
@@ -337,9 +338,9 @@ TEST_CASE("walk reports equal frames for a still camera and steps for a moving c
   const auto moving = runValidated(
       {"walk", test::tinyScene(), "--frames", "12", "--size", "96x72", "-o", folder / "worst", "--json", "-"});
   REQUIRE(moving.code == 0);
-  report = nlohmann::json::parse(moving.out);
+  report = test::parseJson(moving.out);
   CHECK(report.at("medianStep") > 0);
-  CHECK(report.at("largestStep") >= report.at("medianStep"));
+  CHECK(report.at("maxStep") >= report.at("medianStep"));
   double tiers = 0;
   for (const auto& share : report.at("frames").at(5).at("coverageTier")) tiers += double(share);
   CHECK(tiers == Approx(double(report.at("frames").at(5).at("coverage"))));
@@ -357,7 +358,7 @@ TEST_CASE("walk reports flicker, pops and differences between the eyes") {
     const auto outcome = runValidated(line);
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(outcome.out);
+    return test::parseJson(outcome.out);
   };
   // Enables all state that changes over frames: cross-fades, exposure, colour tables.
   const auto report = walked({"--colour", "ours", "--blend", "dither", "--pop"});
@@ -382,7 +383,7 @@ TEST_CASE("--vram-budget limits device memory and warns about reduced textures")
   if (!test::deviceIsThere()) return;
   const auto info = test::runProgram({"info", test::tinyScene(), "--json", "-"});
   REQUIRE(info.code == 0);
-  const auto memory = nlohmann::json::parse(info.out).at("memory").at("measured");
+  const auto memory = test::parseJson(info.out).at("memory").at("measured");
   const auto meshes = memory.at("positions").get<std::uint64_t>() + memory.at("indices").get<std::uint64_t>() +
                       memory.at("depth").get<std::uint64_t>();  // meshes and depth are always resident
   const auto textures = memory.at("textures").get<std::uint64_t>();
@@ -391,14 +392,14 @@ TEST_CASE("--vram-budget limits device memory and warns about reduced textures")
                             "--vram-budget", std::to_string(budget)});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    const auto report = nlohmann::json::parse(outcome.out);
+    const auto report = test::parseJson(outcome.out);
     const auto psnr = report.at("mean").at("psnr");
     return psnr.is_null() ? std::numeric_limits<double>::infinity() : psnr.get<double>();  // null: equal
   };
   test::Outcome enough, little;
   const double whole = psnrWithin(meshes + textures, enough), half = psnrWithin(meshes + textures * 3 / 4, little);
   CHECK_THAT(enough.err, !Contains("budget"));
-  CHECK(nlohmann::json::parse(little.out).at("settings").at("vramBudget") == meshes + textures * 3 / 4);
+  CHECK(test::parseJson(little.out).at("settings").at("vramBudget") == meshes + textures * 3 / 4);
   CHECK_THAT(little.err, Contains("warning:") && Contains("budget") && Contains("1/2"));
   CAPTURE(half, whole);
   CHECK(half < whole);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/doctor/findings.h"
+#include "support/json.h"
 #include "support/posed_rig.h"
 
 using namespace ibr;
@@ -42,7 +43,7 @@ std::string found(const PosedModel& model, const std::vector<std::string>& pictu
   for (const auto& finding : json.at("findings")) {
     CHECK(!finding.at("remedy").get<std::string>().empty());
     text += finding.at("severity").get<std::string>() + ' ' + finding.at("subject").get<std::string>() + ": " +
-            finding.at("sentence").get<std::string>() + '\n';
+            finding.at("problem").get<std::string>() + '\n';
   }
   CHECK((findings.code() == kExitOk) == (text.find("serious") == std::string::npos));
   return text;
@@ -118,7 +119,7 @@ TEST_CASE("findings are sorted by severity, and long lists of names are shortene
   findings.add({"d", Severity::serious, "D.", "d.", kExitIo});
   CHECK(findings.code() == kExitUnsupported);
   const auto list = findings.json().at("findings");
-  CHECK(list[0].at("sentence") == "C.");
+  CHECK(list[0].at("problem") == "C.");
   CHECK(list[3].at("subject") == "a");
   CHECK(someOf({"A"}) == "A");
   CHECK(someOf({"A", "B"}) == "A and B");

@@ -9,6 +9,7 @@
 #include "shared/cli/options.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
+#include "support/json.h"
 
 using namespace ibr;
 using namespace ibr::app;

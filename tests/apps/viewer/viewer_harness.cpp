@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "support/json.h"
+
 namespace fs = std::filesystem;
 
 namespace ibr::test {
@@ -61,7 +63,7 @@ json whileViewing(std::vector<std::string> arguments, const std::function<void(c
   }
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  return json::parse(outcome.out);
+  return parseJson(outcome.out);
 }
 
 bool canView() {

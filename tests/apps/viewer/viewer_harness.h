@@ -20,6 +20,7 @@
 #include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "support/htm_files.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace ibr::test {

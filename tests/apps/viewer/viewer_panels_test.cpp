@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The viewer's panels, driven by keys and the mouse.
+#include "support/json.h"
 #include "viewer_harness.h"
 
 #include <nlohmann/json.hpp>
@@ -12,9 +13,9 @@ using nlohmann::json;
 
 TEST_CASE("the keyboard alone moves the view and changes a setting in the panel") {
   if (!canView()) return;
-  const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
+  const auto begin = parseJson(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["documents"][0];
   const auto looked =
-      whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) { hold("Right", 0.3); })["places"][0];
+      whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) { hold("Right", 0.3); })["documents"][0];
   CHECK(looked["position"] == begin["position"]);
   const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
   CHECK(glm::dot(rotationOf(looked) * glm::dvec3(0, 0, -1), right) > 0.02);
@@ -22,7 +23,7 @@ TEST_CASE("the keyboard alone moves the view and changes a setting in the panel"
   const auto chosen = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
     pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"});  // the document, two rows of tabs, presets
     for (const char* key : {"w", "k", "bracketright", "l"}) hold(key, 0.2);  // keys that the focused panel ignores
-  })["places"][0];
+  })["documents"][0];
   CHECK(chosen["settings"] != begin["settings"]);
   CHECK(positionOf(chosen) == positionOf(begin));
   CHECK(rotationOf(chosen) == rotationOf(begin));
@@ -31,7 +32,7 @@ TEST_CASE("the keyboard alone moves the view and changes a setting in the panel"
     pressAll({"F6", "Down", "F6"});
     hold("w", 0.4);
     hold("Right", 0.3);
-  })["places"][0];
+  })["documents"][0];
   CHECK(back["settings"] == begin["settings"]);
   CHECK(positionOf(back) != positionOf(begin));
   CHECK(rotationOf(back) != rotationOf(begin));
@@ -51,10 +52,10 @@ TEST_CASE("values typed into a slider are clamped, and the scene stays open") {
       }
     }
   });
-  REQUIRE(report["places"].size() == 1);
+  REQUIRE(report["documents"].size() == 1);
   CHECK(report["warnings"].empty());
-  CHECK(report["places"][0]["fovY"] == Approx(glm::radians(10.0)));  // the minimum
-  CHECK(report["places"][0]["settings"]["extrapolation"] >= 0);
+  CHECK(report["documents"][0]["fovY"] == Approx(glm::radians(10.0)));  // the minimum
+  CHECK(report["documents"][0]["settings"]["extrapolation"] >= 0);
 }
 
 TEST_CASE("presets are measured at the current view") {
@@ -66,9 +67,9 @@ TEST_CASE("presets are measured at the current view") {
                                     for (int y = 224; y > 195; y -= 6)
                                       act({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
                                     settledPixels(w);
-                                  })["places"][0];
+                                  })["documents"][0];
   const json& effects = place["effects"];
-  INFO(effects.dump());
+  INFO(jsonLine(effects));
   for (const char* name : {"fast", "balanced", "accurate", "reference", "as set"}) {
     REQUIRE(effects.contains(name));
     CHECK(effects[name]["ms"] > 0);
@@ -94,7 +95,7 @@ TEST_CASE("cells are muted and soloed by keys in the list of cells") {
                        pixels = settledPixels(window);
                      });
     CHECK(sameBesidePanel(pixels, readImage(folder / shot)));
-    return report["places"][0]["settings"];
+    return report["documents"][0]["settings"];
   };
   const json none = json::array();
   const json muted = after("muted.png", {"space"}), solo = after("solo.png", {"Right", "space"});
@@ -128,14 +129,14 @@ TEST_CASE("O cycles through the overlays, and ibr render reproduces screenshots 
     const fs::path shot = folder / ("view_000" + std::to_string(i + 1) + ".png");
     REQUIRE(fs::exists(shot));
     const auto told = runProgram({"info", shot, "--json", "-"});
-    const json settings = json::parse(told.out)["settings"];
+    const json settings = parseJson(told.out)["settings"];
     CHECK(settings["overlay"] == (overlays[i] == "none" ? json() : json(overlays[i])));
     CHECK(settings["mute"].empty());
     const auto drawn = runProgram(
         {"render", tinyScene(), "--poses", shot, "-o", folder / overlays[i], "--overlay", overlays[i], "--json", "-"});
     INFO(drawn.err);
     REQUIRE(drawn.code == 0);
-    const fs::path again = json::parse(drawn.out)["views"][0]["file"].get<std::string>();
+    const fs::path again = parseJson(drawn.out)["views"][0]["file"].get<std::string>();
     CHECK((readImage(again).values == readImage(shot).values));
   }
   CHECK((readImage(folder / "view_0001.png").values != readImage(folder / "view_0003.png").values));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files written by the viewer: screenshots, camera paths, videos. `ibr render` draws the same images.
+#include "support/json.h"
 #include "viewer_harness.h"
 
 #include <nlohmann/json.hpp>
@@ -18,17 +19,17 @@ TEST_CASE("the viewer's screenshot equals the image of ibr render") {
       view({tinyScene(), "--size", "320x240", "--frames", "3", "--screenshot", shot, "--preset", "accurate"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const json report = json::parse(outcome.out);
+  const json report = parseJson(outcome.out);
   CHECK(report["size"] == json::array({320, 240}));
-  const json& place = report["places"][0];
-  writeFile(
-      folder / "path.json",
-      json{{"version", 1},
-           {"size", report["size"]},
-           {"fps", 1},
-           {"keys",
-            {{{"time", 0}, {"position", place["position"]}, {"rotation", place["rotation"]}, {"fovY", place["fovY"]}}}}}
-          .dump());
+  const json& place = report["documents"][0];
+  writeFile(folder / "path.json", jsonLine(json{{"version", 1},
+                                                {"size", report["size"]},
+                                                {"fps", 1},
+                                                {"keys",
+                                                 {{{"time", 0},
+                                                   {"position", place["position"]},
+                                                   {"rotation", place["rotation"]},
+                                                   {"fovY", place["fovY"]}}}}}));
   REQUIRE(runProgram({"render", tinyScene(), "--poses", folder / "path.json", "-o", folder / "rendered", "--preset",
                       "accurate"})
               .code == 0);
@@ -50,7 +51,7 @@ TEST_CASE("a harmonised model's screenshot contains its view, and ibr render rep
       runProgram({"render", folder / "model", "--poses", folder / "shot.png", "-o", folder / "out", "--json", "-"});
   INFO(rendered.err);
   REQUIRE(rendered.code == 0);
-  const std::string file = json::parse(rendered.out)["views"][0]["file"];
+  const std::string file = parseJson(rendered.out)["views"][0]["file"];
   CHECK((readFile(file) == readFile(folder / "shot.png")));
 }
 
@@ -68,7 +69,7 @@ TEST_CASE("screenshots with the image graph equal those of ibr render --graph") 
     const auto outcome = runProgram(further);
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    return readFile(json::parse(outcome.out)["views"][0]["file"].get<std::string>());
+    return readFile(parseJson(outcome.out)["views"][0]["file"].get<std::string>());
   };
   CHECK(bool(redrawn("view_0001.png", {}) == readFile(folder / "view_0001.png")));
   CHECK(bool(redrawn("view_0002.png", {"--graph"}) == readFile(folder / "view_0002.png")));
@@ -78,7 +79,7 @@ TEST_CASE("screenshots with the image graph equal those of ibr render --graph") 
 TEST_CASE("a view round trips through the clipboard, and ibr render accepts the saved camera path") {
   if (!canView()) return;
   TemporaryFolder folder;
-  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const auto begin = parseJson(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["documents"][0];
   const auto report =
       whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
         pressAll({"ctrl+c", "k"});
@@ -87,10 +88,10 @@ TEST_CASE("a view round trips through the clipboard, and ibr render accepts the 
         pressAll({"k", "ctrl+s", "p", "ctrl+v"});
       });
   for (const char* field : {"position", "rotation", "fovY"})  // pasted at the copied pose
-    CHECK(report["places"][0][field] == begin[field]);
+    CHECK(report["documents"][0][field] == begin[field]);
   REQUIRE(fs::exists(folder / "path_0001.json"));
   REQUIRE(fs::exists(folder / "view_0001.png"));
-  const json path = json::parse(readTextFile(folder / "path_0001.json"));
+  const json path = parseJson(readTextFile(folder / "path_0001.json"));
   REQUIRE(path["keys"].size() == 2);
   CHECK(path["size"] == json::array({320, 240}));
   CHECK(path["keys"][0]["position"] == begin["position"]);
@@ -104,7 +105,7 @@ TEST_CASE("a view round trips through the clipboard, and ibr render accepts the 
   const auto single =
       runProgram({"render", tinyScene(), "--poses", folder / "view_0001.png", "-o", folder / "single", "--json", "-"});
   REQUIRE(single.code == 0);
-  const std::string shot = json::parse(single.out)["views"][0]["file"];
+  const std::string shot = parseJson(single.out)["views"][0]["file"];
   CHECK((readFile(shot) == readFile(folder / "view_0001.png")));
 }
 
@@ -129,9 +130,9 @@ TEST_CASE("a camera path becomes a video with the view's settings") {
                                        pressAll({"ctrl+m"});
                                        comes([&] { return fs::exists(video); });
                                      });
-    INFO(report["warnings"].dump());
+    INFO(jsonLine(report["warnings"]));
     CHECK(report["warnings"].empty());
-    const json path = json::parse(readTextFile(folder / "out/path_0001.json"));
+    const json path = parseJson(readTextFile(folder / "out/path_0001.json"));
     CHECK(path["size"] == json::array({321, 240}));
     CHECK(picturesThere() == framesIn(path));
     CHECK((readFile(pictures / "frame_0000.png") == readFile(folder / "out/view_0001.png")));
@@ -152,14 +153,14 @@ TEST_CASE("a camera path becomes a video with the view's settings") {
                        pressAll({"ctrl+m"});
                        comes([&] {
                          return fs::exists(folder / "out/path_0001.json") &&
-                                picturesThere() == framesIn(json::parse(readTextFile(folder / "out/path_0001.json")));
+                                picturesThere() == framesIn(parseJson(readTextFile(folder / "out/path_0001.json")));
                        });
                        sleepFor(2);
                      },
                      {"PATH=/nowhere"});
-    CHECK(picturesThere() == framesIn(json::parse(readTextFile(folder / "out/path_0001.json"))));
+    CHECK(picturesThere() == framesIn(parseJson(readTextFile(folder / "out/path_0001.json"))));
     CHECK(!fs::exists(video));
-    CHECK_THAT(report["said"].dump(), Contains(pictures.string()) && Contains("ffmpeg"));
+    CHECK_THAT(jsonLine(report["messages"]), Contains(pictures.string()) && Contains("ffmpeg"));
   }
 }
 
@@ -179,7 +180,7 @@ TEST_CASE("a harmonised model's camera path becomes frames with the model's sett
         comes([&] { return fs::exists(folder / "out/path_0001.mp4"); });
       });
   CHECK(report["warnings"].empty());
-  CHECK(report["places"][0]["settings"]["method"] == "vdtbm");
+  CHECK(report["documents"][0]["settings"]["method"] == "vdtbm");
   REQUIRE(fs::exists(folder / "out/view_0001.png"));
   CHECK((readFile(pictures / "frame_0000.png") == readFile(folder / "out/view_0001.png")));
   CHECK(fs::exists(pictures / "frame_0001.png"));
@@ -193,7 +194,7 @@ TEST_CASE("a screenshot that cannot be written is reported, and the window stays
       whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder / "file/below"}, [](const std::string&) {
         pressAll({"p", "k", "ctrl+s"});
       });
-  CHECK(report["places"].size() == 1);
+  CHECK(report["documents"].size() == 1);
   CHECK(report["warnings"].size() == 2);
 }
 
@@ -217,5 +218,5 @@ TEST_CASE("screenshots go to the user's pictures folder") {
   const auto report = whileViewing(
       {tinyScene(), "--size", "320x240"}, [](const std::string&) { pressAll({"p"}); }, environment);
   CHECK(fs::exists(home / "Meine Bilder/ibr/view_0001.png"));
-  CHECK_THAT(report["said"].dump(), Contains((home / "Meine Bilder/ibr/view_0001.png").string()));
+  CHECK_THAT(jsonLine(report["messages"]), Contains((home / "Meine Bilder/ibr/view_0001.png").string()));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents of the viewer: opening, closing, several at once, and background builds.
+#include "support/json.h"
 #include "viewer_harness.h"
 
 #include <nlohmann/json.hpp>
@@ -14,7 +15,7 @@ TEST_CASE("several open scenes have a view each") {
   if (!canView()) return;
   TemporaryFolder folder;
   fs::copy(tinyScene(), folder / "other", fs::copy_options::recursive);
-  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const auto begin = parseJson(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["documents"][0];
   const json report = whileViewing({tinyScene(), folder / "other", "--size", "320x240"}, [](const std::string&) {
     sleepFor(1);
     hold("w", 0.4);
@@ -23,9 +24,9 @@ TEST_CASE("several open scenes have a view each") {
     pressAll({"ctrl+Prior"});
     hold("Right", 0.4);
   });
-  REQUIRE(report["places"].size() == 2);
-  const json &first = report["places"][0], &second = report["places"][1];
-  CHECK_THAT(second["place"].get<std::string>(), Contains("other"));
+  REQUIRE(report["documents"].size() == 2);
+  const json &first = report["documents"][0], &second = report["documents"][1];
+  CHECK_THAT(second["path"].get<std::string>(), Contains("other"));
   CHECK(report["current"] == 1);
   const auto forwards = [&](const json& place) {
     return glm::dot(positionOf(place) - positionOf(begin), rotationOf(begin) * glm::dvec3(0, 0, -1));
@@ -51,7 +52,7 @@ TEST_CASE("a click on a tab shows its scene") {
                      act({"click", "1"});
                      pixels = settledPixels(window);
                    });
-  REQUIRE(report["places"].size() == 2);
+  REQUIRE(report["documents"].size() == 2);
   CHECK(report["current"] == 0);
   CHECK(sameBesidePanel(pixels, readImage(folder / "shot.png")));
   CHECK(!sameBesidePanel(before, readImage(folder / "shot.png")));
@@ -66,19 +67,19 @@ TEST_CASE("scenes are closed by key and by their tab's close button, and free th
     sleepFor(1);
     pressAll({"ctrl+Next", "ctrl+w", "ctrl+w"});
   });
-  REQUIRE(byKey["places"].size() == 1);
+  REQUIRE(byKey["documents"].size() == 1);
   CHECK(byKey["onDevice"] == 1);
   const json byCross = whileViewing(all, [](const std::string& w) {
     sleepFor(1);
     // The positions of the close buttons are unknown: a click closes a tab, selects a tab, or does nothing.
     for (int x = 250; x < 400; x += 3) act({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
   });
-  CHECK(byCross["places"].size() < 3);
+  CHECK(byCross["documents"].size() < 3);
   const json none = whileViewing(all, [](const std::string&) {
     sleepFor(1);
     pressAll({"ctrl+w", "ctrl+w", "ctrl+w", "ctrl+w"});
   });
-  CHECK(none["places"].empty());
+  CHECK(none["documents"].empty());
   CHECK(none["onDevice"] == 0);
 }
 
@@ -88,8 +89,8 @@ TEST_CASE("a folder that cannot be opened is reported, and the window stays open
   writeFile(folder / "scene.gltf", "{");
   const auto outcome = view({folder / "none", folder.path(), tinyScene(), "--frames", "2", "--size", "320x240"});
   CHECK(outcome.code == 0);
-  const json report = json::parse(outcome.out);
-  CHECK(report["places"].size() == 1);
+  const json report = parseJson(outcome.out);
+  CHECK(report["documents"].size() == 1);
   CHECK(report["warnings"].size() == 2);
   CHECK_THAT(outcome.err, Contains((folder / "none").string()));
   CHECK(view({folder / "none", "--frames", "2"}).code == 4);
@@ -103,8 +104,8 @@ TEST_CASE("a folder dropped on the window is opened") {
     dropOnto(window, {folder / "a scene", tinyScene()});
     sleepFor(1.5);
   });
-  REQUIRE(report["places"].size() == 2);
-  CHECK(report["places"][0]["place"] == (folder / "a scene").string());
+  REQUIRE(report["documents"].size() == 2);
+  CHECK(report["documents"][0]["path"] == (folder / "a scene").string());
 }
 
 TEST_CASE("a folder is typed, completed and opened by the keyboard alone") {
@@ -129,14 +130,14 @@ TEST_CASE("a folder is typed, completed and opened by the keyboard alone") {
         hold("Right", 0.3);
         pixels = settledPixels(window);
       });
-  REQUIRE(report["places"].size() == 1);
-  CHECK(report["places"][0]["place"] == (folder / "the scene/").string());
+  REQUIRE(report["documents"].size() == 1);
+  CHECK(report["documents"][0]["path"] == (folder / "the scene/").string());
   REQUIRE(report["warnings"].size() == 1);
   CHECK_THAT(report["warnings"][0].get<std::string>(), Contains((folder / "none").string()));
-  const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
-  CHECK(positionOf(report["places"][0]) != positionOf(begin));
-  CHECK(rotationOf(report["places"][0]) != rotationOf(begin));
-  CHECK(report["places"][0]["settings"] == begin["settings"]);  // typed text has no other effect
+  const auto begin = parseJson(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["documents"][0];
+  CHECK(positionOf(report["documents"][0]) != positionOf(begin));
+  CHECK(rotationOf(report["documents"][0]) != rotationOf(begin));
+  CHECK(report["documents"][0]["settings"] == begin["settings"]);  // typed text has no other effect
   CHECK(sameBesidePanel(pixels, readImage(folder / "shot.png")));
 }
 
@@ -149,16 +150,16 @@ TEST_CASE("a scene is built from a folder of photographs in the background") {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   std::size_t begun = 0;
-  const json said = json::parse(outcome.out)["said"];
+  const json said = parseJson(outcome.out)["messages"];
   for (const json& line : said) {
     const std::string text = line.get<std::string>();
     begun += text.find((folder / "photos").string()) != std::string::npos && text.find("-scene") == std::string::npos;
   }
   CHECK(begun == 1);  // although two builds were requested
   CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
-  const json report = json::parse(outcome.out);
-  REQUIRE(report["places"].size() == 1);
-  CHECK_THAT(report["places"][0]["place"].get<std::string>(), Contains("photos-scene"));
+  const json report = parseJson(outcome.out);
+  REQUIRE(report["documents"].size() == 1);
+  CHECK_THAT(report["documents"][0]["path"].get<std::string>(), Contains("photos-scene"));
 
   fs::create_directories(folder / "broken/sparse");
   writeFile(folder / "broken/a.jpg", "no picture");
@@ -166,8 +167,8 @@ TEST_CASE("a scene is built from a folder of photographs in the background") {
   writeFile(folder / "broken/sparse/images.txt", "no model");
   const auto broken = view({folder / "broken", tinyScene(), "--size", "320x240", "--frames", "2"});
   CHECK(broken.code == 0);
-  CHECK_THAT(json::parse(broken.out)["warnings"].dump(), Contains("broken-scene"));
-  CHECK(json::parse(broken.out)["places"].size() == 1);
+  CHECK_THAT(jsonLine(parseJson(broken.out)["warnings"]), Contains("broken-scene"));
+  CHECK(parseJson(broken.out)["documents"].size() == 1);
 }
 
 TEST_CASE("closing the viewer stops a build in the background") {
@@ -201,6 +202,6 @@ TEST_CASE("a job in the background is stopped by the keyboard alone") {
       });
   CHECK(fs::exists(folder / "out/path_0001.json"));
   CHECK(!fs::exists(folder / "out/path_0001.mp4"));
-  CHECK_THAT(report["said"].dump(), Contains("path_0001.mp4"));
+  CHECK_THAT(jsonLine(report["messages"]), Contains("path_0001.mp4"));
   CHECK(report["warnings"].empty());
 }

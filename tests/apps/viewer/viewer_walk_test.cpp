@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walking in the viewer: keys and the mouse, bounds, orbit centres, trust, camera paths.
+#include "support/json.h"
 #include "viewer_harness.h"
 
 #include <nlohmann/json.hpp>
@@ -19,17 +20,17 @@ void writePath(const fs::path& file, double seconds, double x) {
     return json{{"time", time}, {"position", {at, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}};
   };
   writeFile(file,
-            json{{"version", 1}, {"size", {320, 240}}, {"fps", 30}, {"keys", {key(0, 7), key(seconds, x)}}}.dump());
+            jsonLine(json{{"version", 1}, {"size", {320, 240}}, {"fps", 30}, {"keys", {key(0, 7), key(seconds, x)}}}));
 }
 
 }  // namespace
 
 TEST_CASE("keys and the mouse move the view") {
   if (!canView()) return;
-  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const auto begin = parseJson(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["documents"][0];
   const glm::dvec3 from = positionOf(begin), forward = rotationOf(begin) * glm::dvec3(0, 0, -1);
   const auto forwards =
-      whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) { hold("w", 0.6); })["places"][0];
+      whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) { hold("w", 0.6); })["documents"][0];
   const glm::dvec3 way = positionOf(forwards) - from;
   CHECK(glm::dot(way, forward) > 0.01);
   CHECK(glm::length(way - forward * glm::dot(way, forward)) < 1e-9);
@@ -40,7 +41,7 @@ TEST_CASE("keys and the mouse move the view") {
     act({"mousedown", "3"});
     for (int i = 0; i < 5; ++i) act({"mousemove_relative", "10", "0"});
     act({"mouseup", "3"});
-  })["places"][0];
+  })["documents"][0];
   CHECK(positionOf(turned) == from);
   const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
   CHECK(glm::dot(rotationOf(turned) * glm::dvec3(0, 0, -1), right) > 0.02);  // the view follows the mouse
@@ -48,7 +49,7 @@ TEST_CASE("keys and the mouse move the view") {
   const auto next = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
     pressAll({"bracketright"});
     sleepFor(1.5);
-  })["places"][0];
+  })["documents"][0];
   CHECK(glm::distance(positionOf(next), from) > 0.01);
 }
 
@@ -60,21 +61,21 @@ TEST_CASE("a bounded view stays near the photographs") {
       hold("Shift_L+w", 2.5);
       sleepFor(0.5);
     });
-    return glm::length(positionOf(report["places"][0]));
+    return glm::length(positionOf(report["documents"][0]));
   };
   CHECK(away(true) < 0.6 * away(false));
 }
 
 TEST_CASE("the middle mouse button orbits the point under the pointer") {
   if (!canView()) return;
-  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const auto begin = parseJson(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["documents"][0];
   CHECK(begin["centre"].is_null());
   const json place = whileViewing({tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
     act({"mousemove", "--window", w, "203", "113"});
     act({"mousedown", "2"});
     for (int i = 0; i < 5; ++i) act({"mousemove_relative", "4", "0"});
     act({"mouseup", "2"});
-  })["places"][0];
+  })["documents"][0];
   REQUIRE(!place["centre"].is_null());
   const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
   const glm::dvec3 from = positionOf(begin), to = positionOf(place);
@@ -93,7 +94,7 @@ TEST_CASE("trust is measured when the view is at rest") {
     return whileViewing({tinyScene(), "--size", "320x240"}, [&](const std::string&) {
       if (seconds > 0) hold(key, seconds);
       sleepFor(2);
-    })["places"][0];
+    })["documents"][0];
   };
   const json at = after("", 0)["trust"], behind = after("s", 0.4), away = after("s", 2.5)["trust"];
   for (const json& trust : {at, behind["trust"], away}) REQUIRE(trust.is_object());
@@ -115,11 +116,11 @@ TEST_CASE("a camera path of the command line plays in a loop") {
   const auto outcome = view({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--frames", "60"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const json report = json::parse(outcome.out);
-  const glm::dvec3 at = positionOf(report["places"][0]);
+  const json report = parseJson(outcome.out);
+  const glm::dvec3 at = positionOf(report["documents"][0]);
   CHECK(at.x >= 7);
   CHECK(at.x <= 7.1);
-  CHECK(report["places"][0]["fovY"] == Approx(0.8));
+  CHECK(report["documents"][0]["fovY"] == Approx(0.8));
   CHECK(report["times"]["framesMs"]["count"] > 50);
   CHECK(report["times"]["framesMs"]["p50"] > 0);
   CHECK(report["times"]["framesMs"]["p95"] >= report["times"]["framesMs"]["p50"]);
@@ -136,8 +137,7 @@ TEST_CASE("a camera path of the command line plays in a loop") {
                });
   const auto told = [&](const char* shot) { return runProgram({"info", folder / shot, "--json", "-"}).out; };
   REQUIRE(fs::exists(folder / "view_0002.png"));
-  CHECK(json::parse(told("view_0001.png"))["view"]["position"] !=
-        json::parse(told("view_0002.png"))["view"]["position"]);
+  CHECK(parseJson(told("view_0001.png"))["view"]["position"] != parseJson(told("view_0002.png"))["view"]["position"]);
   writeFile(folder / "path.json", "{}");
   const auto bad = view({tinyScene(), "--path", folder / "path.json", "--frames", "2"});
   CHECK(bad.code != 0);
@@ -158,7 +158,7 @@ TEST_CASE("playing a camera path ends at its last key") {
     pressAll({"bracketright"});
     sleepFor(1.5);
   });
-  CHECK(glm::distance(positionOf(report["places"][0]), positionOf(moved["places"][0])) < 1e-9);
+  CHECK(glm::distance(positionOf(report["documents"][0]), positionOf(moved["documents"][0])) < 1e-9);
 }
 
 TEST_CASE("moving the view stops a playing camera path") {
@@ -170,7 +170,7 @@ TEST_CASE("moving the view stops a playing camera path") {
         pressAll({"bracketright"});
         sleepFor(2);
       });
-  const glm::dvec3 at = positionOf(report["places"][0]);
+  const glm::dvec3 at = positionOf(report["documents"][0]);
   double nearest = 1e9;
   for (const NamedCamera& c : tinySet().cameras) nearest = std::min(nearest, glm::distance(at, c.camera.pose.position));
   CHECK(nearest < 1e-6);

@@ -113,7 +113,7 @@ TEST_CASE("the interface's scale follows the monitor, an option and keys, and th
           act({"mousedown", "3"});
           for (int i = 0; i < 4; ++i) act({"mousemove_relative", "0", "9"});
           act({"mouseup", "3"});
-        })["places"][0];
+        })["documents"][0];
     return place["rotation"];
   };
   const Seen one = seen({}), larger = seen({"--interface-scale", "1.25"});

@@ -62,7 +62,9 @@ bool isScene(const fs::path& folder) {
                              [&](const char* name) { return fs::exists(folder / name, ignored); });
 }
 
-// Returns the reason why a file named as a photograph cannot be one; "" if it may be.
+constexpr const char* kHeicFault = "HEIC files are not read: convert them, for example with heif-convert -q 95";
+
+// Returns the reason why a file named as a photograph cannot be one; "" if it may be. The extension is in lower case.
 std::string faultOf(const fs::path& file, const std::string& extension) {
   std::error_code ignored;
   if (fs::file_size(file, ignored) == 0) return "is empty: copy it from the camera again";
@@ -74,10 +76,11 @@ std::string faultOf(const fs::path& file, const std::string& extension) {
     return "cannot be read";
   }
   if (foreign.ends_with(" raw")) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
-  if (foreign == "HEIC") return "HEIC files are not read: convert them, for example with heif-convert -q 95";
+  if (foreign == "HEIC") return kHeicFault;
   if (foreign == "video") return "is a video: extract photographs from it, for example with ffmpeg";
   if (!foreign.empty()) return foreign + " files are not read: convert them to JPEG";
-  if (isUnsupported(extension)) return lowered(extension).substr(1) + " files are not read: convert them to JPEG";
+  if (isOneOf(extension, std::array<std::string_view, 3>{".heic", ".heif", ".hif"})) return kHeicFault;
+  if (isUnsupported(extension)) return extension.substr(1) + " files are not read: convert them to JPEG";
   return isImageFile(file) ? "" : "is not a JPEG, PNG or TIFF file, despite its extension";
 }
 

@@ -128,7 +128,10 @@ void setCamera(PosedImage& image, const Fields& fields, int width, int height, B
     lensModel = LensModel::fullOpencv;
     parameters.insert(parameters.end(), {n("k1"), n("k2"), n("p1"), n("p2"), n("k3"), 0.0, 0.0, 0.0});
   } else {
-    named->fault(fmt::format("\"{}\" is none of OPENCV, OPENCV_FISHEYE, PINHOLE, EQUIRECTANGULAR", model));
+    named->fault(
+        fmt::format("\"{}\" is none of PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
+                    "OPENCV_FISHEYE, EQUIRECTANGULAR",
+                    model));
   }
   try {
     const Lens lens(lensModel, width, height, parameters);

@@ -142,7 +142,7 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   frame.measured = !frame.joint;
   frame.mainShare = shareOf(plan.colour.mainShare);
   frame.share = shareOf(plan.colour.share);
-  frame.largestStep = std::uint32_t(std::lround(std::clamp(plan.colour.maxStep, 0.0, 255.0) * shader::kFine));
+  frame.maxStep = std::uint32_t(std::lround(std::clamp(plan.colour.maxStep, 0.0, 255.0) * shader::kFine));
   for (std::uint32_t k = 0; k < frame.count; ++k) {
     frame.slot[k] = plan.cells[k].colourSlot;
     frame.owner[k] = plan.cells[k].cell + 1;

@@ -8,6 +8,7 @@
 #include "support/contents_below.h"
 #include "support/error_of.h"
 #include "support/htm_files.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;

@@ -9,6 +9,7 @@
 #include "ibr/author/poses.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
+#include "support/json.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -20,7 +21,7 @@ namespace {
 
 // Two frames; the second one is at (1, 2, 3) and looks along −x: −z after a quarter turn about y.
 Json example() {
-  return Json::parse(R"({
+  return test::parseJson(R"({
     "w": 640, "h": 480, "fl_x": 500, "fl_y": 510, "cx": 321, "cy": 239,
     "applied_scale": 2.5, "aabb_scale": 16,
     "frames": [
@@ -31,7 +32,7 @@ Json example() {
 
 PosedModel read(const Json& json) {
   const test::TemporaryFolder folder;
-  writeFile(folder / "transforms.json", json.dump());
+  writeFile(folder / "transforms.json", test::jsonLine(json));
   return readTransforms(folder / "transforms.json");
 }
 
@@ -116,7 +117,7 @@ TEST_CASE("photographs are found relative to the file or to their folder, with o
   json.erase("w");
   json.erase("h");
   const auto names = [&](const fs::path& photographs) {
-    writeFile(folder / "set/transforms.json", json.dump());
+    writeFile(folder / "set/transforms.json", test::jsonLine(json));
     const PosedModel model = readTransforms(folder / "set/transforms.json", photographs);
     CHECK(model.images[0].camera.intrinsics.width == 32);
     CHECK(model.images[0].camera.intrinsics.height == 16);
@@ -172,11 +173,11 @@ TEST_CASE("a fault of transforms.json is reported with its JSON pointer") {
   for (const Spoilt& spoilt : cases) {
     Json json = example();
     spoilt.spoil(json);
-    INFO(json.dump());
-    const std::string fault = faultOf(json.dump());
+    INFO(test::jsonLine(json));
+    const std::string fault = faultOf(test::jsonLine(json));
     for (const char* token : spoilt.tokens) CHECK_THAT(fault, Contains(token));
   }
-  std::string nan = example().dump();
+  std::string nan = test::jsonLine(example());
   nan.replace(nan.find("500"), 3, "NaN");
   CHECK_THAT(faultOf(nan), Contains("line 1"));
   // Rounding errors are accepted.
