@@ -14,7 +14,7 @@
 #include "base/usage.h"
 #include "batch/doctor/findings.h"
 #include "ibr/device.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 #include "shared/report/table.h"
 
 namespace fs = std::filesystem;

@@ -11,10 +11,10 @@
 #include "batch/files/poses.h"
 #include "ibr/author/build.h"
 #include "ibr/author/poses.h"
-#include "shared/cli/json_text.h"
 #include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
+#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 

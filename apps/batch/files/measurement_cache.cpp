@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "base/file.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

@@ -13,8 +13,8 @@
 #include "base/file.h"
 #include "ibr/author/poses.h"
 #include "io/image_file.h"
-#include "shared/cli/json_text.h"
 #include "shared/draw/picture_record.h"
+#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 

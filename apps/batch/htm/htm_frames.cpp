@@ -13,7 +13,7 @@
 #include "ibr/asset.h"
 #include "ibr/author/htm.h"
 #include "ibr/error.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 

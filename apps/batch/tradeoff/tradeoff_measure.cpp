@@ -9,8 +9,8 @@
 #include "base/check.h"
 #include "base/hash.h"
 #include "base/random.h"
-#include "shared/cli/json_text.h"
 #include "shared/draw/image_operations.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

@@ -14,10 +14,10 @@
 #include "batch/files/measurement_cache.h"
 #include "lab/lab_commands.h"
 #include "lab/sweep/sweep_measure.h"
-#include "shared/cli/json_text.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
+#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 

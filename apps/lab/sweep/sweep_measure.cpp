@@ -10,8 +10,8 @@
 #include "batch/build/cell_figures.h"
 #include "batch/build/optimise_options.h"
 #include "batch/files/file_hash.h"
-#include "shared/cli/json_text.h"
 #include "shared/cli/settings.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "ibr/camera.h"
-#include "shared/camera/json_field.h"
+#include "shared/json/json_field.h"
 
 namespace ibr::app {
 

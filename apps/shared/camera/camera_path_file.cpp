@@ -6,8 +6,8 @@
 #include "base/file.h"
 #include "shared/camera/camera_json.h"
 #include "shared/camera/camera_path.h"
-#include "shared/camera/json_field.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_field.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "shared/camera/camera_json.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "shared/cli/json_text.h"
 #include "shared/cli/progress.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {

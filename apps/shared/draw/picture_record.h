@@ -13,7 +13,7 @@
 
 #include "ibr/camera.h"
 #include "ibr/image.h"
-#include "shared/camera/json_field.h"
+#include "shared/json/json_field.h"
 
 namespace ibr::app {
 

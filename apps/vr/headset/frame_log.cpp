@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 #include "shared/report/statistics.h"
 
 namespace ibr::app {

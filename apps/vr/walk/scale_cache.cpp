@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "ibr/error.h"
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 

@@ -7,6 +7,8 @@
 #include <glm/matrix.hpp>
 
 #include "author/align/align_cell.h"
+#include "author/align/aligned_mesh.h"
+#include "author/align/picture_alignment.h"
 #include "author/geometry/posed_model.h"
 #include "author/panorama/panorama_faces.h"
 

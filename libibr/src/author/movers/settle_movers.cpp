@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "author/geometry/mean_frame.h"
+#include "author/movers/disc.h"
 
 namespace ibr {
 namespace {
@@ -207,9 +208,8 @@ class MaskResolver {
   }
 
   static cv::Mat widened(const cv::Mat& mask, double px) {
-    const int r = std::max(1, int(std::lround(px)));
     cv::Mat result;
-    cv::dilate(mask, result, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1}));
+    cv::dilate(mask, result, disc(px));
     return result;
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/cli/json_text.h"
+#include "shared/json/json_text.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/camera/json_field.h"
+#include "shared/json/json_field.h"
 
 #include <algorithm>
 #include <cmath>
