@@ -19,9 +19,9 @@ IBR_CONSTANT uint kBlend = 0u;   // blend mode of the members' colours: [T] eq. 
 IBR_CONSTANT uint kDither = 1u;  // eq. 7
 IBR_CONSTANT uint kMixed = 2u;   // mean of both
 IBR_CONSTANT float kTier0Alpha = 1.0f;  // of the canvas: (255 − 64·tier) / 255; pixels of cells have tier 0
+// Offset into the noise, so that dissolving and dithering are uncorrelated.
 #ifdef __cplusplus
-inline constexpr glm::uvec2 kDissolveOffset{29,
-                                            17};  // into the noise, so that dissolving and dithering are uncorrelated
+inline constexpr glm::uvec2 kDissolveOffset{29, 17};
 #else
 const uvec2 kDissolveOffset = uvec2(29, 17);
 #endif
@@ -92,8 +92,8 @@ IBR_FUNCTION float exposedValue(float value, float gain, float slope) {
   return gain < 1.0f ? max(curved, straight) : min(curved, straight);
 }
 
-/// Applies the gain to a photograph's colour. A clipped value was at least as bright as it is stored. From kClipStart on,
-/// darkening is therefore reduced, and from kClipEnd on omitted, so that white does not turn grey or brown.
+/// Applies the gain to a photograph's colour. A clipped value was at least as bright as it is stored. Darkening is
+/// therefore reduced from kClipStart on, and omitted from kClipEnd on, so that white does not turn grey or brown.
 IBR_CONSTANT float kClipStart = 0.9f, kClipEnd = 0.99f;
 IBR_FUNCTION vec3 exposedColour(vec3 colour, vec3 gain, vec3 slope) {
   const vec3 exposed =

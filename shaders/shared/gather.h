@@ -65,7 +65,7 @@ IBR_CONSTANT float kGatherOcclusionSigmas = 3.0f;   // nothing is hidden within 
 /// A photograph's parameters for one view. Photograph axes: axes of its camera.
 struct GatherCandidate {
   mat3 toView;  // photograph axes → view axes
-  vec3 place;   // of the photograph relative to the view, view axes
+  vec3 place;   // position of the photograph relative to the view, view axes
   mat3 toPhotograph;
   vec3 shift;      // of the view relative to the photograph, photograph axes
   vec2 focal;      // in widths and heights; unused for a panorama

@@ -25,7 +25,7 @@
 
 namespace ibr {
 
-/// Most cells that fade out, beside those of the frame, after the draw order changed.
+/// Maximum number of cells that fade out after a change of the draw order, in addition to the frame's own.
 inline constexpr std::uint32_t kMaxFadingOutCount = 16;
 /// Colour tables: of a frame's cells and of those of the previous draw order.
 inline constexpr std::uint32_t kColourSlotCount = 2 * (kMaxCellCount + kMaxFadingOutCount);
@@ -141,8 +141,8 @@ struct PlanState {
 /// A cell that is drawn at the rank that it had before the draw order changed.
 struct FadingOutCell {
   PlannedCell planned;
-  std::uint32_t drawnBefore =
-      0;  // index in FramePlan::cells of the cell that it is drawn before; their number: drawn last
+  /// Index in FramePlan::cells of the cell that this one is drawn before; the number of cells: drawn last.
+  std::uint32_t drawnBefore = 0;
 };
 
 /// How colour tables move in a frame.
@@ -185,9 +185,9 @@ struct FramePlan {
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
-/// Distances in pixels of a view between common anchors of the plan's cells. One value for each
-/// pair of cells and each common anchor that both show inside the image. `corrected`: with the plan's corrections,
-/// otherwise without. Points that other cells hide count too.
+/// Distances in pixels of a view between common anchors of the plan's cells. One value for each pair of cells and each
+/// common anchor that both show inside the image. `corrected`: with the plan's corrections, otherwise without. Points
+/// that other cells hide count too.
 std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
                                     std::size_t view, bool corrected);
 

@@ -43,8 +43,8 @@ using TextureSource = std::function<Texture(const Scene& scene, std::size_t node
 
 /// Treatment of block-compressed textures (BC1, BC7).
 enum class BlockTextureMode : std::uint8_t {
-  automatic,  // kept; decoded on software devices where that is faster
-  keep,       // kept where the device can sample them
+  automatic,  // stay compressed; decoded on software devices where that is faster
+  keep,       // stay compressed where the device can sample them
   decode,     // decoded to RGBA8
 };
 

@@ -29,7 +29,8 @@ HtmSequenceIndex loadHtmSequence(const std::filesystem::path& path);
 void saveHtmSequence(const HtmSequenceIndex& index, const std::filesystem::path& folder);
 
 /// Faults of the index and of its models' files, at most `limit`. `field` is a JSON pointer into the index. For a
-/// model's fault it points to the frame; the message names the frame's folder and the place in the model.
+/// model's fault it points to the frame; the message names the frame's folder and the fault's JSON pointer in the
+/// model.
 std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
 struct HtmFrame {
@@ -77,7 +78,7 @@ class HtmSequence {
   std::shared_ptr<const HtmFrame> tryFrame(std::size_t index);
 
   struct Counts {
-    std::size_t cachedFrames = 0;  // cached frames
+    std::size_t cachedFrames = 0;  // including the current frame
     std::uint64_t bytes = 0;       // of the cached frames
     std::size_t loads = 0;         // attempts to load a frame since construction
   };

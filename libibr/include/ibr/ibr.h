@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Includes the runtime library, without ibr/template_search.h and template_search_pass.h. Authoring: ibr/author/.
+// Includes the runtime library, without memory_demand.h, template_search.h and template_search_pass.h.
 #pragma once
 
 #include "ibr/advice.h"

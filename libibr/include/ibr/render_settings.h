@@ -82,7 +82,7 @@ enum class Overlay : std::uint8_t {
                // the pixel is gathered
 };
 
-/// Most cells of a frame.
+/// Maximum number of cells of a frame.
 inline constexpr std::uint32_t kMaxCellCount = 64;
 
 /// Limits of the gather.
@@ -138,8 +138,8 @@ struct RenderSettings {
   double textureScale = 1.0;        // of the photographs' sides: 0.5 shows half their detail; > 0
   double renderScale = 1.0;         // of the target's sides, for drawing; > 0, at most RendererOptions::maxRenderScale
   std::vector<std::uint32_t> mutedCells;  // indices into Scene::cells that are never drawn, in any order
-  std::vector<std::uint32_t> soloCells;   // if there are any, no other cells are drawn. Both ignore indices that the
-                                          // scene has not
+  std::vector<std::uint32_t> soloCells;   // if there are any, no other cells are drawn. Both ignore indices beyond
+                                          // Scene::cells
   /// Morph::ours: neighbouring cells agree on where shared photographs are seen (PlannedCell::correction). Helps where
   /// pose errors are large and random; may lose a little on good poses.
   bool alignCells = false;

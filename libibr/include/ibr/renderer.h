@@ -2,7 +2,7 @@
 // Renders frame plans ([T] §2.5): records them into the caller's command buffer.
 //
 //   Device device = Device::create();
-//   Scene scene = loadScene("place");
+//   Scene scene = loadScene("scene");
 //   GpuScene gpuScene(device, scene);
 //   Renderer renderer(device, gpuScene, optionsFor(settings, {1920, 1080}));
 //   FramePlan plan = planFrame(scene, sceneBounds(scene), {{view}, settings}, state);
@@ -38,7 +38,7 @@ enum class ColourSupport : std::uint8_t {
 };
 
 /// Everything that later plans and targets may use. Each item costs pipelines or memory. Renderer::supports tells
-/// whether a plan keeps to it.
+/// whether a plan stays within the options.
 struct RendererOptions {
   VkExtent2D maxExtent{0, 0};   // of an image
   std::uint32_t maxViews = 1;   // of a plan, 1 or 2
@@ -57,7 +57,7 @@ struct RendererOptions {
   std::vector<DrawOrder> orders{DrawOrder::ours};
   std::vector<BlendMode> blends{BlendMode::blend};
   std::vector<Composition> compositions{Composition::cells};
-  std::uint32_t gatherCandidates = 12;                // most candidates K
+  std::uint32_t gatherCandidates = 12;                // maximum K of all plans
   std::uint32_t gatherColours = 4, gatherLayers = 2;  // of all plans
   double voteScale = 0.5;                             // largest RenderSettings::voteScale
   bool dissolve = true;       // opacities below 1; false only with fadeShare 0 and switchSeconds 0
@@ -89,8 +89,8 @@ class Renderer {
   /// a render pass. A view's image has its target's extent, at most RendererOptions::maxExtent. Targets go from
   /// `initialUse` to `finalUse`. Bound pipelines, descriptor sets, viewport and scissor are undefined afterwards.
   /// Submits, waits for and allocates nothing; the command buffer need not be submitted. Frames must be submitted in
-  /// order on the device's queue. A plan that supports() rejects, or a target that the
-  /// options do not declare, clears the targets to the background. `timer` gets a scope for each pass.
+  /// order on the device's queue. A plan that supports() rejects, or a target that the options do not declare, clears
+  /// the targets to the background. `timer` gets a scope for each pass.
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
               ScopeTimer* timer = nullptr) const noexcept;
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {

@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxReads = 32;  // reads of 4096 bytes, twice a pipe's capacity, between shouldContinue calls
-constexpr std::size_t kMaxLineBytes = 64 * 1024;  // bytes
+constexpr std::size_t kMaxLineBytes = 64 * 1024;  // longer lines are passed on in pieces
 
 class Descriptor {
  public:

@@ -18,7 +18,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-std::string textOf(const fs::path& file) {  // /proc and /sys: their files report no size
+std::string textOf(const fs::path& file) {  // files of /proc and /sys report no size
   std::ifstream in(file);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -31,7 +31,7 @@ std::optional<double> firstNumber(std::string_view text) {
 }  // namespace
 
 std::optional<double> cgroupMemoryLimit(const fs::path& root, std::string_view membership) {
-  std::optional<double> least;
+  std::optional<double> lowest;
   while (!membership.empty()) {
     const std::string_view line = membership.substr(0, membership.find('\n'));
     membership.remove_prefix(std::min(membership.size(), line.size() + 1));
@@ -46,11 +46,11 @@ std::optional<double> cgroupMemoryLimit(const fs::path& root, std::string_view m
     fs::path group = fs::path(line.substr(second + 1)).relative_path();
     for (bool last = false; !last; group = group.parent_path()) {
       last = group.empty();
-      if (const auto limit = firstNumber(textOf(top / group / file)); limit && (!least || *limit < *least))
-        least = limit;
+      if (const auto limit = firstNumber(textOf(top / group / file)); limit && (!lowest || *limit < *lowest))
+        lowest = limit;
     }
   }
-  return least;
+  return lowest;
 }
 
 double memoryLimit() {

@@ -21,7 +21,7 @@ class AlignmentPass {
 
   void upload(const Device& device, const Positions& at) { buffers_.upload(device, at); }
 
-  /// Each ends with a barrier. Outcomes of a image's points are contiguous, in the order of the classes.
+  /// Each ends with a barrier. Outcomes of an image's points are contiguous, in the order of the classes.
   void recordMove(VkCommandBuffer commands, const ClassMove& move) const noexcept;
   void recordEvaluation(VkCommandBuffer commands) const noexcept;
   const AlignmentBuffers& buffers() const noexcept { return buffers_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Method `compute`: submits all classes of a image at once, or one class at a time with a guard to call in between.
+// Method `compute`: submits all classes of an image at once, or one class at a time with a guard to call in between.
 #include <vector>
 
 #include "base/vulkan/submit.h"

@@ -89,7 +89,7 @@ class RasterBackend final : public AlignmentBackend {
     uploader.flush();
   }
 
-  // Makes a set per source and target; the set of a image with itself stays unused.
+  // Makes a set per source and target; the set of an image with itself stays unused.
   void makePairs() {
     const std::uint32_t d = std::uint32_t(images_.size());
     const VkDescriptorSetLayoutBinding bindings[]{

@@ -21,7 +21,7 @@ struct FlipOptions {
 
 /// Flips inner edges of the judged triangles, with both ends fixed or both free; never an edge of a triangle that is
 /// only kept. Points do not move. The two new triangles take the indices of the two old ones, so data per triangle keep
-/// their place. No new triangle is folded over in a image, in the mean of two or of all (exact), and no flip
+/// their place. No new triangle is folded over in an image, in the mean of two or of all (exact), and no flip
 /// duplicates an existing edge. Returns the number of flips. Precondition: starMeshOf accepts the alignment; `pictures`
 /// are its own.
 std::size_t flipEdges(Alignment& alignment, std::span<const Texels> pictures, const FlipOptions& options);

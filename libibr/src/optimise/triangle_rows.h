@@ -39,7 +39,7 @@ struct TriangleMaps {
   }
 };
 
-/// Reads of a image from pixel (column, row) of the mean on.
+/// Reads of an image from pixel (column, row) of the mean on.
 inline RunSource runAt(const shader::EccMap& map, const Texels& texels, glm::ivec2 origin, int column, int row) {
   constexpr std::int64_t kTexel = std::int64_t(1) << shader::kEccCoordinateBits;
   constexpr int kDropped = shader::kEccCoordinateBits - shader::kEccRunBits;

@@ -159,7 +159,7 @@ double agreement(const DrawItem& item, const Triangle& t, const std::vector<std:
   int pairs = 0;
   for (std::size_t i = 1; i < members; ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (const auto of = correlation(windows[i], windows[j])) sum += *of, ++pairs;
+      if (const auto value = correlation(windows[i], windows[j])) sum += *value, ++pairs;
   return pairs > 0 ? sum / pairs : 2;
 }
 
@@ -347,7 +347,7 @@ RenderedImage canvas(const Scene& scene, const std::vector<std::vector<Image8>>&
   return picture;
 }
 
-// Cells of the current draw order, with fading out cells at their ranks.
+// Cells of the current draw order, and cells that fade out at their previous ranks.
 std::vector<PlannedCell> drawn(const FramePlan& plan) {
   std::vector<PlannedCell> cells = plan.cells;
   for (std::size_t i = plan.fadingOut.size(); i-- > 0;)

@@ -275,30 +275,30 @@ Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOp
 }
 
 std::vector<Composer::Choice> Composer::candidates(const Camera& view) const {
-  constexpr std::size_t kPlaces = kCandidateColumns * kCandidateRows * kCandidateDepths.size();
-  std::vector<std::array<double, kPlaces>> value(photographs_.size());
+  constexpr std::size_t kPoints = kCandidateColumns * kCandidateRows * kCandidateDepths.size();
+  std::vector<std::array<double, kPoints>> value(photographs_.size());
   for (std::size_t i = 0; i < photographs_.size(); ++i) {
     Candidate candidate;
     candidate.camera = photographs_[i].camera;
     const PhotographSampler sampler(view, candidate);
-    std::size_t place = 0;
+    std::size_t point = 0;
     for (const double depth : kCandidateDepths)
       for (int row = 0; row < kCandidateRows; ++row)
-        for (int column = 0; column < kCandidateColumns; ++column, ++place) {
-          value[i][place] = 0;
+        for (int column = 0; column < kCandidateColumns; ++column, ++point) {
+          value[i][point] = 0;
           const glm::dvec3 ray = sampler.ray({(column + 0.5) / kCandidateColumns * view.intrinsics.width,
                                               (row + 0.5) / kCandidateRows * view.intrinsics.height}),
                            direction = ray + depth * medianInverseDepth_ * sampler.shift();
           const auto pixel = sampler.pixel(direction);
           if (!pixel) continue;
           const double angle = std::atan2(glm::length(glm::cross(ray, direction)), glm::dot(ray, direction));
-          value[i][place] = sampler.border(*pixel) / (kAngleFloor + angle);
+          value[i][point] = sampler.border(*pixel) / (kAngleFloor + angle);
         }
   }
-  std::array<double, kPlaces> sum{};
+  std::array<double, kPoints> sum{};
   const auto gain = [&](std::size_t i) {
     double total = 0;
-    for (std::size_t p = 0; p < kPlaces; ++p) total += std::sqrt(sum[p] + value[i][p]) - std::sqrt(sum[p]);
+    for (std::size_t p = 0; p < kPoints; ++p) total += std::sqrt(sum[p] + value[i][p]) - std::sqrt(sum[p]);
     return total;
   };
   std::vector<bool> taken(photographs_.size(), false);
@@ -313,7 +313,7 @@ std::vector<Composer::Choice> Composer::candidates(const Camera& view) const {
     gains.push_back(most);  // the last one is that of rank K + 1
     if (best == photographs_.size() || gains.size() > options_.candidates) break;
     taken[best] = true;
-    for (std::size_t p = 0; p < kPlaces; ++p) sum[p] += value[best][p];
+    for (std::size_t p = 0; p < kPoints; ++p) sum[p] += value[best][p];
     result.push_back({best, 1.0});
   }
   const double next = gains.back();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference composer: composes a view from photographs with depth, in double precision on the CPU. It is the reference
-// implementation of Composition::gathered, and is used to judge depth maps.
+// Composes a view from photographs with depth, in double precision on the CPU: the reference implementation of
+// Composition::gathered, also used to compare depth maps by the views that they give.
 //
 //   1. candidates  at most K photographs: FramePlan::photographs, or for depth maps a greedy choice by the sum, over
 //                  a grid of rays and two depths, of √(Σ border / (.03 + angle))
@@ -56,10 +56,11 @@ struct GatherTextures {
   TextureFilter filter = TextureFilter::trilinear;                    // or bicubic
 };
 
-/// Composes a view of a plan with Composition::gathered from the plan's photographs. Throws Error{invalidInput} for
-/// RenderSettings::renderScale other than 1, a plan without a spacing, colours or layers out of range. Likewise for a
-/// photograph without evidence in its backdrop's mesh, without RGBA mip levels, or without a depth texture. Memory: 24
-/// K + 100 bytes per pixel of the vote, 28 bytes per pixel, and per thread 100 bytes per vertex of one mesh.
+/// Composes a view of a plan with Composition::gathered from the plan's photographs. Throws Error{invalidInput} for a
+/// RenderSettings::renderScale other than 1, a plan without a spacing, and colours or layers out of range. It also
+/// throws for a photograph without evidence in its backdrop's mesh, without RGBA mip levels, or without a depth
+/// texture. Memory: 24 K + 100 bytes per pixel of the vote, 28 bytes per pixel, and per thread 100 bytes per vertex of
+/// one mesh.
 Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
                          int threads = 1);
 

@@ -45,7 +45,7 @@ std::vector<double> supports(std::span<const Vote> votes, double step) {
   return support;
 }
 
-// Relative difference of the two largest.
+// Relative difference of the two largest supports; 1 for a single one.
 double marginOf(std::vector<double> support) {
   if (support.size() < 2) return 1;
   std::ranges::sort(support, std::greater());

@@ -43,14 +43,15 @@ struct Surfaces {
   std::size_t count = 0;  // 0: no hypothesis
   bool filled = false;    // a hole of the vote
   double spread = 0;      // RMS deviation of all hypotheses from the opaque surface, relative to its ρ
-  double margin = 1;      // the lesser of: relative difference of the two largest supports; difference in
-                          // shown share of the last surface and the next one. 1 if there are no two
+  double margin = 1;      // the lesser of two: relative difference of the two largest supports; difference between the
+                          // shares of the last surface and of the best one left out. 1 for a single hypothesis
 };
 
 /// The nearest surface of at least half opacity. Precondition: there is a surface.
 const Surface& opaqueSurface(const Surfaces& surfaces);
 
-/// One standard deviation of its ρ. `variance`: of the colours of the surface with most weight, 8-bit levels².
+/// One standard deviation of the ρ of opaqueSurface(). `variance`: of the colours of the surface with most weight,
+/// 8-bit levels².
 double deviationOf(const Surfaces& surfaces, bool confirmed, double step, double variance);
 
 /// `votes`: in the order of the candidates; `layers`: maximum number of surfaces, at most kMaxGatherLayers.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference implementation of shaders/render/cell.vert in double precision.
+// Reference implementation of shaders/render/cell_vertex.glsl in double precision.
 #pragma once
 
 #include <array>

@@ -8,7 +8,7 @@ namespace ibr {
 
 /// Returns the field of RendererOptions that the plan exceeds; nullptr: none. Pure; does not allocate.
 const char* exceededOption(const FramePlan& plan, const RendererOptions& options) noexcept;
-/// The same of a target.
+/// The same for a target.
 const char* exceededOption(const Target& target, const RendererOptions& options) noexcept;
 
 }  // namespace ibr

@@ -79,7 +79,7 @@ struct Renderer::State {
   bool has(Overlay overlay) const {
     return std::ranges::find(requirements.overlays, overlay) != requirements.overlays.end();
   }
-  // Scene that the uncertainties of ρ are read from; null: no overlay or buffer shows them.
+  // Returns the scene that the uncertainties of ρ are read from; null: no overlay or buffer shows them.
   const Scene* uncertaintiesFor(const RendererOptions& o) const {
     if (!has(Overlay::confidence)) return o.bufferScene;
     check(o.uncertaintyScene, ErrorCode::invalidInput,

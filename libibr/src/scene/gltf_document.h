@@ -39,8 +39,8 @@ class GltfDocument {
     float value(std::size_t element, std::size_t component) const;  // for float components
     std::uint32_t index(std::size_t element) const;                 // integer; counts components across elements
   };
-  /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` are the allowed ones, kFloat and so on. The last buffer is
-  /// cached, so read accessors buffer by buffer. Not thread-safe.
+  /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` are the allowed ones, kFloat and so on. Only the last
+  /// buffer is cached, so callers should read accessors buffer by buffer. Not thread-safe.
   static constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
   Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes);
 

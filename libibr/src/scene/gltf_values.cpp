@@ -49,19 +49,20 @@ Intrinsics intrinsicsOf(const JsonValue& json) {
   return k;
 }
 
-void checkVersion(const JsonValue& json, const SupportedVersions& read) {
+void checkVersion(const JsonValue& json, const SupportedVersions& supported) {
   const JsonValue version = json["version"];
   const auto number = version.integer(1, INT32_MAX);
-  if (number > read.newest)
-    version.fault(fmt::format("{} is newer than {}, the newest version that this library reads", number, read.newest));
-  if (number < read.oldest)
+  if (number > supported.newest)
+    version.fault(
+        fmt::format("{} is newer than {}, the newest version that this library reads", number, supported.newest));
+  if (number < supported.oldest)
     version.fault(fmt::format("{} is older than {}, the oldest version that this library reads; {}", number,
-                              read.oldest, read.remedy));
+                              supported.oldest, supported.remedy));
 }
 
-JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& read) {
+JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& supported) {
   const JsonValue extension = document.root()["extensions"][name];
-  checkVersion(extension, read);
+  checkVersion(extension, supported);
   return extension;
 }
 

@@ -28,10 +28,10 @@ struct SupportedVersions {
   int oldest = 1, newest = 1;
   const char* remedy = "";
 };
-/// Throws JsonFault for a member "version" outside of `read`.
-void checkVersion(const JsonValue& json, const SupportedVersions& read);
+/// Throws JsonFault if the member "version" is not one of the supported versions.
+void checkVersion(const JsonValue& json, const SupportedVersions& supported);
 /// Content of the document's extension `name`, after a check of its version.
-JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& read);
+JsonValue extensionOf(const GltfDocument& document, const char* name, const SupportedVersions& supported);
 
 /// Name and camera of a list entry with members "node" and "camera".
 struct NamedCamera {
@@ -78,7 +78,8 @@ class FaultSink {
 };
 
 /// Reads a list's entries, each of which has a "node" and a unique name. If an entry cannot be read, the list has a
-/// fault, since its `dependents` refer to entries. `what`: an entry. `items` must be empty.
+/// fault, since `dependents` refer to its entries. `what` and `dependents`: names of an entry and of these, for
+/// messages. `items` must be empty.
 template <class Item, class Read>
 void readNamed(const JsonValue& list, const char* what, const char* dependents, std::vector<Item>& items,
                FaultSink& sink, Read&& read) {

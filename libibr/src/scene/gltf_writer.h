@@ -63,8 +63,8 @@ class GltfWriter {
   std::set<std::filesystem::path> buffers_;
 };
 
-/// Check that texts and file names can be stored in a document in `folder`; `what` and `field` are for the message.
-/// Throw Error{invalidInput}.
+/// Check that a text is UTF-8, and that a file lies inside `folder`, the document's folder. `what` and `field` are for
+/// the message. Throw Error{invalidInput}.
 void requireUtf8(const std::string& text, const std::filesystem::path& folder, const char* what,
                  const std::string& field);
 void requireInside(const std::filesystem::path& file, const std::filesystem::path& folder, const char* what,

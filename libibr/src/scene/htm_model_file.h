@@ -2,8 +2,7 @@
 // File format of a harmonised model; names that reader and writer share.
 //
 //   model.gltf     nodes     one per camera (pose), one per surface (mesh, at the middle of its extent)
-//                  meshes    the optimised surface and, if stored, the original surface: POSITION relative to the
-//                            node,
+//                  meshes    the optimised surface and, if stored, the original one: POSITION relative to the node,
 //                            _MEMBERS the set of cameras as four numbers of 16 bits, the lowest first
 //                  extensions.IBR_harmonised_texture   the rest (schema: IBR_harmonised_texture.schema.json)
 //   meshes/*.bin   one buffer per surface and one for the complements, an accessor VEC2 in the order of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores a morphing mesh as the bytes of one buffer file, for scene.gltf and for the cache of an interrupted build.
+// Stores a morphing mesh as the bytes of one buffer file of a scene.
 //
 // Consecutive arrays, little-endian, each aligned to 4 bytes:
 //   TEXCOORD_i    member by member: 2 floats per point, match / image size
@@ -78,7 +78,7 @@ inline bool isPlaneSet(const glm::u16vec4& set) {
 glm::dvec3 displayOrigin(const Scene& scene, const Cell& cell);
 std::vector<glm::vec3> displayPositions(const Scene& scene, const Cell& cell);
 
-/// Rounds matches to the grid. Precondition: validate(scene) is empty.
+/// Encodes a cell's mesh, with matches rounded to the grid. Precondition: validate(scene) is empty.
 std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell);
 
 /// The inverse of encodeMesh; `sizes`: width and height of the members' images. Checks indices, but not values. Throws

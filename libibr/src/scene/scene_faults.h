@@ -19,7 +19,8 @@ inline bool finite(glm::dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// World units. Beyond any place on Earth; products of a few lengths stay finite in single precision.
+/// Maximum coordinate, world units. Larger than any distance on Earth; products of three lengths stay finite in single
+/// precision.
 inline constexpr double kWorldRadius = 1e12;
 
 inline bool withinWorld(glm::dvec3 v) {

@@ -108,7 +108,7 @@ struct BuildOptions {
   bool backdrops = true;    // photographs get backdrops and depth textures, which Composition::gathered needs
   DepthSearch depth = DepthSearch::refined;
   bool draft = false;  // preview without cells: uses DepthSearch::fast, and ignores refinePoses, maskMovingObjects,
-                       // fitVignetting and finish; leaves the cache of other builds; needs backdrops
+                       // fitVignetting and postProcess; keeps the cache of other builds; needs backdrops
   int backdropSpacing = 2;  // minimum distance of a backdrop's vertices: 2, 4, 8, 16 or 32 px of the photograph scaled
                             // down to 512 px (panoramas: 2048 px)
   std::filesystem::path cacheFolder;  // folder where cells, depth and meshes are cached for later builds, whose results
@@ -172,7 +172,7 @@ struct BuildReport {
 /// Returns the file or folder of the poses. Throws Error{invalidInput} if the options name several.
 std::filesystem::path posesFile(const BuildOptions& options);
 
-/// Reads the poses from that file or folder.
+/// Reads the poses from posesFile(options), of any kind. Throws Error.
 PosedModel readPoses(const BuildOptions& options, const LogCallback& log);
 
 /// Builds a scene folder. Each depth map, cell and mesh is cached once finished: a stopped build that is called again

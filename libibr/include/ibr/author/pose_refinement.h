@@ -30,8 +30,8 @@ struct PoseRefinement {
   std::size_t cellTracks = 0, modelTracks = 0;
   std::vector<Step> steps;  // in order; each is compared with the last step accepted
   Errors initialErrors, finalErrors;
-  std::vector<PoseChange>
-      poseChanges;  // photographs that share a track; empty if no step was accepted: poses are unchanged
+  // Of photographs that share a track; empty if no step was accepted: poses are unchanged.
+  std::vector<PoseChange> poseChanges;
 };
 
 }  // namespace ibr

@@ -106,14 +106,15 @@ PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& pro
                          const LogCallback& log = {});
 
 /// Returns the camera of the photograph `name` of `given` that best fits its observations of the tracks of `given` that
-/// `others` see, too. The others are fixed; photographs that share their intrinsics in `given` pass theirs on. nullopt
-/// for panoramas, and for fewer than 20 shared points. Precondition: `given` contains the photograph.
+/// `others` see, too. Cameras of `others` are fixed. If one of them has the photograph's lens in `given`, the result
+/// has its intrinsics. nullopt for panoramas, and for fewer than 20 shared points. Precondition: `given` contains the
+/// photograph.
 std::optional<Camera> resected(const PosedModel& given, const std::string& name, const PosedModel& others);
 
 /// World point with the least sum of squared reprojection errors, px; nullopt if behind a camera or at infinity.
 std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
 
-/// x → scale · rotation · x + shift.
+/// Maps x to scale · rotation · x + shift.
 struct SimilarityTransform {
   double scale = 1;
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference implementations on the CPU, in double precision, to judge scenes and devices by. Needs ibr::author.
+// Reference implementations on the CPU, in double precision, to compare scenes and devices with. Needs ibr::author.
 #pragma once
 
 #include <array>

@@ -34,8 +34,8 @@ struct MatchScore {
   TriangleFilter filter = TriangleFilter::consistency;
   std::size_t vertices = 0;               // of triangles of tier 0
   double medianPx, within1Px, beyond3Px;  // median error; shares of errors up to 1 px, above 3 px
-  double completeness,
-      precision;       // MatchAccuracy's coVisibleTier0 / coVisible, correctTier0 / tier0; of cases with exact depth
+  // MatchAccuracy's coVisibleTier0 / coVisible and correctTier0 / tier0; of cases with exact depth.
+  double completeness, precision;
   double coverage;     // share of the first photograph under tier 0
   double memberPsnr;   // dB between each two members in tier 0, after gain and offset a channel; mean over pairs
   double ecc;          // of triangles of tier 0: worst pair's, area-weighted mean

@@ -19,7 +19,7 @@ struct CellAlignmentInput {
 struct AlignedCell {
   MorphMesh mesh;
   CellQuality quality;
-  OptimisedCell facts;  // without number, members and time
+  OptimisedCell facts;  // without cell, members and seconds
 };
 
 /// Aligns a cell whose members are all pinholes or all panoramas.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cache of aligned cells, for resuming an optimisation. One file a cell, named by a hash of the cell's inputs.
+// Cache of aligned cells, for resuming an optimisation. One file per cell, named by a hash of the cell's inputs.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace ibr {
 
-/// Hash of the cell's mesh, cameras, images and masks, and of all options except those set for each cell (threads).
+/// Hash of the cell's mesh, cameras, images and masks, and of all options except those set for each cell (threads,
+/// guard).
 std::uint64_t alignmentKey(const CellAlignmentInput& input, const AlignmentOptions& options);
 
 void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const AlignedCell& cell);

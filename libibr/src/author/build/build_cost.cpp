@@ -47,9 +47,9 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   add("storing photographs", storing, threads.storing, storing / photographs);
   add("finding features", 1e-9 * kFeaturesNs * work.featurePixels, threads.features, 0);
   add("matching features", kPairSeconds * double(work.pairs), threads.features, 0);
-  const double judging = 1e-9 * ((kSweepNs + kConfirmNs) * work.comparedSweptPixels +
-                                 kComparedNs * work.comparedPixels + kComparisonNs * work.comparisonPixels);
-  add("finding moving objects", judging, threads.movers, judging / photographs);
+  const double comparing = 1e-9 * ((kSweepNs + kConfirmNs) * work.comparedSweptPixels +
+                                   kComparedNs * work.comparedPixels + kComparisonNs * work.comparisonPixels);
+  add("finding moving objects", comparing, threads.movers, comparing / photographs);
   double cells = 0, longest = 0;
   for (const CellWork& cell : work.cells) {
     cells += cellSeconds(cell);

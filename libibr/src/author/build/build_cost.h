@@ -45,8 +45,8 @@ struct BuildWork {
   double refinements = 1;     // cost of refinement, in units of DepthSearch::refined's
 };
 
-/// Time of this machine for the same work, relative to the machine of the constants: cpu time of one thread, and
-/// elapsed time while `threads` work in parallel.
+/// Time that this machine takes, relative to the machine on which the constants were measured: CPU time of one thread,
+/// and elapsed time while several threads work in parallel.
 struct MachineSpeed {
   double cpu = 1, elapsed = 1;
 };
@@ -57,11 +57,12 @@ struct StageCost {
   double seconds;
 };
 
-/// The stages of a build in their order, without those that have no work. `threads`: number of parallel jobs in the
-/// stages of storing, features, cells, backdrops and moving objects.
+/// Number of parallel jobs in each stage.
 struct StageThreads {
   int storing = 1, features = 1, cells = 1, backdrops = 1, movers = 1;
 };
+
+/// Returns the stages of a build in their order, without those that have no work.
 std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
                               const MachineSpeed& speed);
 

@@ -50,7 +50,7 @@ std::vector<UnusedPhotograph> photographsNotInModel(const PosedModel& model, con
   return unknown;
 }
 
-// Lists images of the model that the folder lacks, e.g. "IMG_1.jpg (there it is IMG_1.JPG), …".
+// Lists images of the model that the folder lacks, e.g. "IMG_1.jpg (the folder has IMG_1.JPG), …".
 std::string missingText(const std::vector<std::string>& missing, const fs::path& folder) {
   constexpr std::size_t kMaxListed = 5;
   const auto lowered = [](std::string text) {

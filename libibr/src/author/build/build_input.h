@@ -30,10 +30,10 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log);
 
 bool isPanorama(const Photograph& photograph);
 
-/// Cache folder of finished cells, until the scene is written or for the next build.
+/// Folder that caches finished depth, cells, backdrops and features, for a resumed or a later build.
 std::filesystem::path buildCacheFolder(const BuildOptions& options);
 
-/// Hashes what a cell or a backdrop depends on.
+/// Adds to the hash of a cache file: the file, camera and orientation of a photograph; points.
 void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t photograph);
 void addPoints(Hash& hash, const std::vector<glm::dvec3>& points);
 

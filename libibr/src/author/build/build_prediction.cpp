@@ -147,15 +147,15 @@ class Predictor {
 
   // Without tracks the compared photographs are unknown: assumes the maximum number of comparisons.
   void countMovers() {
-    const auto judges = comparisonPhotographs(input_);
-    for (std::size_t i = 0; i < judges.size(); ++i) {
+    const auto comparisons = comparisonPhotographs(input_);
+    for (std::size_t i = 0; i < comparisons.size(); ++i) {
       const Photograph& photo = input_.photographs[i];
       if (isPanorama(photo)) continue;
       const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
       const glm::ivec2 swept = sweptSize(photo.camera.intrinsics);
       work_.comparedSweptPixels += kFastScale * kFastScale * swept.x * swept.y;
       work_.comparedPixels += pixels;
-      work_.comparisonPixels += pixels * double(input_.model.tracks.empty() ? kMaxComparisons : judges[i].size());
+      work_.comparisonPixels += pixels * double(input_.model.tracks.empty() ? kMaxComparisons : comparisons[i].size());
       comparingBytes_ = std::max(comparingBytes_, bytesToCompare(photo));
       retainedBytes_ += kComparisonBytesPerPixel * pixels;
     }
@@ -196,10 +196,10 @@ class Predictor {
   void assignThreads() {
     const double held = kProgramBytes + residentMemory(), allowed = made_.memoryLimitBytes;
     double most = 0;
-    const auto threads = [&](double bytesEach, double kept, std::size_t jobs) {
-      const int side = std::min(threadsFor(options_.threads, bytesEach, std::max(allowed - held - kept, 1.0)),
+    const auto threads = [&](double bytesEach, double retained, std::size_t jobs) {
+      const int side = std::min(threadsFor(options_.threads, bytesEach, std::max(allowed - held - retained, 1.0)),
                                 int(std::max<std::size_t>(jobs, 1)));
-      most = std::max(most, held + kept + side * bytesEach);
+      most = std::max(most, held + retained + side * bytesEach);
       return side;
     };
     const std::size_t photographs = input_.photographs.size();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts the cost of a build from its input: counts and prices the work (build_cost.h), compares it with the machine.
+// Predicts the cost of a build from its input: counts the work, and converts it to time, memory and disk space of this
+// machine (build_cost.h).
 #pragma once
 
 #include "author/build/build_input.h"

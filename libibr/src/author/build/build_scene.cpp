@@ -38,7 +38,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMinCoverage = 0.05;  // min share of the image that a cell must match
+constexpr double kMinCoverage = 0.05;  // minimum share of the image that a cell must match
 
 class Builder {
  public:
@@ -188,14 +188,14 @@ class Builder {
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching replacement cells") {
       std::vector<CellResult> made(wanted.size());
-      double kept = 0, most = 0;
+      double retained = 0, most = 0;
       for (const CellMembers& members : wanted) {
         const CellWork work = maker.work(members);
-        kept += cachedCellBytes(work) / double(wanted.size());
+        retained += cachedCellBytes(work) / double(wanted.size());
         most = std::max(most, bytesToMake(work));
       }
       jobs_.runAll(
-          stage, wanted.size(), most, [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
+          stage, wanted.size(), most, [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, retained);
       std::vector<CellMembers> failed;
       for (std::size_t c = 0; c < wanted.size(); ++c)
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
@@ -312,7 +312,7 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
                                  .masks = options.masks},
                                 progress, log)
                       .model;
-  if (options.orientation == Orientation::automatic) options.orientation = Orientation::exif;  // as the files are
+  if (options.orientation == Orientation::automatic) options.orientation = Orientation::exif;  // of the estimated poses
   return options;
 }
 
@@ -327,19 +327,19 @@ BuildOptions draftOptions(BuildOptions options) {
 
 }  // namespace
 
-BuildReport build(const BuildOptions& asked, const ProgressCallback& progress, const LogCallback& log) {
+BuildReport build(const BuildOptions& requested, const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
-  checkOptions(asked);
-  const BuildOptions options = asked.draft ? draftOptions(asked) : asked;
+  checkOptions(requested);
+  const BuildOptions options = requested.draft ? draftOptions(requested) : requested;
   if (const std::string unreadable = unreadableText(scanPhotographFolder(options.photographs).unreadable);
       log && !unreadable.empty())
     log(LogLevel::warning, unreadable);
   const double before = cpuSeconds();
   if (posesFile(options).empty() && options.onPrediction) {
     const SingleThreadedOpenCv quiet;
-    BuildReport told;
-    told.prediction = predictWithoutPoses(options);
-    if (!options.onPrediction(told.prediction)) return told;
+    BuildReport cancelled;
+    cancelled.prediction = predictWithoutPoses(options);
+    if (!options.onPrediction(cancelled.prediction)) return cancelled;
   }
   const BuildOptions known = posed(options, progress, log);
   BuildReport report = Builder(known, progress, log).run();

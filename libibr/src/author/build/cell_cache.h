@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cache of cells, for resuming a build. One file a cell, named by a hash of all that the cell depends on.
+// Cache of cells, for resumed and later builds. One file per cell, named by a hash of all that the cell depends on.
 #pragma once
 
 #include <cstdint>

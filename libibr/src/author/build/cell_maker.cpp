@@ -171,8 +171,8 @@ CellResult CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const CellMatchPlan planned = planCellMatch(input_, options_, depths_, members);
   const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
-  if (auto kept = fetchCell(buildCacheFolder(options_), key))
-    return {std::move(*kept), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
+  if (auto cached = fetchCell(buildCacheFolder(options_), key))
+    return {std::move(*cached), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
   CellResult made{{}, 0, 0, false, key, planned.match.matcher};
   try {
     made.cell = panoramic ? cellOfPanoramas(input_, members, planned) : pinholeCell(input_, options_, members, planned);

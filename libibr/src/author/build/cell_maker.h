@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matches, meshes and caches one cell at a time, or reads the cell from the cache of an earlier build.
 //
-// A finished cell is cached until the scene is written, under a hash of its members' files, cameras and points. A
-// stopped build resumes from the cache, and a build with other options reuses all unchanged cells.
+// A finished cell is cached under a hash of its members' files, cameras and points, and of the options that it depends
+// on. A stopped build resumes from the cache, and a later build with other options reuses all unchanged cells.
 #pragma once
 
 #include <cstdint>

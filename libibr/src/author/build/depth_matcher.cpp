@@ -115,9 +115,9 @@ SweepView DepthMatcher::ViewImages::view() const {
   return view;
 }
 
-DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept,
+DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder,
                            const BuildJobs& jobs)
-    : input_(input), search_(search), cacheFolder_(std::move(kept)), model_(input.model) {
+    : input_(input), search_(search), cacheFolder_(std::move(cacheFolder)), model_(input.model) {
   std::vector<bool> hasNone;
   for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
   std::vector<Camera> cameras;
@@ -193,7 +193,7 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const SweepRange range = sweepRange(std::move(tracks), fromInfinity_);
   const std::filesystem::path file = cacheFile(cacheFolder_, keyOf(view, sources, range), kKind);
-  if (auto kept = fetchDepth(file)) return kept;
+  if (auto cached = fetchDepth(file)) return cached;
   SweptDepth depth = sweptDepth(sweptImages_[view].view(), viewsOf(sweptImages_, sources), range);
   const Image8& fine = refinedImages_[view].grey;
   if (search_ == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);

@@ -28,7 +28,7 @@ inline constexpr int kFineScale = 2;
 inline int finePixelFactor(DepthSearch depth) {
   return depth == DepthSearch::fine ? kFineScale * kFineScale : 1;
 }
-/// Max memory held for a view, bytes per pixel of that size: grey images and masks.
+/// Max memory held for a view, bytes per pixel of sweptSize: grey images and masks.
 inline constexpr double kViewBytesPerPixel = 10;
 
 /// Peak memory of reading the images of a photograph's views, bytes.
@@ -36,12 +36,12 @@ double bytesToReadViews(const Photograph& photograph);
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. `kept`: cache folder of depth maps. `input` must outlive the object. Throws as
-  /// loadPhotograph and BuildJobs::runAll do.
-  DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept, const BuildJobs& jobs);
+  /// Reads the photographs. `cacheFolder`: of depth maps. `input` must outlive the object. Throws as loadPhotograph and
+  /// BuildJobs::runAll do.
+  DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder, const BuildJobs& jobs);
 
   /// Depth of one of the photographs' depthViews(), at sweptSize() (DepthSearch::fine: kFineScale times that). Returns
-  /// nullopt if no other view overlaps. Cached as cells are. Thread-safe.
+  /// nullopt if no other view overlaps. Uses the cache. Thread-safe.
   std::optional<SweptDepth> match(std::size_t view) const;
 
   /// Peak memory of `match`, bytes, in addition to the data held of each photograph from the beginning.
@@ -68,7 +68,7 @@ class DepthMatcher {
   PosedModel model_;  // the input's model; photographs without tracks get assumed ones
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
-  bool fromInfinity_ = false;  // most views reach infinity: then views of roofs see the sky too
+  bool fromInfinity_ = false;                            // all sweeps start at infinity (mostReachInfinity)
   std::vector<ViewImages> sweptImages_, refinedImages_;  // of the views: to sweep, and to refine (if isRefined)
 };
 

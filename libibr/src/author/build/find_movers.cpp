@@ -14,7 +14,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMinSharedTracks = 20;  // tracks
+constexpr std::size_t kMinSharedTracks = 20;  // of photographs that are compared
 constexpr double kBytesPerPixel = 200;        // per matched pixel of a photograph, while it is compared
 
 ComparedView compareWithOthers(const BuildInput& input, const PhotographDepth& depth,

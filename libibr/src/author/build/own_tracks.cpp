@@ -55,7 +55,7 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   if (log)
     log(LogLevel::info,
         fmt::format(
-            "{} pairs of photographs have few tracks or none: found {} of our own with a median reprojection error of "
+            "{} pairs of photographs have few tracks or none: found {} own tracks with a median reprojection error of "
             "{:.2f} px",
             pairs.size(), found.tracks.size(), error));
   input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),

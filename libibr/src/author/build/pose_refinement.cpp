@@ -131,9 +131,9 @@ class Fits {
     const auto attempt = [&](const char* by, const Fit& fit) {
       const std::vector<double> now = heldOutCosts(fit);
       PoseRefinement::Step step{by, improvement(costs, now, true), improvement(costs, now, false)};
-      const bool told = !std::isnan(step.cellsGainSigmas) || !std::isnan(step.modelGainSigmas);
+      const bool measured = !std::isnan(step.cellsGainSigmas) || !std::isnan(step.modelGainSigmas);
       step.accepted =
-          told && !(step.cellsGainSigmas < kMinStandardErrors) && !(step.modelGainSigmas < kMinStandardErrors);
+          measured && !(step.cellsGainSigmas < kMinStandardErrors) && !(step.modelGainSigmas < kMinStandardErrors);
       steps.push_back(step);
       if (!step.accepted) return;
       best = fit;
@@ -245,8 +245,8 @@ PoseRefinement refinePoses(BuildInput& input, const std::vector<Cell>& cells) {
   }
   for (std::size_t t = 0; t < input.model.tracks.size(); ++t) {
     const glm::dvec4& point = after.points[problem.ofCells + t];
-    const glm::dvec3 place = back(glm::dvec3(point) / point.w);
-    if (std::isfinite(place.x + place.y + place.z)) input.model.tracks[t].position = place;
+    const glm::dvec3 position = back(glm::dvec3(point) / point.w);
+    if (std::isfinite(position.x + position.y + position.z)) input.model.tracks[t].position = position;
   }
   return report;
 }

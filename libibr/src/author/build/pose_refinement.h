@@ -8,10 +8,9 @@
 //   2. bundle adjustments (bundle_adjust.h), in px of the matched size, in three steps: poses by the model's tracks;
 //      poses by the cells' tracks too; intrinsics too. Photographs that share intrinsics still do afterwards. Lenses
 //      with distortion keep their intrinsics, since their photographs were undistorted with them
-//   3. a step is accepted only if, fitted to half of the points, it fits the other half better by 3 standard errors:
-//   for
-//      the cells' and for the model's points (cross_validation.h). Dense matches are biased towards the poses they were
-//      made with, and their errors are correlated; alone they would move good poses
+//   3. a step is accepted only if, fitted to half of the points, it fits the other half better by 3 standard errors,
+//      both for the cells' and for the model's points (cross_validation.h). Dense matches are biased towards the poses
+//      they were made with, and their errors are correlated; alone they would move good poses
 //   4. a similarity moves the cameras back: origin, orientation and scale of the world are kept
 #pragma once
 

@@ -6,8 +6,9 @@
 //                 pixels is itself confirmed
 //   t             1 step + 0.4 % of ρ + the parallax of the reprojection residual
 //
-// Only photographs with a parallax of at least 1.5° at the point count. A far too large depth has a small parallax from
-// everywhere; against it count photographs that see a different confirmed depth there.
+// Only photographs with a parallax of at least 1.5° at the point confirm or contradict. A far too large depth has a
+// small parallax from everywhere. A photograph with a smaller parallax therefore counts as a usable source if it has a
+// different, confirmed depth there.
 #pragma once
 
 #include <cstddef>

@@ -23,9 +23,8 @@ std::vector<Camera> depthFaces(const Camera& panorama);
 /// Width and height of the faces, px, for a panorama of this width.
 int depthFaceSize(int panoramaWidth);
 
-/// Map of `panorama`: a pixel takes the nearest pixel of the face that contains its direction. Inverse depth
-/// along a face's axis is converted to inverse distance along the ray. `faces`: of depthFaces(), at any
-/// sizes.
+/// Map of `panorama`: a pixel takes the nearest pixel of the face that contains its direction. Inverse depth along a
+/// face's axis is converted to inverse distance along the ray. `faces`: of depthFaces(), at any sizes.
 MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> faces);
 
 }  // namespace ibr

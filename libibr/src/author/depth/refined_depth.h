@@ -5,6 +5,7 @@
 // Each pixel has a plane. Its cost is the mean over the better two thirds of at most five sources of 1 − ZNCC of 5×5
 // samples, 2 px of the fine image apart, weighted by exp(−|difference from the middle sample| / 25). The sources are
 // those that agree best with the swept depth.
+//
 // Three scans, forward and backward in turn, try at each pixel: the planes of the two neighbours visited before; the
 // own plane moved by ± 0.35, 0.18, 0.09 of a level; a random slope. A plane is taken if its cost is lower by
 // kMinGain. Where the mean cost of 5×5 pixels stays above kMaxCost, the swept depth is kept.

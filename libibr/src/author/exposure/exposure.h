@@ -6,10 +6,9 @@
 // reweighted least squares: first for the least sum of absolute residuals, then with Tukey's weights, which exclude
 // moving objects, highlights and wrong matches.
 //
-// Gauge: connected photographs have log gains of mean 0, so that a scene becomes neither brighter nor tinted.
-// Parts of a scene without common matches each keep their own mean, since no image shows them together. A
-// photograph without matches has a gain of 1, or one derived from its EXIF data relative to other photographs of
-// its camera.
+// Gauge: connected photographs have log gains of mean 0, so that a scene becomes neither brighter nor tinted. Parts of
+// a scene without common matches each keep their own mean, since no image shows them together. A photograph without
+// matches has a gain of 1, or one derived from its EXIF data relative to other photographs of its camera.
 #pragma once
 
 #include <cstdint>

@@ -47,7 +47,7 @@ class CellPlanner {
   std::vector<CellMembers> replacementFaces(const std::vector<CellMembers>& failed,
                                             const std::vector<CellMembers>& made);
 
-  /// CellJudge::score (choose_cells.h).
+  /// Returns CellJudge::score (choose_cells.h).
   double score(const CellMembers& members) const;
 
   /// Reason why no cell was planned for a photograph, for people.

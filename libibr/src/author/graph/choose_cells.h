@@ -5,10 +5,9 @@
 //              refused simplex is replaced by its faces, a refused face by its edges
 //   pruned     faces of accepted cells; replacements whose middle lies in another cell of the group; replacement edges
 //              that are not relative neighbours
-//   wide       lines between photographs whose axes are more than θ apart, as in rings around an object. Added
-//              where a photograph would remain alone, at the end of a chain, or unconnected, although it shares
-//              much with others: between relative neighbours among the photographs
-//              that share much
+//   wide       lines between photographs whose axes are more than θ apart, as in rings around an object. Added where a
+//              photograph would remain alone, at the end of a chain, or unconnected, although it shares much with
+//              others: between relative neighbours among the photographs that share much
 #pragma once
 
 #include <map>

@@ -68,9 +68,9 @@ std::vector<glm::dvec3> cornersOf(const Views& views, std::span<const std::uint3
 }
 
 std::vector<glm::dvec3> siteCentresOf(const Views& views, std::span<const std::uint32_t> group) {
-  std::vector<glm::dvec3> places;
-  for (const std::uint32_t i : group) places.push_back(views.siteCentre[views[i].site]);
-  return places;
+  std::vector<glm::dvec3> positions;
+  for (const std::uint32_t i : group) positions.push_back(views.siteCentre[views[i].site]);
+  return positions;
 }
 
 }  // namespace ibr

@@ -87,7 +87,7 @@ std::vector<int> levelsOf(const std::vector<double>& coordinates, double step) {
 }
 
 // Coordinates along axes that are not exactly at right angles.
-std::vector<std::vector<double>> coordinatesOf(std::span<const glm::dvec3> places, const std::vector<Axis>& axes) {
+std::vector<std::vector<double>> coordinatesOf(std::span<const glm::dvec3> positions, const std::vector<Axis>& axes) {
   glm::dmat3 frame(1.0);
   for (std::size_t a = 0; a < axes.size(); ++a) frame[int(a)] = axes[a].direction;
   if (axes.size() == 1) {
@@ -97,8 +97,8 @@ std::vector<std::vector<double>> coordinatesOf(std::span<const glm::dvec3> place
   if (axes.size() < 3) frame[2] = glm::normalize(glm::cross(frame[0], frame[1]));
   const glm::dmat3 inverse = glm::inverse(frame);
   std::vector<std::vector<double>> coordinates(3);
-  for (const glm::dvec3& place : places)
-    for (int a = 0; a < 3; ++a) coordinates[std::size_t(a)].push_back((inverse * (place - places[0]))[a]);
+  for (const glm::dvec3& position : positions)
+    for (int a = 0; a < 3; ++a) coordinates[std::size_t(a)].push_back((inverse * (position - positions[0]))[a]);
   return coordinates;
 }
 
@@ -113,17 +113,17 @@ glm::dvec3 laidOut(const std::array<int, 3>& levels, int rank) {
 
 }  // namespace
 
-std::optional<Lattice> findLattice(std::span<const glm::dvec3> places) {
-  if (places.size() < 3) return std::nullopt;
-  const std::vector<TreeEdge> tree = spanningTree(places);
+std::optional<Lattice> findLattice(std::span<const glm::dvec3> positions) {
+  if (positions.size() < 3) return std::nullopt;
+  const std::vector<TreeEdge> tree = spanningTree(positions);
   if (!(tree.front().length > 1e-9 * tree.back().length)) return std::nullopt;
   std::vector<glm::dvec3> edges;
-  for (const TreeEdge& edge : tree) edges.push_back(places[edge.a] - places[edge.b]);
+  for (const TreeEdge& edge : tree) edges.push_back(positions[edge.a] - positions[edge.b]);
   std::vector<Axis> axes = axesOf(std::move(edges));
   if (axes.empty()) return std::nullopt;
 
-  Lattice lattice{int(axes.size()), std::vector<std::array<int, 3>>(places.size(), {0, 0, 0})};
-  const std::vector<std::vector<double>> coordinates = coordinatesOf(places, axes);
+  Lattice lattice{int(axes.size()), std::vector<std::array<int, 3>>(positions.size(), {0, 0, 0})};
+  const std::vector<std::vector<double>> coordinates = coordinatesOf(positions, axes);
   double whole = 1;
   std::vector<std::vector<int>> levels;
   const double shortest =
@@ -135,25 +135,25 @@ std::optional<Lattice> findLattice(std::span<const glm::dvec3> places) {
     if ((count > 1) != (a < axes.size())) return std::nullopt;
     whole *= count;
   }
-  if (double(places.size()) < kMinFilledShare * whole) return std::nullopt;
+  if (double(positions.size()) < kMinFilledShare * whole) return std::nullopt;
 
   // Sorts the axes by the levels of the first positions, so that the world's rotation has no effect.
   std::vector<std::size_t> order(axes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return levels[a] < levels[b]; });
   std::set<std::array<int, 3>> taken;
-  for (std::size_t p = 0; p < places.size(); ++p) {
+  for (std::size_t p = 0; p < positions.size(); ++p) {
     for (std::size_t a = 0; a < order.size(); ++a) lattice.levels[p][a] = levels[order[a]][p];
     if (!taken.insert(lattice.levels[p]).second) return std::nullopt;
   }
   return lattice;
 }
 
-int extent(const Lattice& lattice, std::span<const std::uint32_t> places) {
+int extent(const Lattice& lattice, std::span<const std::uint32_t> positions) {
   int axes = 0;
   for (std::size_t a = 0; a < 3; ++a)
-    axes += std::any_of(places.begin(), places.end(),
-                        [&](std::uint32_t p) { return lattice.levels[p][a] != lattice.levels[places[0]][a]; });
+    axes += std::any_of(positions.begin(), positions.end(),
+                        [&](std::uint32_t p) { return lattice.levels[p][a] != lattice.levels[positions[0]][a]; });
   return axes;
 }
 

@@ -55,9 +55,9 @@ Frame principalFrame(std::vector<glm::dvec3> positions) {
   return frame;
 }
 
-// Simplices of indices into `places`.
-std::vector<Simplex> splitPositions(std::vector<glm::dvec3> places) {
-  const Frame frame = principalFrame(std::move(places));
+// Simplices of indices into `positions`.
+std::vector<Simplex> splitPositions(std::vector<glm::dvec3> positions) {
+  const Frame frame = principalFrame(std::move(positions));
   std::vector<Simplex> simplices;
   if (frame.rank == 3) {
     for (const glm::uvec4& t : delaunayTetrahedra(frame.positions)) simplices.push_back({t.x, t.y, t.z, t.w});
@@ -77,23 +77,23 @@ std::vector<Simplex> splitPositions(std::vector<glm::dvec3> places) {
 // A group's positions on the lattice of all sites, or on an own one. No simplices if the positions span none.
 struct LatticeSplit {
   Lattice lattice;
-  std::vector<std::uint32_t> place;  // for each view of the group: index into lattice.levels
-  std::vector<Simplex> simplices;    // of views
+  std::vector<std::uint32_t> position;  // for each view of the group: index into lattice.levels
+  std::vector<Simplex> simplices;       // of views
 };
 
 std::optional<LatticeSplit> onLattice(const Views& views, const ViewGroup& group) {
   LatticeSplit split;
   if (views.lattice) {
     split.lattice = *views.lattice;
-    for (const std::uint32_t i : group) split.place.push_back(views[i].site);
+    for (const std::uint32_t i : group) split.position.push_back(views[i].site);
   } else if (auto own = findLattice(siteCentresOf(views, group))) {
     split.lattice = std::move(*own);
-    split.place.resize(group.size());
-    std::iota(split.place.begin(), split.place.end(), 0u);
+    split.position.resize(group.size());
+    std::iota(split.position.begin(), split.position.end(), 0u);
   } else {
     return std::nullopt;
   }
-  split.simplices = splitLattice(split.lattice, split.place);
+  split.simplices = splitLattice(split.lattice, split.position);
   if (split.simplices.empty()) return std::nullopt;
   return split;
 }
@@ -116,10 +116,11 @@ std::vector<Simplex> alongAxes(const LatticeSplit& split, const ViewGroup& group
   std::set<Simplex> along;
   for (const Simplex& simplex : split.simplices)
     for (const Simplex& part : partsWith(simplex, members)) {
-      std::vector<std::uint32_t> places;
+      std::vector<std::uint32_t> positions;
       for (const std::uint32_t i : part)
-        places.push_back(split.place[std::size_t(std::lower_bound(group.begin(), group.end(), i) - group.begin())]);
-      if (extent(split.lattice, places) < int(members)) along.insert(part);
+        positions.push_back(
+            split.position[std::size_t(std::lower_bound(group.begin(), group.end(), i) - group.begin())]);
+      if (extent(split.lattice, positions) < int(members)) along.insert(part);
     }
   return {along.begin(), along.end()};
 }

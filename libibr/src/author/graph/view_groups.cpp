@@ -78,9 +78,9 @@ std::vector<ViewGroup> orientationGroups(const Views& views) {
 }
 
 std::vector<ViewGroup> partsOf(const Views& views, const ViewGroup& group) {
-  const std::vector<glm::dvec3> places = siteCentresOf(views, group);
-  if (views.lattice || findLattice(places)) return {group};
-  const std::vector<TreeEdge> tree = spanningTree(places);
+  const std::vector<glm::dvec3> positions = siteCentresOf(views, group);
+  if (views.lattice || findLattice(positions)) return {group};
+  const std::vector<TreeEdge> tree = spanningTree(positions);
   const double limit = kMinBridgeRatio * tree[tree.size() / 2].length;
   const auto bridges =
       std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > limit; });

@@ -14,9 +14,9 @@
 
 namespace ibr {
 
-/// Returns D_f ([H] Alg. 4) of each of `faces` (indices into the mesh's triangles), in their order. NaN or
-/// infinite: unknown. Triangles with three equal corners are removed faces. Vertices and faces keep their
-/// indices from call to call.
+/// Returns D_f ([H] Alg. 4) of each of `faces` (indices into the mesh's triangles), in their order. NaN or infinite:
+/// unknown. Triangles with three equal corners are removed faces. Vertices and faces keep their indices from call to
+/// call.
 using FaceDifferences =
     std::function<std::vector<double>(const TriangleMesh& mesh, std::span<const std::uint32_t> faces)>;
 

@@ -20,9 +20,8 @@ std::vector<FaceVisibility> faceVisibility(const TriangleMesh& mesh, std::span<c
 /// Returns for each vertex the cameras that see a face at the vertex.
 std::vector<CameraSet> vertexVisibility(const TriangleMesh& mesh, std::span<const FaceVisibility> faces);
 
-/// Returns 255 inside the object, falling to 1 over `softPx` towards the background and towards edges
-/// where the mesh hides itself. The background is outside the mask or, without a mask, outside the mesh.
-/// Only the background is 0.
+/// Returns 255 inside the object, falling to 1 over `softPx` towards the background and towards edges where the mesh
+/// hides itself. The background is outside the mask or, without a mask, outside the mesh. Only the background is 0.
 Image8 softVisibility(const ProjectedMesh& view, double softPx);
 
 }  // namespace ibr

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cached files of a build, until it is finished or for the next one, named by a hash of all that they depend on. Only
-// for builds on one machine: numbers are stored in native layout, with a hash of them at the end.
+// Cached files of a build, for resuming it and for later ones, named by a hash of all that they depend on. Only for
+// builds on one machine: numbers are stored in native layout, with a hash of them at the end.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,7 @@
 
 namespace ibr {
 
+/// Path of a cache file. `kind`: its extension.
 std::filesystem::path cacheFile(const std::filesystem::path& folder, std::uint64_t key, const char* kind);
 
 /// Writes a cached file. Throws Error{io}.

@@ -13,8 +13,8 @@
 
 namespace ibr {
 
-/// A member's reliable depth. `camera` has the map's size. ρ is along the axis for a pinhole, along
-/// the ray for a panorama.
+/// A member's reliable depth. `camera` has the map's size. ρ is along the axis for a pinhole, along the ray for a
+/// panorama.
 struct MemberDepth {
   Camera camera;
   ImageF inverseDepth;  // 1 / world unit; 0 in the sky; negative if unknown

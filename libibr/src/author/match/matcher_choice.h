@@ -17,8 +17,8 @@ inline constexpr double kMaxSweepErrorPx = 1.0;  // maximum median reprojection 
 double cellReprojectionError(const PosedModel& model, std::span<const std::uint32_t> members,
                              std::span<const Camera> cameras, std::span<const std::uint32_t> tracks);
 
-/// Resolves `wanted`: `automatic` becomes the sweep if the (adjusted) poses reproject within
-/// kMaxSweepErrorPx, else the flow.
+/// Resolves `wanted`: `automatic` becomes the sweep if the (adjusted) poses reproject within kMaxSweepErrorPx, else the
+/// flow.
 MatchMethod resolveMatcher(MatchMethod wanted, double reprojectionPx);
 
 struct CellMatchOptions {

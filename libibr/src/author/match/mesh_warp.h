@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dense map between two images from sparse matches: the dominant homography, corrected by linear
-// interpolation between matches.
+// Dense map between two images from sparse matches: the dominant homography, corrected by linear interpolation between
+// matches.
 #pragma once
 
 #include <glm/vec2.hpp>

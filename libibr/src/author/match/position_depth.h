@@ -17,9 +17,9 @@ struct PositionDepth {
 PositionDepth positionDepth(std::span<const FrameToMember> maps, glm::dvec2 pixel,
                             std::span<const glm::dvec2> positions);
 
-/// Fills inverseDepth and inverseDepthStep of a match with known frame and positions. A pixel gets the depth
-/// of its positions; a step moves the members by 1 px relative to each other (median). Poses without parallax
-/// give 0 and a step of 1.
+/// Fills inverseDepth and inverseDepthStep of a match with known frame and positions. A pixel gets the depth of its
+/// positions; a step moves the members by 1 px relative to each other (median). Poses without parallax give 0 and a
+/// step of 1.
 void depthFromPositions(DenseMatch& match, std::span<const Camera> cameras);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds objects that moved while a capture site was photographed: people, cars. They appear in one photograph only.
+// Finds objects that moved while a scene was photographed: people, cars. They appear in one photograph only.
 //
 //   1. depth from the photograph's sweep (photograph_sweep.h), kept where another photograph looks alike at that depth;
 //      elsewhere completed from around (complete_depth.h): the depth of the background, not of a person
@@ -40,8 +40,8 @@ struct MoverParameters {
   double maxStaticShare = 0.1;   // of a region that looks alike at tried depths: people .00 to .06, static mostly > .2
   double maxThinWidth = 0.003;   // of an edge, share of the image's width
   double minArea = 0.001;        // of a region, share of the image's area
-  double maxArea = 0.25;         // of all regions likewise: more, and no photograph can judge
-  double minAgreement = 0.68;    // share of a region's surroundings that a judging photograph shows alike
+  double maxArea = 0.25;         // upper limit of one region and of all together; above it regions are dropped
+  double minAgreement = 0.68;    // share of a region's surroundings that another photograph must show alike
   double minKnownShare = 0.15;   // share of the surroundings with measured depth
   int minMarginPx = 16;          // around a region, in which matching patches are searched
   int minMarginMatches = 200;    // pixels in that margin that look alike
@@ -75,8 +75,8 @@ struct DifferingRegions {
 
 inline constexpr int kDepthStep = 4;
 
-/// `others`: at least one, of the same capture site, pinholes like `view`. `depth`: inverse, along the view's axis, at
-/// any size; kUnknownDepth where unknown.
+/// `others`: at least one photograph that shows the same surfaces, pinholes like `view`. `depth`: inverse, along the
+/// view's axis, at any size; kUnknownDepth where unknown.
 DifferingRegions differingRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth,
                                   const MoverParameters& parameters = {});
 

@@ -2,7 +2,8 @@
 // Decides, from all detected moving objects (movers.h), the mask of each photograph: every surface stays visible in at
 // least one photograph, and a moving object is shown consistently.
 //
-//   1. an unsure region is its own photograph's if another photograph says so
+//   1. an unsure region becomes its photograph's own if other photographs' regions attribute enough of it to that
+//      photograph
 //   2. a photograph's own regions are masked if another photograph shows the background
 //   3. a region that hides too much that no other photograph shows is kept whole. The area is then masked in the
 //      others, so that all views show that one photograph's state. The regions that hide most are decided first

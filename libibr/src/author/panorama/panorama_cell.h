@@ -21,10 +21,9 @@ struct PanoramaView {
   Image8 mask;     // of the picture's size, 0 where ignored; empty: no mask
 };
 
-/// Matches the panoramas face by face and returns the mesh of the cell between them, labelled.
-/// `points`: world points that the members see, which bound the depths; without any, surfaces nearer than half of the
-/// members' distance are not found. Coverage is the share of the sphere. Precondition: 2 to 4 views at different
-/// positions. Throws Error.
+/// Matches the panoramas face by face and returns the labelled mesh of the cell between them. `points`: world points
+/// that the members see, which bound the depths; without any, surfaces nearer than half of the members' distance are
+/// not found. Coverage is the share of the sphere. Precondition: 2 to 4 views at different positions. Throws Error.
 CellMesh makePanoramaCell(std::span<const PanoramaView> views, std::span<const glm::dvec3> points,
                           const MatchOptions& options = {});
 

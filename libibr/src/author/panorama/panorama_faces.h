@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cube of pinhole images on which panoramas are matched ([T] §4.2); results are
-// mapped back to the sphere.
+// Cube of pinhole images on which panoramas are matched ([T] §4.2); results are mapped back to the sphere.
 #pragma once
 
 #include <array>

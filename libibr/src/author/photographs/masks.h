@@ -63,8 +63,8 @@ inline bool isIgnored(const Image8& mask, glm::vec2 at) {
 /// blocks mix in hidden colours. Precondition: equal sizes.
 Image8 withMask(const Image8& rgb, const Image8& mask);
 
-/// RGB with masked pixels filled from around, so that no features are found there. Precondition:
-/// equal sizes, or no mask.
+/// RGB with masked pixels filled from around, so that no features are found there. Precondition: equal sizes, or no
+/// mask.
 Image8 fillMasked(const Image8& rgb, const Image8& mask);
 
 /// Removes the image's observations that its mask, of any size, covers. `tracks`: the tracks with an observation in the

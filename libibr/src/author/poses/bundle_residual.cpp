@@ -65,27 +65,28 @@ std::optional<glm::dvec2> seenAt(const Camera& camera, const glm::dvec4& point) 
 }
 
 std::optional<BundleResidual> bundleResidual(const Camera& start, const AnchoredPoint& point, glm::dvec2 pixel,
-                                             const double* pose, const double* lens, const double* place,
+                                             const double* pose, const double* lens, const double* pointUnknowns,
                                              bool derivatives) {
   const Camera camera = movedCamera(start, pose, lens);
   const Intrinsics& k = camera.intrinsics;
   const glm::dmat3 toCamera = glm::mat3_cast(glm::conjugate(camera.pose.rotation));
   const glm::dvec3 shift = toCamera * (point.anchor - camera.pose.position);
-  const glm::dvec3 q = toCamera * (point.direction + place[0] * point.e1 + place[1] * point.e2) + place[2] * shift;
+  const glm::dvec3 q = toCamera * (point.direction + pointUnknowns[0] * point.e1 + pointUnknowns[1] * point.e2) +
+                       pointUnknowns[2] * shift;
   if (!(q.z < 0)) return std::nullopt;
   const glm::dvec2 fromCentre(-k.fx * q.x / q.z, k.fy * q.y / q.z);
   BundleResidual found;
   found.off = glm::dvec2(k.cx, k.cy) + fromCentre - pixel;
   if (!derivatives) return found;
 
-  const std::array<glm::dvec3, 2> byPlace{glm::dvec3(-k.fx / q.z, 0, -fromCentre.x / q.z),
-                                          glm::dvec3(0, k.fy / q.z, -fromCentre.y / q.z)};
+  const std::array<glm::dvec3, 2> byPosition{glm::dvec3(-k.fx / q.z, 0, -fromCentre.x / q.z),
+                                             glm::dvec3(0, k.fy / q.z, -fromCentre.y / q.z)};
   const glm::dmat3 turning = rightJacobian(vec(pose));
   const glm::dvec3 e1 = toCamera * point.e1, e2 = toCamera * point.e2;
   for (int r = 0; r < 2; ++r) {
-    const glm::dvec3& g = byPlace[std::size_t(r)];
+    const glm::dvec3& g = byPosition[std::size_t(r)];
     const glm::dvec3 byTurn = glm::transpose(turning) * glm::cross(g, q);  // a rotation by ε moves q by q × J_r ε
-    const glm::dvec3 byShift = -place[2] * (glm::transpose(toCamera) * g);
+    const glm::dvec3 byShift = -pointUnknowns[2] * (glm::transpose(toCamera) * g);
     found.poseJacobian[std::size_t(r)] = {byTurn.x, byTurn.y, byTurn.z, byShift.x, byShift.y, byShift.z};
     found.lensJacobian[std::size_t(r)] = {fromCentre[r], r == 0 ? 1.0 : 0.0, r == 1 ? 1.0 : 0.0};
     found.pointJacobian[std::size_t(r)] = {glm::dot(g, e1), glm::dot(g, e2), glm::dot(g, shift)};

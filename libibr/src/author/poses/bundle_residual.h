@@ -40,7 +40,7 @@ struct BundleResidual {
 
 /// nullopt if the point is behind the camera. Without `derivatives` these are left unset.
 std::optional<BundleResidual> bundleResidual(const Camera& start, const AnchoredPoint& point, glm::dvec2 pixel,
-                                             const double* pose, const double* lens, const double* place,
+                                             const double* pose, const double* lens, const double* pointUnknowns,
                                              bool derivatives);
 
 }  // namespace ibr

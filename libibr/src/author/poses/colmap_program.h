@@ -20,8 +20,7 @@ class ColmapProgram {
   ColmapProgram(std::string program, std::filesystem::path folder, const ProgressCallback& progress)
       : program_(std::move(program)), folder_(std::move(folder)), progress_(progress) {}
 
-  /// Prefixes of options that were renamed in COLMAP 4. Throws Error{io} if the
-  /// program cannot be started.
+  /// Prefixes of options that were renamed in COLMAP 4. Throws Error{io} if the program cannot be started.
   struct OptionNames {
     std::string extraction, matching;
   };

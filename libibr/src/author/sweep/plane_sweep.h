@@ -28,8 +28,7 @@ struct CostVolume {
 inline constexpr std::int16_t kNoLevel = -1;
 inline constexpr int kPlaneReach = 2;  // levels in front of and behind a plane that count as the plane's
 
-/// `planes`: as from dominantPlanes, in px of `frame`; planes with little slant are skipped,
-/// since they gain nothing.
+/// `planes`: as from dominantPlanes, in px of `frame`; planes with little slant are skipped, since they gain nothing.
 CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& levels,
                       std::span<const glm::dvec3> planes = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes of the formats that libibr uses.
+// Properties of the formats that libibr uses: encoding and sizes.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Device memory: one allocation per resource. Cells and photographs share few resources.
+// Device memory: one allocation per buffer or image. Cells share buffers and photographs share texture arrays, so a
+// scene needs few allocations.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

@@ -36,10 +36,10 @@ struct GraphicsPipelineInfo {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; null: dynamic rendering
   std::span<const VkFormat> colourFormats;     // for dynamic rendering
-  VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written, untested but for depthTest
+  VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written, and tested with depthTest
   bool attachments = true;                     // false: dynamic rendering without any; fragments only store
-  bool depthTest = false;                      // passes if less,
-  bool depthEqual = false;                     // or with this flag if equal
+  bool depthTest = false;                      // a fragment passes if its depth is less
+  bool depthEqual = false;                     // it also passes if its depth is equal
   bool depthWrite = false;
   bool depthClamp = false;
   Blending blending = Blending::replace;

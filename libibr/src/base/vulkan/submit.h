@@ -12,11 +12,10 @@
 
 namespace ibr {
 
-/// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this
-/// lock.
+/// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this lock.
 [[nodiscard]] std::unique_lock<std::mutex> lockQueue(std::mutex* queueMutex);
 
-/// vkDeviceWaitIdle, which uses the queue. Marks the device lost if the call reports that (Device::isLost).
+/// Calls vkDeviceWaitIdle with the queue locked. Marks the device lost if the call reports VK_ERROR_DEVICE_LOST.
 VkResult waitIdle(const Device& device);
 
 /// A reusable command buffer. The device must outlive the object.

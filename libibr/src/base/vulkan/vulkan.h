@@ -10,7 +10,7 @@
 
 namespace ibr {
 
-/// The enumerator, such as "VK_ERROR_DEVICE_LOST"; "an unknown VkResult" for those of extensions not used here.
+/// The enumerator, such as "VK_ERROR_DEVICE_LOST"; "unknown VkResult" for those of extensions that libibr does not use.
 const char* resultName(VkResult result) noexcept;
 
 /// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) with call and result unless VK_SUCCESS.
@@ -22,7 +22,7 @@ void vk(const Device& device, VkResult result, const char* call);
 /// Throws Error{deviceLost} with the call if the device is lost; used before the call is made.
 void checkAlive(const Device& device, const char* call);
 
-/// True if the loader or a driver has the instance extension, or with `layer` that layer has. Throws as vk().
+/// True if the loader or a driver has the instance extension; with `layer`, if that layer has it. Throws as vk().
 bool hasInstanceExtension(std::string_view name, const char* layer = nullptr);
 
 }  // namespace ibr

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requirements on a physical device, the lacks of each device, and the choice of one.
+// Lists physical devices with the requirements that each one lacks, and chooses one.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

@@ -25,8 +25,8 @@ class Canvas {
   static constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
   static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-  /// `extraUsage`: usage of the colour image besides drawing, sampling and copying from. `layers`: with 2, every draw
-  /// goes into both layers, with gl_ViewIndex 0 and 1 (VK_KHR_multiview).
+  /// `extraUsage`: usage of the colour image besides drawing, sampling and copying from it. `layers`: with 2, every
+  /// draw goes into both layers, with gl_ViewIndex 0 and 1 (VK_KHR_multiview).
   Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags extraUsage = 0, std::uint32_t layers = 1);
 
   VkRenderPass renderPass() const noexcept { return renderPass_.get(); }  // subpass 0: one colour attachment and depth

@@ -35,8 +35,8 @@ struct SpirvInterface {
 SpirvInterface spirvInterface(std::span<const std::uint32_t> words);
 
 /// Reasons why `other` cannot replace `own` in pipelines made for `own`, one per line; empty if it can. The replacement
-/// must have the same stage, entry point, workgroup, inputs, outputs and specialisation constants. Further, no other
-/// bindings, at most as many bytes of push constants, and no additional device features.
+/// must have the same stage, entry point, workgroup, inputs, outputs and specialisation constants. It must have no
+/// other bindings, at most as many bytes of push constants, and no additional device features.
 std::string interfaceMismatch(const SpirvInterface& own, const SpirvInterface& other);
 
 }  // namespace ibr

@@ -73,7 +73,7 @@ class CellPass {
   };
 
   const GpuScene::State* scene_;
-  std::uint32_t views_, maxItems_;  // largest number of a plan; of a draw list
+  std::uint32_t views_, maxItems_;  // maximum numbers of views of a plan and of items of a draw list
   bool crossFades_;                 // parameters have room for the previous order
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;

@@ -49,7 +49,7 @@ std::uint32_t methodOf(ColourTable table) {
   return shader::kMapPreserving;
 }
 
-// True if the proxy shows the item: a wanted cell whose table is needed.
+// True if the proxy shows the item: a planned cell, not one that fades out, whose table is needed.
 bool isCounted(const FramePlan& plan, const DrawItem& item) {
   return item.cell != kNoCell && plan.cells[item.cell].colourTableNeeded;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps the colours of a frame's cells ([T] §2.5.3), our way and the paper's.
+// Maps the colours of a frame's cells ([T] §2.5.3): ColourMapping::ours, and the paper's sequence.
 //
 // Ours: a small image of tier 0 of each cell, the proxy, is drawn first, as tiles side by side in the canvas. Textures
 // have the detail of the full image. One compute pass counts raw colours by owner, one workgroup makes all tables, and
-// the cell pass applies the tables. The canvas is large enough for the tiles, so the proxy needs no memory.
+// the cell pass applies the tables. The canvas has room for the tiles, so the proxy needs no memory of its own.
 //
 // Paper: front to back, cell by cell: copy the framebuffer, count or write in a fragment stage, make a table, and apply
 // the table by compute over all pixels or by redraw. Meshes, textures, filters and culling are the same as in ours.

@@ -3,7 +3,8 @@
 // by side (ours), or from the paper's sequence.
 //
 // For each slot of the plan, the table that is shown and the table that it moves to stay from frame to frame. All other
-// data lasts one frame. Each slot stores its cell, so a plan that is recorded and never submitted does no harm.
+// data lasts one frame. Each slot stores its cell, so a plan that is recorded and never submitted has no lasting
+// effect.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

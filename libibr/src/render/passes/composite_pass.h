@@ -14,8 +14,8 @@ namespace ibr {
 
 class CompositePass {
  public:
-  /// `eyes`: canvas of both eyes, composed too. `previous`: canvas of the previous draw order. `fill`: colours of empty
-  /// pixels. Each may be null. `hidden`: the options have a hidden area.
+  /// `eyes`: canvas of both eyes, also a source. `previous`: canvas of the previous draw order. `fill`: colours of
+  /// empty pixels. Each may be null. `hidden`: the options have a hidden area.
   CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* previous, const FillPass* fill,
                 const RendererOptions& options, bool hidden);
 

@@ -18,10 +18,11 @@ shader::FloorConstants floorConstants(const FramePlan& plan, std::size_t view) n
   const glm::dvec3 along = glm::normalize(glm::cross(reference, plane.up));
   const glm::dmat3 toPlane = glm::transpose(glm::dmat3(glm::cross(plane.up, along), plane.up, along));
   const glm::dmat3 toRay({1 / k.fx, 0, 0}, {0, -1 / k.fy, 0}, {-k.cx / k.fx, k.cy / k.fy, -1});
-  const glm::dvec3 place = toPlane * eye.pose.position / plane.spacing;  // double: single precision loses the fraction
+  // In double precision, since single precision would lose the fraction.
+  const glm::dvec3 position = toPlane * eye.pose.position / plane.spacing;
   constants.toPlane = glm::mat3(toPlane * glm::mat3_cast(eye.pose.rotation) * toRay);
-  constants.height = float(place.y - plane.height / plane.spacing);
-  constants.origin = {float(place.x - std::floor(place.x)), float(place.z - std::floor(place.z))};
+  constants.height = float(position.y - plane.height / plane.spacing);
+  constants.origin = {float(position.x - std::floor(position.x)), float(position.z - std::floor(position.z))};
   constants.fadeRadius = float(plane.fadeRadius / plane.spacing);
   return constants;
 }

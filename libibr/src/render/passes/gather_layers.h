@@ -22,7 +22,6 @@ class GatherLayers {
                VkDescriptorSetLayout viewLayout);
 
   /// Outside a render pass. Waits for reads of the previous frame, and makes the atlas visible to compute shaders.
-  /// shaders.
   void record(VkCommandBuffer commands, const FramePlan& plan, VkDescriptorSet viewSet,
               const shader::GatherConstants& constants) const noexcept;
 

@@ -56,7 +56,7 @@ shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& pla
     const glm::dquat toPhotograph = glm::conjugate(camera.pose.rotation);
     const glm::dvec3 between = (camera.pose.position - eye.pose.position) / spacing;
     const double distance = planned.distance / spacing, focal = focalPx(own);
-    const GatherTextures::TextureSlots place = scene.gather->place(i, planned.node);
+    const GatherTextures::TextureSlots slots = scene.gather->place(i, planned.node);
     const glm::dvec3 gain = plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * mesh.gains[0];
     steps[i] = kStepPx / focal;
     shader::GatherCandidate& c = result.candidate[i];
@@ -73,11 +73,11 @@ shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& pla
     c.distanceCost = float(double(shader::kGatherDistanceCost) * distance);
     c.step = float(steps[i]);
     c.residual = float(plan.gather.residualPx / focal);
-    c.depthScale = float(place.depthScale * spacing);
-    c.slot = place.slot;
-    c.layer = place.layer;
-    c.depthSlot = place.depthSlot;
-    c.depthLayer = place.depthLayer;
+    c.depthScale = float(slots.depthScale * spacing);
+    c.slot = slots.slot;
+    c.layer = slots.layer;
+    c.depthSlot = slots.depthSlot;
+    c.depthLayer = slots.depthLayer;
     c.panorama = own.model == CameraModel::equirectangular;
     c.gain = gain;
     c.slope = glm::pow(gain, glm::dvec3(1 / 2.4));

@@ -16,13 +16,13 @@
 namespace ibr {
 namespace {
 
-glm::dvec2 pixelOf(const Intrinsics& k, glm::uvec2 place) {
-  return (glm::dvec2(place) + 0.5) / double(kAnchorSide) * glm::dvec2(k.width, k.height);
+glm::dvec2 pixelOf(const Intrinsics& k, glm::uvec2 gridPoint) {
+  return (glm::dvec2(gridPoint) + 0.5) / double(kAnchorSide) * glm::dvec2(k.width, k.height);
 }
 
 // Returns the grid points within a triangle's bounding box: first, and one past the last. Returns none for a triangle
 // that spans more than half of a panorama: such a triangle crosses the panorama's seam.
-std::array<glm::uvec2, 2> placesIn(const Intrinsics& k, const std::array<glm::vec2, 3>& corners) {
+std::array<glm::uvec2, 2> gridPointsIn(const Intrinsics& k, const std::array<glm::vec2, 3>& corners) {
   const glm::dvec2 size(k.width, k.height), low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
                                             high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
   if (k.model == CameraModel::equirectangular && high.x - low.x > 0.5 * size.x) return {};
@@ -42,7 +42,7 @@ class Lookup {
     glm::dmat3 corners;
     for (int v = 0; v < 3; ++v) corners[v] = memberPoint(scene_, mesh_, member_, triangle[v]);
     const auto& match = mesh_.mesh.match[member_];
-    const auto [from, end] = placesIn(k_, {match[triangle.x], match[triangle.y], match[triangle.z]});
+    const auto [from, end] = gridPointsIn(k_, {match[triangle.x], match[triangle.y], match[triangle.z]});
     if (from.x >= end.x || from.y >= end.y) return;
     const glm::dmat3 toCorners = glm::inverse(corners);
     for (std::uint32_t y = from.y; y < end.y; ++y)
@@ -55,12 +55,13 @@ class Lookup {
   }
 
   void moveTo(std::vector<CellBounds::Anchor>& anchors) const {
-    for (std::uint32_t place = 0; place < nearness_.size(); ++place)
-      if (nearness_[place] >= 0) anchors.push_back({mesh_.members[member_], place, found_[place]});
+    for (std::uint32_t cell = 0; cell < nearness_.size(); ++cell)
+      if (nearness_[cell] >= 0) anchors.push_back({mesh_.members[member_], cell, found_[cell]});
   }
 
  private:
-  void keep(std::uint32_t place, glm::uvec3 triangle, glm::dvec3 share) {
+  // Keeps the point if it is nearer than the grid cell's point so far.
+  void keep(std::uint32_t gridCell, glm::uvec3 triangle, glm::dvec3 share) {
     double inverseDistance = 0;
     glm::dvec3 along(0.0);
     for (int v = 0; v < 3; ++v) {
@@ -68,9 +69,9 @@ class Lookup {
       along += share[v] * memberPoint(scene_, mesh_, member_, triangle[v]);
     }
     const double nearness = inverseDistance / glm::length(along);
-    if (!(nearness > nearness_[place])) return;
-    nearness_[place] = nearness;
-    CellBounds::Corner& point = found_[place] = {};
+    if (!(nearness > nearness_[gridCell])) return;
+    nearness_[gridCell] = nearness;
+    CellBounds::Corner& point = found_[gridCell] = {};
     point.inverseDistance = float(inverseDistance);
     for (std::size_t i = 0; i < mesh_.members.size(); ++i)
       for (int v = 0; v < 3; ++v) point.point[i] += glm::vec3(share[v] * memberPoint(scene_, mesh_, i, triangle[v]));

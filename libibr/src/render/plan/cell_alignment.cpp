@@ -110,7 +110,7 @@ class Aligner {
   }
 
   // Weight of a photograph's anchors: the inverse squared distance of the photograph from the views.
-  double countOf(std::uint32_t photograph) const {
+  double weightOf(std::uint32_t photograph) const {
     const glm::dvec3 away = scene_.nodes[photograph].camera.pose.position - middle_;
     return 1 / (glm::dot(away, away) + std::max(least_, 1e-300));
   }
@@ -119,16 +119,16 @@ class Aligner {
     pairs_.clear();
     double total = 0;
     std::uint32_t last = ~0u;
-    double count = 0;
+    double weight = 0;
     const Anchors anchors = cells_[a].anchors;
     forCommon(anchors, cells_[b].anchors, [&](std::size_t i, std::size_t j) {
       if (anchors[i].photograph != last) {
-        count = countOf(last = anchors[i].photograph);
-        total += count;
+        weight = weightOf(last = anchors[i].photograph);
+        total += weight;
       }
       const Observation &to = observations_[a][i], &from = observations_[b][j];
       const double apart = glm::distance(to.direction, from.direction);
-      if (apart < 3 * kMaxCorrectionRadians) pairs_.push_back({from, to, count});  // skips NaN
+      if (apart < 3 * kMaxCorrectionRadians) pairs_.push_back({from, to, weight});  // skips NaN
     });
     if (pairs_.size() < kMinPairs) return;
     for (ObservationPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);

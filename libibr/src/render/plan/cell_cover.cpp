@@ -19,13 +19,13 @@ float gain(const Worths& covered, const Worths& cell) {
 
 }  // namespace
 
-CellCover coverOf(const CellBounds& cell, glm::dvec3 place, std::span<const Camera> views) {
+CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Camera> views) {
   CellCover cover;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& view = views[v];
     const Intrinsics& k = view.intrinsics;
     const glm::mat3 turn(glm::mat3_cast(glm::conjugate(view.pose.rotation)));
-    const glm::vec3 shift(glm::conjugate(view.pose.rotation) * (place - view.pose.position));
+    const glm::vec3 shift(glm::conjugate(view.pose.rotation) * (origin - view.pose.position));
     // Position in tiles = middle + focal · tangent.
     const glm::vec2 tiles(kCoverColumns, kCoverRows), size(k.width, k.height);
     const glm::vec2 focal = glm::vec2(k.fx, k.fy) * tiles / size, middle = glm::vec2(k.cx, k.cy) * tiles / size;

@@ -16,9 +16,9 @@ inline constexpr std::size_t kCoverTiles = 2 * kCoverColumns * kCoverRows;
 
 using CellCover = std::bitset<kCoverTiles>;  // tiles of both views that show the cell's tier 0
 
-/// Uses CellBounds::surface as static points; a tile between two points may be missed. `place`: position of the cell's
-/// first photograph, world units.
-CellCover coverOf(const CellBounds& cell, glm::dvec3 place, std::span<const Camera> views);
+/// Returns the tiles in which a point of CellBounds::surface is seen, as a static point; a tile between two points may
+/// be missed. `origin`: position of the cell's first photograph, world, which the points are relative to.
+CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Camera> views);
 
 /// Chooses at most `most` cells, which together cover the views best. Maximises greedily
 ///

@@ -15,7 +15,8 @@ inline constexpr std::uint32_t kNoCell = ~0u;
 /// Draw order of the plan, or the previous one while two are cross-faded.
 enum class Order : std::uint8_t { current, previous };
 
-/// Calls `visit` with every cell of the order, its index (kNoCell: fading out) and its rank, best first.
+/// Calls `visit` with every cell of the order, its index (kNoCell: fading out) and its rank, best first. The rank of a
+/// cell that fades out is that of the cell that it is drawn before.
 template <class Visit>
 void forCells(const FramePlan& plan, Order order, Visit&& visit) {
   const std::vector<PlannedCell>& cells = order == Order::current ? plan.cells : plan.previous;

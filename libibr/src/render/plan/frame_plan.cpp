@@ -85,8 +85,8 @@ class Planner {
  public:
   Planner(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state)
       : scene_(scene), bounds_(bounds), settings_(input.settings), state_(state) {
-    check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput, "{} views, must be 1 or 2",
-          input.views.size());
+    check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput,
+          "views: {} cameras, must be 1 or 2", input.views.size());
     for (const Camera& view : input.views) checkView(view);
     checkScale("textureScale", settings_.textureScale);
     checkScale("renderScale", settings_.renderScale);
@@ -258,12 +258,12 @@ class Planner {
                              },
                              gathers()};
     plan_.next.cells = advanceFades(state_.cells, wanted, switched() ? 1.0 : fadeStep());
-    std::uint32_t place = 0;
+    std::uint32_t rank = 0;  // of the next cell of the plan
     for (const DrawOrderEntry& shown : plan_.next.cells) {
       if (!shown.fadingOut)
-        plan_.cells[place++].opacity *= shown.opacity;
-      else if (const auto leaving = plannedAgain(shown))
-        plan_.fadingOut.push_back({*leaving, place});
+        plan_.cells[rank++].opacity *= shown.opacity;
+      else if (const auto planned = plannedAgain(shown))
+        plan_.fadingOut.push_back({*planned, rank});
     }
   }
 

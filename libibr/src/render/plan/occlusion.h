@@ -28,6 +28,7 @@ class CoverMask {
   struct Edge {
     glm::dvec2 from, to;
   };
+  /// Marks the tiles that lie entirely inside the outline.
   void add(std::span<const Edge> outline);
   bool covered(int column, int row) const { return covered_[index(column, row)]; }
 

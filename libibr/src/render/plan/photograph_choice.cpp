@@ -20,8 +20,8 @@ constexpr int kColumns = 16, kRows = 9;
 constexpr std::array kDepths{1.6, 0.4};  // of the median ρ
 constexpr std::size_t kSamplePoints = std::size_t(kColumns) * kRows * kDepths.size();
 constexpr std::size_t kMaxPoolSize = 64;  // photographs, best by themselves, that take part in exchanges
-constexpr double kFadeShare =
-    0.25;  // a member whose loss exceeds the best outsider's gain by this share counts in full
+// A member whose loss exceeds the best outsider's gain by this share has weight 1.
+constexpr double kFadeShare = 0.25;
 constexpr double kMinRelativeGain = 1e-9;  // relative gain of F below which no exchange is made
 
 using Values = std::array<float, kSamplePoints>;  // of a photograph, by ray and depth
@@ -103,7 +103,8 @@ Values sumWithout(const std::vector<Candidate>& pool, const std::vector<std::siz
   return sum;
 }
 
-// Reference implementation of gather.glsl: a photograph at the view's own position counts alone.
+// Estimates the weight that sightOf in shaders/render/gather.glsl gives: a photograph at the view's own position counts
+// alone. Visibility and resolution are unknown here, and the border is part of `value`.
 float gatherWeight(float value, double distance) {
   if (!(value > 0)) return 0;
   const double beyond =

@@ -14,7 +14,7 @@
 
 namespace ibr {
 
-/// Backdrops of the scene that can be gathered from: with evidence in the mesh and a depth texture.
+/// Indices of the scene's backdrops that can be gathered from: with evidence in the mesh and a depth texture.
 std::vector<std::uint32_t> gatherableBackdrops(const Scene& scene);
 
 /// Returns at most `count` photographs, best first. PlannedPhotograph::share is each photograph's share of the views'

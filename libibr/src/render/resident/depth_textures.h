@@ -13,8 +13,8 @@ namespace ibr {
 class DepthTextures {
  public:
   DepthTextures() = default;
-  /// Reads the depth textures of `nodes`, all at once. Submits uploads and waits. Throws Error (io, invalidInput) for a
-  /// texture of another format than rg16f or with several levels.
+  /// Reads the depth textures of `nodes` and holds all in memory meanwhile. Submits uploads and waits. Throws Error
+  /// (io, invalidInput) for a texture of another format than rg16f or with several levels.
   DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
                 const TextureSource& source, std::uint64_t stagingBytes);
 

@@ -25,7 +25,7 @@ namespace ibr {
 
 class GatherTextures {
  public:
-  /// `nodes`: photographs that can be gathered from. Both resident sets of textures must outlive this object.
+  /// `nodes`: photographs that can be gathered from; at least one. `photographs` and `depths` must outlive this object.
   GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
                  const DepthTextures& depths, const std::vector<std::uint32_t>& nodes);
 
@@ -38,6 +38,7 @@ class GatherTextures {
 
   /// True if bind() must be called for every frame.
   bool bindsFrames() const noexcept { return bindsFrames_; }
+  /// Binds the textures of a plan's photographs for `frame`; no effect if one set serves all frames.
   void bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame, std::uint64_t completedFrame);
   /// Drops descriptor sets that use the view, which is about to be destroyed. Frames that used it must have finished.
   void forget(VkImageView view);

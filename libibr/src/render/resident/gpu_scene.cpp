@@ -56,7 +56,7 @@ std::vector<std::uint32_t> shownNodes(const Scene& scene) {
 // Allocates at least 4 bytes: Vulkan has no empty buffers, and a scene may have no triangles.
 Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* name,
                  Uploader& uploader) {
-  // storage: the vertex stage of overlays reads vertices from it
+  // The vertex stage of overlays reads vertices and indices as storage buffers.
   usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   Buffer buffer(device, std::max<VkDeviceSize>(bytes.size(), 4), usage, MemoryKind::device, name);
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);

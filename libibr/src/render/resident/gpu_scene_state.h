@@ -39,8 +39,8 @@ struct GpuScene::State {
     bool singleArray = false;            // all photographs are layers of one array, permanently, with one sampler
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     IndexRange indices;                  // of its triangles of tier 0; no others are drawn
-    VkDeviceSize evidenceOffset = 0;     // of its triangles of tier 0; other tiers are not drawn
-    VkDescriptorSet photographs = VK_NULL_HANDLE;  // of a cell
+    VkDeviceSize evidenceOffset = 0;     // bytes into `evidence`; of backdrops that can be gathered from
+    VkDescriptorSet photographs = VK_NULL_HANDLE;  // of a cell; null for backdrops
   };
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);

@@ -18,7 +18,8 @@ class PhotographStream {
   PhotographStream() = default;
   PhotographStream(const Device& device, std::uint64_t stagingBytes);
 
-  /// A repeated frame number means that the frame's commands were never submitted: all of them are recorded again.
+  /// Starts a frame. A repeated number means that the frame's commands were never submitted: record() then records all
+  /// of them again.
   void begin(std::uint64_t frame, std::uint64_t completedFrame);
 
   /// Adds a new texture array in an undefined layout.

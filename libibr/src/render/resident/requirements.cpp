@@ -61,8 +61,8 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.floor = options.floor;
   r.hiddenArea =
       r.depthOrder && (!options.hiddenArea[0].empty() || (options.maxViews == 2 && !options.hiddenArea[1].empty()));
-  const std::uint32_t leaving = r.cells > 0 ? kMaxFadingOutCount : 0;
-  r.maxDrawItems = std::min(r.cells, kMaxCellCount) + leaving;
+  const std::uint32_t fadingOut = r.cells > 0 ? kMaxFadingOutCount : 0;
+  r.maxDrawItems = std::min(r.cells, kMaxCellCount) + fadingOut;
   return r;
 }
 

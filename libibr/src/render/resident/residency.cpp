@@ -84,8 +84,8 @@ Residency::Step Residency::makeArray(std::uint32_t classIndex) {
   return {.kind = Step::Kind::makeArray, .array = array, .photographClass = classIndex};
 }
 
-// The least urgent photograph of the same class; among equals, the one not shown for the longest time. Photographs
-// that no frame in flight uses are preferred.
+// Finds the least urgent photograph of the same class; among equals, the one not shown for the longest time.
+// Photographs that no frame in flight uses are preferred.
 Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& victim) {
   std::uint32_t idle = kNone, busy = kNone;
   const auto worth = [&](std::uint32_t p) { return std::tuple(~photographs_[p].rank, photographs_[p].lastFrame, p); };
@@ -105,7 +105,7 @@ Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& v
   return Room::claimed;
 }
 
-// The array not used for the longest time. Frees an array only if enough arrays can be freed for the new array.
+// Finds the array not used for the longest time. Frees an array only if enough arrays can be freed for the new array.
 Residency::Room Residency::findArrayToFree(const Photograph& urgent, std::uint32_t& best) {
   std::uint64_t now = 0, later = 0;  // bytes that can be freed at once, and when frames have finished
   std::vector<std::uint32_t> busy;

@@ -9,8 +9,8 @@
 //   else the layer of the least urgent photograph of its class, if it is less urgent and no frame in flight uses it;
 //   else a new array, after freeing arrays of other classes that hold only less urgent photographs
 //
-// If only frames in flight prevent this, the less urgent photograph starts to leave: further frames do not use it, and
-// its layer becomes free a few frames later.
+// If only frames in flight prevent this, the less urgent photograph is evicted: later frames do not use it, and its
+// layer becomes free when the frames in flight have finished.
 #pragma once
 
 #include <cstdint>

@@ -15,10 +15,10 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kMaxStandInSide = 64;     // largest size, px
-constexpr std::uint64_t kStandInShare = 4;        // inverse of their largest share of the budget
-constexpr std::uint64_t kMinPhotographs = 16;     // a budget should hold so many at the size they are streamed at
-constexpr std::uint64_t kMinArraysInBudget = 16;  // minimum number, so that memory can move between classes
+constexpr std::uint32_t kMaxStandInSide = 64;     // maximum side of a stand-in, px
+constexpr std::uint64_t kStandInShare = 4;        // inverse of the stand-ins' maximum share of the textures' budget
+constexpr std::uint64_t kMinPhotographs = 16;     // photographs of a class that the budget should hold at once
+constexpr std::uint64_t kMinArraysInBudget = 16;  // arrays are so small that memory can move between classes
 
 template <class... Arguments>
 void say(const LogCallback& log, LogLevel level, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -204,11 +204,11 @@ Texture Photographs::load(std::uint32_t node, const TextureArrayClass& arrayClas
 
 // One barrier per texture array before and after, for any number of layers: a scene may have 10,000 photographs.
 void Photographs::fill(std::span<const TextureArrayClass> classes, std::uint64_t stagingBytes) {
-  if (fixed_.pages().empty()) return;
+  if (fixed_.arrays().empty()) return;
   Submission submission(*device_);
   const auto moveAll = [&](ImageUse from, ImageUse to) {
     submission.run([&](VkCommandBuffer commands) {
-      for (const GpuImage& array : fixed_.pages()) transition(commands, array.get(), from, to);
+      for (const GpuImage& array : fixed_.arrays()) transition(commands, array.get(), from, to);
     });
   };
   moveAll(use::kUndefined, use::kTransferDestination);

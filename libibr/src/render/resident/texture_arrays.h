@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture arrays (pages): array images with photographs of one size and format as layers.
+// Texture arrays: array images with photographs of one size and format as layers.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ GpuImageInfo arrayInfo(const TextureArrayClass& arrayClass, std::uint32_t layers
 /// Returns the number of layers that fit into `bytes`: at least 1, at most the device's limit and the number of nodes.
 std::uint32_t layersWithin(const Device& device, const TextureArrayClass& arrayClass, std::uint64_t bytes);
 
-inline constexpr std::uint64_t kMaxArrayBytes = std::uint64_t(256) << 20;
+inline constexpr std::uint64_t kMaxArrayBytes = std::uint64_t(256) << 20;  // of one array, unless a layer is larger
 
 struct ArraySlot {
   std::uint32_t array = 0, layer = 0;
@@ -49,14 +49,14 @@ class FixedTextureArrays {
   /// Returns the memory that the constructor would allocate, bytes.
   static std::uint64_t bytes(const Device& device, std::span<const TextureArrayClass> classes);
 
-  std::span<const GpuImage> pages() const noexcept { return arrays_; }
+  std::span<const GpuImage> arrays() const noexcept { return arrays_; }
   const GpuImage& image(std::uint32_t node) const noexcept { return arrays_[slots_[node].array]; }
   std::uint32_t layer(std::uint32_t node) const noexcept { return slots_[node].layer; }
   std::uint64_t allocatedBytes() const noexcept;
 
  private:
   std::vector<GpuImage> arrays_;
-  std::vector<ArraySlot> slots_;
+  std::vector<ArraySlot> slots_;  // by node; defined for nodes of the classes
 };
 
 }  // namespace ibr

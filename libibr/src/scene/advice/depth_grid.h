@@ -15,7 +15,7 @@ namespace ibr {
 struct DepthGrid {
   int columns = 0, rows = 0;
   std::vector<float> inverseDistance;  // along the ray, 1 / world unit, >= 0; NaN if unknown
-  std::vector<bool> agreed;            // a cell of the graph shows it by tier 0
+  std::vector<bool> agreed;            // a cell of the image graph shows the grid's cell by tier 0
   double near = 0, middle = 0;         // 90th percentile and median of the known inverse distances; 0 if none is known
 
   glm::dvec2 pixel(const Intrinsics& k, int column, int row) const;  // the cell's centre

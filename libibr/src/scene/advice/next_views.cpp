@@ -16,7 +16,7 @@ namespace {
 constexpr double kAlike = 1.05;          // radians; directions closer than this get a candidate in the middle
 constexpr double kSameDirection = 0.35;  // radians; two viewing directions within this count as one
 constexpr double kSameSite = 0.2;        // of a step; within it a photograph of the same direction adds nothing
-constexpr double kTaken = 0.5;           // of a step; the grid already has a corner within it
+constexpr double kTaken = 0.5;           // of the square's shorter side; a site within it is the fourth corner
 
 struct Candidate {
   Camera camera;
@@ -32,7 +32,7 @@ double turn(glm::dquat a, glm::dquat b) {
 class Candidates {
  public:
   Candidates(const Scene& scene, const SiteGraph& sites) : scene_(scene), siteGraph_(sites) {
-    for (const SiteLink& way : sites.links) between(way);
+    for (const SiteLink& link : sites.links) between(link);
     for (std::uint32_t p = 0; p < sites.sites.size(); ++p) {
       turned(p);
       corners(p);
@@ -61,11 +61,11 @@ class Candidates {
     return best;
   }
 
-  void between(const SiteLink& way) {
-    const CaptureSite &a = siteGraph_.sites[way.a], &b = siteGraph_.sites[way.b];
+  void between(const SiteLink& link) {
+    const CaptureSite &a = siteGraph_.sites[link.a], &b = siteGraph_.sites[link.b];
     const auto halfway = [&](std::uint32_t i, std::uint32_t j, double t, glm::dquat rotation, const std::string& look) {
       const std::string first = t > 0.5 ? name(j) : name(i), second = t > 0.5 ? name(i) : name(j);
-      put(a.position * (1 - t) + b.position * t, rotation, i, {way.a, way.b}, {i, j},
+      put(a.position * (1 - t) + b.position * t, rotation, i, {link.a, link.b}, {i, j},
           t == 0.5 ? fmt::format("halfway between {} and {}, looking as {}", first, second, look)
                    : fmt::format("a third of the way from {} to {}, looking as {}", first, second, look));
     };

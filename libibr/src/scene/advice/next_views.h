@@ -10,11 +10,12 @@
 
 namespace ibr {
 
-/// Returns at most `count` views, best first; each is added to `walk`. Candidates have orientation and zoom of existing
-/// photographs:
+/// Returns at most `count` views, best first; each is added to `walk`. Candidates have the orientation and intrinsics
+/// of existing photographs:
 ///   between neighbours, halfway and by thirds; at a capture site, in a neighbour's direction; at missing corners of
 ///   a grid; beside a row.
-/// Skips views with a gain below `minGain` (of one viewpoint), and views close to a photograph or view in direction.
+/// Skips views with a gain below `minGain` (of one viewpoint), and views that are close in position and direction to a
+/// photograph or to a view chosen before.
 std::vector<NextView> nextViews(const Scene& scene, const SiteGraph& sites, WalkEstimate& walk, std::size_t count,
                                 double minGain);
 

@@ -29,8 +29,8 @@ struct SiteGraph {
   std::vector<CaptureSite> sites;
   std::vector<SiteLink> links;
   std::vector<std::uint32_t> siteOf;  // of each node
-  double step = 0;                    // median length of a way; 0 if there is none
-  bool row = false;                   // no cell spans more than a line: a path along it, never aside
+  double step = 0;                    // median length of a link; 0 if there is none
+  bool row = false;                   // no cell spans more than two sites, so cells show only paths along links
 };
 
 /// Photographs share a site if near objects (at median DepthGrid::near) shift by less than 0.003 radians between

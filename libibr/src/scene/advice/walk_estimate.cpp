@@ -11,14 +11,14 @@
 namespace ibr {
 namespace {
 
-constexpr double kAngle = 0.375;        // radians; the shown share falls by 1/e: fitted to the coverage of cells
+constexpr double kAngle = 0.375;        // radians at which the shown share is 1/e: fitted to the coverage of cells
 constexpr double kMaxAngle = 0.8;       // radians; nothing counts as shown beyond it
 constexpr double kNearer = 1.4;         // ratio of distances; farther points are hidden in a photograph
 constexpr double kCorner = 0.5;         // weight of a viewpoint outside the photographed area
 constexpr double kAside = 0.1;          // weight of a viewpoint beside a row
 constexpr double kSquare = 0.35;        // |cos| below which two links from a site lead to corners of a grid
 constexpr double kAhead = 0.5;          // sine of the angle between row and view below which the view is along the row
-constexpr int kMaxViewpoints = 4;       // along one way
+constexpr int kMaxViewpoints = 4;       // along one link
 constexpr double kMinPoints = 20;       // of a photograph, for an estimate of its share
 constexpr int kStride = 2;              // of the depth grid's cells, along both sides
 constexpr std::size_t kMaxSites = 600;  // with own viewpoints; beyond this number, evenly chosen sites
@@ -76,11 +76,11 @@ void WalkEstimate::addViewpoints() {
     viewpoints_.back().viewpoint.site = p;
   }
   for (std::size_t w = 0; w < siteGraph_.links.size(); w += stride) {
-    const SiteLink& way = siteGraph_.links[w];
-    const int count = std::clamp(int(std::lround(way.length / siteGraph_.step)), 1, kMaxViewpoints);
+    const SiteLink& link = siteGraph_.links[w];
+    const int count = std::clamp(int(std::lround(link.length / siteGraph_.step)), 1, kMaxViewpoints);
     for (int k = 1; k <= count; ++k) {
       const double t = double(k) / (count + 1);
-      put(all[way.a].position * (1 - t) + all[way.b].position * t, {way.a, way.b}, 1);
+      put(all[link.a].position * (1 - t) + all[link.b].position * t, {link.a, link.b}, 1);
     }
   }
   std::set<std::vector<std::uint32_t>> seen;

@@ -2,7 +2,7 @@
 // Estimates from poses and distances, without drawing, how well the photographs show a walk between them.
 //
 // A walk is a set of viewpoints: the capture sites, points between neighbours, the middles of cells, missing corners of
-// a grid, and points beside a row that has no way aside. The viewing directions at a viewpoint are those of the
+// a grid, and points beside a row (SiteGraph::row). The viewing directions at a viewpoint are those of the
 // photographs around it. A point of their depth grids counts as shown by the photograph with the nearest direction to
 // the point: f(α) = exp(−α / kAngle), with α the angle at the point between viewpoint and photograph. Fitted to the
 // coverage of 104 cells of five photograph sets, with α from the cell's middle at the middle distance: 0.65·f(α), mean
