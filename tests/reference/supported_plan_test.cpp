@@ -34,7 +34,8 @@ TEST_CASE("the first field of the options that a plan exceeds is named") {
   const FramePlan plain = smallPlan(stage);
   RendererOptions options = optionsFor({}, kExtent);
   options.dissolve = false;
-  REQUIRE(exceededOption(plain, options) == nullptr);
+  options.maxRenderScale = 0.5;
+  options.compositions.push_back(Composition::gathered);
   using Change = std::function<void(FramePlan&)>;
   const std::vector<std::pair<std::string, Change>> changes{
       {"maxViews", [](FramePlan& p) { p.views.push_back(p.views[0]); }},
@@ -44,7 +45,12 @@ TEST_CASE("the first field of the options that a plan exceeds is named") {
       {"orders", [](FramePlan& p) { p.settings.order = DrawOrder::paper; }},
       {"blends", [](FramePlan& p) { p.settings.blend = BlendMode::dither; }},
       {"compositions", [](FramePlan& p) { p.settings.composition = Composition::hybrid; }},
-      {"gatherCandidates", [](FramePlan& p) { p.photographs.resize(13); }},
+      {"gatherCandidates",
+       [](FramePlan& p) {
+         p.settings.composition = Composition::gathered;
+         p.photographs.resize(13);
+       }},
+      {"maxRenderScale", [](FramePlan& p) { p.settings.renderScale = 0.75; }},
       {"colour", [](FramePlan& p) { p.settings.colourMapping = ColourMapping::ours; }},
       {"overlays", [](FramePlan& p) { p.settings.overlay = Overlay::tiers; }},
       {"floor", [](FramePlan& p) { p.settings.floor = Floor{}; }},
@@ -54,12 +60,34 @@ TEST_CASE("the first field of the options that a plan exceeds is named") {
          p.fadingOut.push_back({p.cells[0], 0}), p.fadingOut[0].planned.opacity = 0.5;
        }},
   };
+  FramePlan scaled = plain;
+  scaled.settings.renderScale = 0.5;
+  CHECK(exceededOption(scaled, options) == nullptr);
   for (const auto& [field, change] : changes) {
-    FramePlan plan = plain;
+    FramePlan plan = scaled;
     change(plan);
     const char* exceeded = exceededOption(plan, options);
     CHECK(std::string(exceeded ? exceeded : "") == field);
   }
+}
+
+TEST_CASE("a gathered plan needs the numbers of colours and layers of its renderer and no larger vote") {
+  const Stage stage(testDevice(), makeScene(place(2)));
+  FramePlan plain = smallPlan(stage);
+  plain.settings.composition = Composition::gathered;
+  const RendererOptions options = optionsFor(plain.settings, kExtent);
+  REQUIRE(exceededOption(plain, options) == nullptr);
+  const auto exceeded = [&](const std::function<void(RenderSettings&)>& change) {
+    FramePlan plan = plain;
+    change(plan.settings);
+    const char* field = exceededOption(plan, options);
+    return std::string(field ? field : "");
+  };
+  CHECK(exceeded([](RenderSettings& s) { --s.gatherColours; }) == "gatherColours");
+  CHECK(exceeded([](RenderSettings& s) { ++s.gatherColours; }) == "gatherColours");
+  CHECK(exceeded([](RenderSettings& s) { s.gatherLayers = 3 - s.gatherLayers; }) == "gatherLayers");
+  CHECK(exceeded([](RenderSettings& s) { s.voteScale *= 1.01; }) == "voteScale");
+  CHECK(exceeded([](RenderSettings& s) { s.voteScale *= 0.5; }).empty());
 }
 
 TEST_CASE("colour support covers its colour mapping methods") {

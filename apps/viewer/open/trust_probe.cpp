@@ -54,6 +54,8 @@ FramePlan TrustProbe::planOf(const Camera& view, RenderSettings settings) const 
   settings.colourMapping = ColourMapping::off;
   settings.switchSeconds = settings.fadeShare = 0;
   settings.renderScale = settings.voteScale = 1;
+  settings.gatherColours = RendererOptions{}.gatherColours;
+  settings.gatherLayers = RendererOptions{}.gatherLayers;
   settings.floor.reset();
   settings.overlay = Overlay::none;
   return planFrame(scene_, bounds_, {{view}, settings, 0});

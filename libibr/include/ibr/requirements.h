@@ -18,7 +18,6 @@ struct Requirements {
   std::uint32_t pinholes = 0, panoramas = 0;  // photographs
   std::uint32_t mixedCells = 0;               // cells with pinholes and panoramas
   std::uint32_t masked = 0;                   // photographs with a mask
-  bool exposuresDiffer = true;                // exposures differ or are unknown
   bool gains = false;                         // some photographs have a gain other than 1
   std::uint32_t gatherable = 0;               // photographs with a backdrop, evidence in its mesh, and a depth texture
 

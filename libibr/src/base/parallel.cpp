@@ -69,8 +69,7 @@ bool runJobs(std::size_t count, int threads, const std::function<void(std::size_
 
 int threadsFor(int wanted, double bytesEach, double memory) {
   const int maxThreads = wanted > 0 ? wanted : std::max(1, int(std::thread::hardware_concurrency()));
-  const double budget = memory > 0 ? memory : memoryBudget(0);
-  return int(std::clamp(budget / std::max(bytesEach, 1.0), 1.0, double(maxThreads)));
+  return int(std::clamp(memoryBudget(memory) / std::max(bytesEach, 1.0), 1.0, double(maxThreads)));
 }
 
 double memoryBudget(double wanted) {

@@ -38,12 +38,6 @@ double focalPx(const Intrinsics& k) {
   return k.model == CameraModel::equirectangular ? k.width / (2 * std::numbers::pi) : k.fx;
 }
 
-double alphaAt(const Candidate& candidate, glm::dvec2 pixel) {
-  const Intrinsics& k = candidate.camera.intrinsics;
-  constexpr double kFinest = 1;  // texels per pixel
-  return trilinear(*candidate.levels, share(k, pixel), kFinest, k.model == CameraModel::equirectangular, false).alpha;
-}
-
 PhotographSampler::PhotographSampler(const Camera& view, const Candidate& candidate)
     : candidate_(&candidate), view_(view.intrinsics) {
   const glm::dquat toPhotograph = glm::conjugate(candidate.camera.pose.rotation);

@@ -29,9 +29,6 @@ struct Candidate {
 /// Pixels per radian in the middle of a photograph: fx, or width / 2π for a panorama.
 double focalPx(const Intrinsics& intrinsics);
 
-/// Bilinear sample of an alpha channel: 0 to 1. `pixel`: of the finest level.
-double alphaAt(const Candidate& candidate, glm::dvec2 pixel);
-
 /// Samples a candidate for a pinhole view. The candidate's images must outlive the sampler.
 class PhotographSampler {
  public:

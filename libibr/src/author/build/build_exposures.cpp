@@ -15,8 +15,6 @@ std::string removeVignetting(BuildInput& input, std::vector<ExposureMatch>& matc
                              const BuildJobs& jobs) {
   const std::vector<std::uint32_t> lenses = lensIndices(input.photographs);
   const std::vector<glm::dvec2> vignetting = solveVignetting(input.photographs.size(), matches, lenses);
-  double bytes = 0;
-  for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToStore(photo));
   jobs.runAll("removing vignetting", vignetting.size(), bytesToStoreOne(input), [&](std::size_t n) {
     if (isNegligible(vignetting[n])) return;
     Photograph& photo = input.photographs[n];

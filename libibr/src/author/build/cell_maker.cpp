@@ -189,7 +189,7 @@ CellResult CellMaker::make(const std::vector<std::uint32_t>& members) const {
 }
 
 CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
-  CellWork work{0, 1, members.size()};
+  CellWork work{.members = members.size()};
   std::vector<Camera> cameras, halves;
   for (const std::uint32_t i : members) {
     const Camera camera = matchedCamera(input_.photographs[i].camera);
@@ -210,8 +210,7 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
   work.pixels = double(k.width) * k.height;
-  const bool swept = options_.refinePoses && input_.refine;
-  if (!swept) return work;
+  if (!options_.refinePoses || !input_.refine) return work;  // the depth of the members is used
   std::vector<double> depths;
   for (const glm::dvec3& point : sharedPoints(input_, members).points)
     if (const double w = inverseDepth(frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);

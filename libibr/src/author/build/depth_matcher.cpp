@@ -207,9 +207,12 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
 }
 
 double DepthMatcher::bytesToMatch() const {
-  double most = 0;
-  for (const ViewImages& small : sweptImages_) most = std::max(most, double(small.grey.values.size()));
-  return kSweptBytesPerPixel * most;
+  double bytes = 0;
+  for (const ViewImages& small : sweptImages_)
+    bytes = std::max(bytes, kSweptBytesPerPixel * double(small.grey.values.size()));
+  for (const ViewImages& large : refinedImages_)  // after the sweep's memory is freed
+    bytes = std::max(bytes, kRefinedBytesPerPixel * double(large.grey.values.size()));
+  return bytes;
 }
 
 }  // namespace ibr

@@ -54,8 +54,6 @@ void hashPhotographs(BuildInput& input, const BuildOptions& options, const Build
 std::vector<Node> storePhotographs(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs) {
   makeFolders(buildCacheFolder(options));
   input.hashes.resize(input.photographs.size());
-  double bytes = 0;
-  for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToStore(photo));
   std::vector<std::string> faults(input.photographs.size());  // all are reported at once
   jobs.runAll("storing photographs", input.photographs.size(), bytesToStoreOne(input), [&](std::size_t i) {
     try {

@@ -17,16 +17,8 @@ struct BufferUse {
 namespace use {
 inline constexpr BufferUse kTransferRead{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
 inline constexpr BufferUse kTransferWrite{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
-inline constexpr BufferUse kVertexRead{VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT,
-                                       VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT};
-inline constexpr BufferUse kIndexRead{VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT};
-inline constexpr BufferUse kIndirectRead{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
-inline constexpr BufferUse kVertexShaderRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT,
-                                             VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
 inline constexpr BufferUse kShaderRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                                        VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
-inline constexpr BufferUse kUniformRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                                        VK_ACCESS_2_UNIFORM_READ_BIT};
 inline constexpr BufferUse kComputeReadWrite{
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
 inline constexpr BufferUse kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};

@@ -41,7 +41,7 @@ Requirements ofScene(const Scene& scene) {
 Requirements withOptions(Requirements r, const RendererOptions& options) {
   const bool several = r.cells > 1;  // one cell needs no order, no switch and no colour mapping
   const bool any = r.cells + r.gatherable > 0;
-  r.colourTables = several && r.exposuresDiffer && options.colour != ColourSupport::off;
+  r.colourTables = several && options.colour != ColourSupport::off;
   r.colourSequence = r.colourTables && options.colour == ColourSupport::all;
   r.depthOrder = any && has(options.orders, DrawOrder::ours);
   r.painterOrder = r.cells > 0 && (has(options.orders, DrawOrder::paper) || r.colourSequence);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/raster.h"
+
 namespace ibr {
 namespace {
 
@@ -32,21 +34,11 @@ void rasterise(const MorphMesh& mesh, std::size_t member, std::size_t triangleCo
       inverse[c] = mesh.inverseDistance[v[c]] / mesh.ratio[member][v[c]];
     }
     const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
-    const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
     if (k.model == CameraModel::equirectangular && right - left > 0.5 * grid.columns) continue;
-    const double area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
-    if (area == 0 || right < 0 || bottom < 0 || left > grid.columns || top > grid.rows) continue;
-    const int x1 = std::min(grid.columns - 1, int(std::floor(right - 0.5)));
-    const int y1 = std::min(grid.rows - 1, int(std::floor(bottom - 0.5)));
-    for (int y = std::max(0, int(std::ceil(top - 0.5))); y <= y1; ++y)
-      for (int x = std::max(0, int(std::ceil(left - 0.5))); x <= x1; ++x) {
-        const glm::dvec2 q(x + 0.5, y + 0.5);
-        const double w1 = ((q.x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (q.y - p[0].y)) / area;
-        const double w2 = ((p[1].x - p[0].x) * (q.y - p[0].y) - (q.x - p[0].x) * (p[1].y - p[0].y)) / area;
-        if (w1 < 0 || w2 < 0 || w1 + w2 > 1) continue;
-        hit(std::size_t(y) * std::size_t(grid.columns) + std::size_t(x),
-            float((1 - w1 - w2) * inverse[0] + w1 * inverse[1] + w2 * inverse[2]));
-      }
+    forTrianglePixels(p[0], p[1], p[2], grid.columns, grid.rows, [&](int x, int y, const glm::dvec3& w) {
+      hit(std::size_t(y) * std::size_t(grid.columns) + std::size_t(x),
+          float(w[0] * inverse[0] + w[1] * inverse[1] + w[2] * inverse[2]));
+    });
   }
 }
 
