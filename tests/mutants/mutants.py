@@ -150,7 +150,7 @@ MUTANTS = [
            [("shaders/render/gather_overlay.frag", "gl_FragDepth = canvasDepth(pixel);",
              "gl_FragDepth = c.depthFirst;")],
            "ibr_test_reference", "gather pass: depth*"),
-    # Of the vote and the gather.
+    # The vote and the gather.
     *(Mutant(name, [("shaders/render/" + file, old, new)], "ibr_test_reference", "gather pass*") for name, file, old, new in (
         ("a photograph's place has the wrong sign", "gather.glsl", "direction = turned + rho * shift;",
          "direction = turned - rho * shift;"),

@@ -30,7 +30,7 @@ struct PoseRefinement {
   std::size_t cellTracks = 0, modelTracks = 0;
   std::vector<Step> steps;  // in order; each is compared with the last step accepted
   Errors initialErrors, finalErrors;
-  // Of photographs that share a track; empty if no step was accepted: poses are unchanged.
+  // One for each photograph that shares a track; empty if no step was accepted: poses are unchanged.
   std::vector<PoseChange> poseChanges;
 };
 
