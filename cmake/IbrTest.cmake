@@ -8,6 +8,7 @@
 # SLOW: label slow, not fast: `ctest -L fast` takes a minute on two cores.
 # GPU: the program makes a device with validation first (tests/support/gpu.h); any message fails the test case.
 find_package(Catch2 2.13 REQUIRED)
+set(ibr_test_timeout 3600)  # s: ten times the slowest test, for machines busy with other work
 # Test cases compile a quarter faster; the library that they call is optimised as always.
 set(ibr_test_options $<$<NOT:$<CONFIG:Debug>>:-O1>)
 
@@ -60,7 +61,7 @@ function(ibr_test name)
   else()
     list(APPEND arg_LABELS fast)
   endif()
-  set_tests_properties(${tests} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
+  set_tests_properties(${tests} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${ibr_test_timeout} LABELS "${arg_LABELS}")
 endfunction()
 
 # ibr_test_without(name TESTS filter FEATURES …): those of its test cases again, once for each feature as if the device had
@@ -70,7 +71,7 @@ function(ibr_test_without name)
   foreach(feature IN LISTS arg_FEATURES)
     string(REPLACE "," "_" all ${feature})
     add_test(NAME ${name}_without_${all} COMMAND ${name} ${arg_TESTS})
-    set_tests_properties(${name}_without_${all} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
+    set_tests_properties(${name}_without_${all} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${ibr_test_timeout}
                          ENVIRONMENT IBR_DISABLE_FEATURES=${feature})
   endforeach()
 endfunction()
@@ -81,7 +82,7 @@ function(ibr_test_german)
   foreach(name IN LISTS ARGN)
     if(TARGET ${name})
       add_test(NAME ${name}_german COMMAND ${name})
-      set_tests_properties(${name}_german PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
+      set_tests_properties(${name}_german PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT ${ibr_test_timeout}
                            ENVIRONMENT "IBR_TEST_LOCALE=de_DE.UTF-8;LC_ALL=de_DE.UTF-8")
     endif()
   endforeach()
