@@ -5,12 +5,9 @@
 #include <functional>
 #include <span>
 
+#include "shared/cli/cli_fwd.h"
 #include "shared/cli/context.h"
 #include "shared/cli/exit_code.h"
-
-namespace CLI {
-class App;
-}
 
 namespace ibr::app {
 

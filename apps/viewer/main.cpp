@@ -2,7 +2,6 @@
 // The program `ibr-viewer`: explores photographs in a window.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -41,30 +40,29 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.set_version_flag("--version", "ibr-viewer " IBR_VERSION);
-  app.add_option("PLACE", o.places, "Scenes, harmonised models or 3D videos to open");
+  addOption(app, "PLACE", o.places, "Scenes, harmonised models or 3D videos to open");
   addSize(app, "--size", o.size, "Window size [1280x720]");
   addInt(app, "--frames", o.session.frames, 0, 1000000000,
          "Number of frames of the opened scene after which the program exits; 0: exit when the window is closed");
-  app.add_option("--screenshot", o.screenshot, "Image of the view, written when the program exits")->type_name("FILE");
-  app.add_option("--screenshots", o.screenshots,
-                 fmt::format("Folder for screenshots, camera paths and videos [{}]", o.screenshots))
-      ->type_name("DIR");
-  app.add_option_function<std::string>(
-         "--interface-scale",
-         [&o](const std::string& text) { o.session.interfaceScale = parsedDouble("--interface-scale", text, 0.5, 8); },
-         "Scale of panels and text, relative to 96 dpi [scale of the monitor]")
-      ->type_name("X");
-  app.add_option("--path", o.path, "Camera path that the first scene plays in a loop (ctrl S writes a camera path)")
-      ->type_name("FILE");
-  app.add_flag("--no-interface", o.bare, "Start with the interface hidden (F2 shows the interface)");
-  app.add_flag("--forget", o.forget, "Neither load nor save state between runs, such as panel positions and pipelines");
-  app.add_option("--shaders", o.shaders, "Folder shaders of a source tree; edited shaders are reloaded immediately")
-      ->type_name("DIR");
-  app.add_flag("--validation", o.session.validation, "Report errors found by Vulkan's validation layers");
-  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests, like the next two
-  app.add_option("--lose-surface", o.session.loseSurfaceAtFrame)->group("");
-  app.add_flag("--only-srgb", o.session.onlySrgb)->group("");
+  addOption(app, "--screenshot", o.screenshot, "Image of the view, written when the program exits").type("FILE");
+  addOption(app, "--screenshots", o.screenshots,
+            fmt::format("Folder for screenshots, camera paths and videos [{}]", o.screenshots))
+      .type("DIR");
+  addParsed(
+      app, "--interface-scale",
+      [&o](const std::string& text) { o.session.interfaceScale = parsedDouble("--interface-scale", text, 0.5, 8); },
+      "Scale of panels and text, relative to 96 dpi [scale of the monitor]")
+      .type("X");
+  addOption(app, "--path", o.path, "Camera path that the first scene plays in a loop (ctrl S writes a camera path)")
+      .type("FILE");
+  addFlag(app, "--no-interface", o.bare, "Start with the interface hidden (F2 shows the interface)");
+  addFlag(app, "--forget", o.forget, "Neither load nor save state between runs, such as panel positions and pipelines");
+  addOption(app, "--shaders", o.shaders, "Folder shaders of a source tree; edited shaders are reloaded immediately")
+      .type("DIR");
+  addFlag(app, "--validation", o.session.validation, "Report errors found by Vulkan's validation layers");
+  addOption(app, "--lose-device", o.session.loseAtFrame, "").group("");  // for tests, like the next two
+  addOption(app, "--lose-surface", o.session.loseSurfaceAtFrame, "").group("");
+  addFlag(app, "--only-srgb", o.session.onlySrgb, "").group("");
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.settings);
     declareOverlays(app, o.settings);
@@ -155,15 +153,13 @@ nlohmann::ordered_json report(const Viewer& viewer, const Window& window) {
 ExitCode run(int argc, char** argv) {
   Options o;
   o.session.begun = std::chrono::steady_clock::now();
-  CLI::App app(
-      "Examples:\n"
-      "  ibr-viewer scene\n"
-      "  ibr-viewer scene model video --preset fast\n"
-      "  ibr-viewer scene --frames 30 --screenshot view.png\n\n"
-      "Shows scenes, harmonised models and 3D video in a window. F1 lists the keys.\n",
-      "ibr-viewer");
-  declare(app, o);
-  const auto ends = parsed(app, argc, argv);
+  const ProgramText program{kName, IBR_VERSION,
+                            "Examples:\n"
+                            "  ibr-viewer scene\n"
+                            "  ibr-viewer scene model video --preset fast\n"
+                            "  ibr-viewer scene --frames 30 --screenshot view.png\n\n"
+                            "Shows scenes, harmonised models and 3D video in a window. F1 lists the keys.\n"};
+  const auto ends = parseCommandLine(program, argc, argv, [&](CLI::App& app) { declare(app, o); });
   if (ends) return *ends;
   const Context context(o.common);
   o.session.device = o.common.device;

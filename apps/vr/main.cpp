@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `ibr-vr`: shows photographs in a headset.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
@@ -38,50 +37,40 @@ struct Options {
   bool noFloor = false, noGovernor = false, noMirror = false, forget = false;
 };
 
-void addNumber(CLI::App& app, const std::string& name, double& value, double low, double high,
-               const std::string& description) {
-  app.add_option_function<std::string>(
-         name, [&value, name, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
-         fmt::format("{} [{}]", description, value))
-      ->type_name("X");
-}
-
 void declareComfort(CLI::App& app, Options& o) {
-  app.add_option("--space", o.space,
-                 "Tracking space: the room as set up (stage), or around the start position of the "
-                 "head (local) [auto]")
-      ->check(CLI::IsMember({"auto", "stage", "local"}));
-  addNumber(app, "--eye-height", o.vr.eyeHeight, 0.1, 10,
+  addOption(app, "--space", o.space,
+            "Tracking space: the room as set up (stage), or around the start position of the "
+            "head (local) [auto]")
+      .oneOf({"auto", "stage", "local"});
+  addDouble(app, "--eye-height", o.vr.eyeHeight, 0.1, 10,
             "Height of the eyes at the start if the room is not known, m");
-  app.add_option_function<std::string>(
-         "--scale", [&o](const std::string& text) { o.vr.unitsPerMetre = parsedDouble("--scale", text, 1e-6, 1e6); },
-         "World units per metre; the menu changes this scale [last value, else 1]")
-      ->type_name("X");
-  addNumber(app, "--photograph-height", o.vr.walk.photographHeightMetres, 0, 1000,
+  addParsed(
+      app, "--scale", [&o](const std::string& text) { o.vr.unitsPerMetre = parsedDouble("--scale", text, 1e-6, 1e6); },
+      "World units per metre; the menu changes this scale [last value, else 1]")
+      .type("X");
+  addDouble(app, "--photograph-height", o.vr.walk.photographHeightMetres, 0, 1000,
             "Height of the photographs above the ground, m");
-  addNumber(app, "--snap-turn", o.snapDegrees, 0, 180,
+  addDouble(app, "--snap-turn", o.snapDegrees, 0, 180,
             "Angle of a turn by the stick, degrees; 0: the stick does not "
             "turn");
-  app.add_flag("--smooth-motion", o.vr.walk.smoothMotion, "Move continuously with the left stick, with a vignette");
-  app.add_flag("--no-floor", o.noFloor, "Draw no guiding grid on the floor");
+  addFlag(app, "--smooth-motion", o.vr.walk.smoothMotion, "Move continuously with the left stick, with a vignette");
+  addFlag(app, "--no-floor", o.noFloor, "Draw no guiding grid on the floor");
 }
 
 void declareOptions(CLI::App& app, Options& o) {
-  app.set_version_flag("--version", "ibr-vr " IBR_VERSION);
-  app.add_option("SCENE", o.places, "Scenes to show; the map switches between scenes")->required();
+  addOption(app, "SCENE", o.places, "Scenes to show; the map switches between scenes").required();
   addInt(app, "--frames", o.frames, 0, 1000000000,
          "Number of frames of a scene after which the program exits; 0: exit "
          "when the user leaves");
-  app.add_option("--log", o.log, "Log of every frame, one line of JSON per frame")->type_name("FILE");
-  app.add_option("--screenshot", o.screenshot, "Last images of both eyes, FILE_l.png and FILE_r.png; requires --frames")
-      ->type_name("FILE.png");
-  app.add_option("--screenshots", o.screenshots, fmt::format("Folder for screenshots [{}]", o.screenshots))
-      ->type_name("DIR");
-  app.add_flag("--no-mirror", o.noMirror, "Open no window that mirrors the left eye");
-  app.add_flag("--no-governor", o.noGovernor, "Draw all requested detail, even if frames are missed");
-  app.add_flag("--forget", o.forget, "Neither load nor save state between runs, such as scales and pipelines");
-  app.add_flag("--validation", o.vr.validation, "Report errors found by Vulkan's validation layers");
-  addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "")->group("");  // for tests
+  addOption(app, "--log", o.log, "Log of every frame, one line of JSON per frame").type("FILE");
+  addOption(app, "--screenshot", o.screenshot, "Last images of both eyes, FILE_l.png and FILE_r.png; requires --frames")
+      .type("FILE.png");
+  addOption(app, "--screenshots", o.screenshots, fmt::format("Folder for screenshots [{}]", o.screenshots)).type("DIR");
+  addFlag(app, "--no-mirror", o.noMirror, "Open no window that mirrors the left eye");
+  addFlag(app, "--no-governor", o.noGovernor, "Draw all requested detail, even if frames are missed");
+  addFlag(app, "--forget", o.forget, "Neither load nor save state between runs, such as scales and pipelines");
+  addFlag(app, "--validation", o.vr.validation, "Report errors found by Vulkan's validation layers");
+  addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "").group("");  // for tests
   inGroup(app, "Comfort", [&] { declareComfort(app, o); });
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.vr.settings);
@@ -174,19 +163,18 @@ nlohmann::ordered_json report(const VrState& state, const nlohmann::ordered_json
 ExitCode run(int argc, char** argv) {
   Options o;
   o.common.program = kName;
-  CLI::App app(
-      "Examples:\n"
-      "  ibr-vr scene\n"
-      "  ibr-vr hall garden --preset fast --scale 0.37\n"
-      "  ibr-vr scene --frames 900 --log frames.jsonl --screenshot eyes.png\n\n"
-      "Shows scenes in a headset by OpenXR. Hold the trigger to point at a capture site.\n"
-      "Release the trigger to move there. The stick turns. The menu button (Y or B) shows a map\n"
-      "and settings.\n",
-      kName);
-  declareOptions(app, o);
-  const auto ends = parsed(app, argc, argv, [&] {
-    if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");
-    if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot requires --frames");
+  const ProgramText program{kName, IBR_VERSION,
+                            "Examples:\n"
+                            "  ibr-vr scene\n"
+                            "  ibr-vr hall garden --preset fast --scale 0.37\n"
+                            "  ibr-vr scene --frames 900 --log frames.jsonl --screenshot eyes.png\n\n"
+                            "Shows scenes in a headset by OpenXR. Hold the trigger to point at a capture site.\n"
+                            "Release the trigger to move there. The stick turns. The menu button (Y or B) shows a map\n"
+                            "and settings.\n"};
+  const auto declare = [&](CLI::App& app) { declareOptions(app, o); };
+  const auto ends = parseCommandLine(program, argc, argv, declare, [&] {
+    if (!o.common.device.empty()) refuseOption("--device", "the OpenXR runtime chooses the device");
+    if (!o.screenshot.empty() && o.frames == 0) refuseOptions("--screenshot requires --frames");
   });
   if (ends) return *ends;
   take(o);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr bench`: frame and pass times of a scene, for our methods and the paper's.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +9,7 @@
 #include "batch/command.h"
 #include "batch/files/poses.h"
 #include "shared/camera/auto_path.h"
+#include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/draw/scene_renderer.h"
@@ -101,20 +101,20 @@ const Command kBenchCommand{
     .mainOptions = "size cells views repeat stereo preset formats walk json device",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      addOption(app, "SCENE", options->scene, "Scene folder").required();
       addSize(app, "--size", options->run.size, "Size of the images [1920x1080; with --walk that of the path]");
-      app.add_option("--cells", options->cells, "Numbers of cells to measure [1,5,12]")
-          ->delimiter(',')
-          ->check(CLI::Range(1, int(kMaxCellCount)))
-          ->type_name("N,…");
-      CLI::Option* stereo = declareBenchRun(app, options->run);
-      auto* formats = app.add_flag("--formats", options->formats, "Compare texture formats and texture filters");
-      auto* walk = app.add_option("--walk", options->walk,
-                                  "Camera path to follow (see ibr render --help); also "
-                                  "measures memory")
-                       ->type_name("FILE")
-                       ->excludes(formats);
-      stereo->excludes(formats)->excludes(walk);
+      addOption(app, "--cells", options->cells, "Numbers of cells to measure [1,5,12]")
+          .delimiter(',')
+          .range(1, int(kMaxCellCount))
+          .type("N,…");
+      const Option stereo = declareBenchRun(app, options->run);
+      const Option formats = addFlag(app, "--formats", options->formats, "Compare texture formats and texture filters");
+      const Option walk = addOption(app, "--walk", options->walk,
+                                    "Camera path to follow (see ibr render --help); also "
+                                    "measures memory")
+                              .type("FILE")
+                              .excludes(formats);
+      stereo.excludes(formats).excludes(walk);
       return [options](const Context& context) {
         if (options->run.size.width == 0 && options->walk.empty()) options->run.size = {1920, 1080};
         const bool photographs = options->formats || !options->walk.empty();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/bench/bench_report.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -19,10 +18,10 @@ Json number(double value) {
 
 }  // namespace
 
-CLI::Option* declareBenchRun(CLI::App& app, BenchRun& run) {
+Option declareBenchRun(CLI::App& app, BenchRun& run) {
   addInt(app, "--views", run.views, 1, 1000, "Number of views along an automatic path");
   addInt(app, "--repeat", run.wanted.repeat, 1, 10'000, "Number of frames for each method and view");
-  CLI::Option* stereo = app.add_flag("--stereo", run.wanted.stereo, "Also measure two views, 64 mm apart");
+  const Option stereo = addFlag(app, "--stereo", run.wanted.stereo, "Also measure two views, 64 mm apart");
   RenderSettings defaults;  // for the fields of the compared cells
   defaults.maxTier = kTierFilled;
   declarePictureSettings(app, run.wanted.settings, defaults);

@@ -20,7 +20,7 @@ struct BenchRun {
 };
 
 /// Declares --views, --repeat, --stereo, the render settings and the GPU scene's options. Returns --stereo.
-CLI::Option* declareBenchRun(CLI::App& app, BenchRun& run);
+Option declareBenchRun(CLI::App& app, BenchRun& run);
 
 class BenchReport {
  public:

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "batch/inspect/advice_report.h"
 #include "batch/inspect/unused_photographs.h"
 #include "ibr/author/build.h"
+#include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/report/table.h"
 
@@ -236,12 +236,10 @@ const Command kBuildCommand{
     .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
-      app.add_option("-o,--output", options->output, "Scene folder; created if missing")
-          ->required()
-          ->type_name("SCENE");
+      addOption(app, "PHOTOS", options->photographs, "Folder of the photographs").required();
+      addOption(app, "-o,--output", options->output, "Scene folder; created if missing").required().type("SCENE");
       declareBuildOptions(app, options->choices);
-      app.add_flag("--dry-run", options->dryRun, "Only predict time, memory and disk space; build nothing");
+      addFlag(app, "--dry-run", options->dryRun, "Only predict time, memory and disk space; build nothing");
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -60,35 +60,11 @@ ScenePostProcess optimiser(AlignmentMethod method, const Context& context) {
   };
 }
 
-}  // namespace
-
-void declareInputOptions(CLI::App& app, BuildChoices& choices) {
-  app.add_option("--model", choices.model,
-                 "COLMAP model folder [sparse or sparse/0 in PHOTOS or in its parent folder, else PHOTOS]")
-      ->type_name("DIR");
-  app.add_option("--transforms", choices.transforms,
-                 "transforms.json of nerfstudio or instant-ngp with the poses, instead of a model")
-      ->type_name("FILE")
-      ->excludes("--model");
-  app.add_option("--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
-      ->type_name("FILE")
-      ->excludes("--model")
-      ->excludes("--transforms");
-  app.add_option(
-         "--masks", choices.build.masks,
-         "Folder of masks, as in COLMAP: NAME.jpg.png or NAME.png, of the same size as the photograph; pixels with "
-         "value 0 are neither matched nor shown")
-      ->type_name("DIR");
-}
-
-std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
-  const std::vector<CLI::Option*> before = app.get_options();
-  declareInputOptions(app, choices);
-  app.add_flag("--draft", choices.build.draft,
-               "Build a preview: fast depth search, no cells, nothing refined, removed or optimised. A later build "
-               "reuses the estimated poses.");
-  app.add_option("--colmap", choices.build.colmap, "Program that estimates missing poses [colmap]")
-      ->type_name("PROGRAM");
+void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
+  addFlag(app, "--draft", choices.build.draft,
+          "Build a preview: fast depth search, no cells, nothing refined, removed or optimised. A later build "
+          "reuses the estimated poses.");
+  addOption(app, "--colmap", choices.build.colmap, "Program that estimates missing poses [colmap]").type("PROGRAM");
   addChoice<TrackSource>(
       app, "--tracks", choices.build.tracks,
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
@@ -96,9 +72,9 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       "points [auto]");
   addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
                   "auto: first refine poses where points confirm the refinement, as ibr refine does [off]");
-  app.add_flag("--keep-border", choices.build.keepBorder,
-               "Keep all pixels of photographs with lens distortion; pixels without content are black and in no mesh "
-               "[crop to the largest full rectangle]");
+  addFlag(app, "--keep-border", choices.build.keepBorder,
+          "Keep all pixels of photographs with lens distortion; pixels without content are black and in no mesh "
+          "[crop to the largest full rectangle]");
   addChoice<Orientation>(
       app, "--orientation", choices.build.orientation,
       {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
@@ -112,14 +88,13 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
                   "Measure exposure and white balance of the photographs, for --exposure of ibr render [on]");
   addChoice<bool>(app, "--vignetting", choices.build.fitVignetting, {{"fit", true}, {"off", false}},
                   "fit: measure the vignetting of lenses, and store photographs without vignetting [off]");
-  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by name in the model")
-      ->type_name("NAME...");
-  app.add_option("--exclude-from", choices.excludeFrom, "File of names to leave out, one per line")->type_name("FILE");
-  app.add_option_function<std::string>(
-         "--memory",
-         [&choices](const std::string& text) { choices.build.memory = double(parsedBytes("--memory", text)); },
-         "Maximum memory of the build, such as 800M or 8G [half of the memory of the machine or container]")
-      ->type_name("BYTES");
+  addOption(app, "--exclude", choices.build.exclude, "Photographs to leave out, by name in the model").type("NAME...");
+  addOption(app, "--exclude-from", choices.excludeFrom, "File of names to leave out, one per line").type("FILE");
+  addParsed(
+      app, "--memory",
+      [&choices](const std::string& text) { choices.build.memory = double(parsedBytes("--memory", text)); },
+      "Maximum memory of the build, such as 800M or 8G [half of the memory of the machine or container]")
+      .type("BYTES");
   addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of stored photographs, px; 0 = unchanged");
   declareTextureFormat(app, choices.build.texture);
   addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
@@ -137,8 +112,8 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       {{"consistency", TriangleFilter::consistency}, {"homogeneous", TriangleFilter::homogeneous}},
       "Triangles to blend: all that look alike in the photographs [consistency], or in a homographic match only those "
       "on one plane");
-  app.add_flag_callback(
-      "--no-backdrops", [&choices] { choices.build.backdrops = false; },
+  addFlagCallback(
+      app, "--no-backdrops", [&choices] { choices.build.backdrops = false; },
       "Build no meshes and textures of the depth of photographs; only cells draw views");
   addChoice<DepthSearch>(app, "--depth", choices.build.depth,
                          {{"fast", DepthSearch::fast},
@@ -151,19 +126,40 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
                  "Minimum vertex distance in the depth mesh of a photograph, in px of the photograph scaled to 512 px "
                  "(panoramas: 2048 px) [2]");
-  app.add_option(
-         "--cache", choices.build.cacheFolder,
-         "Cache folder of matched cells and depth, for further builds of any scene [SCENE/.build: data of the last "
-         "build only]")
-      ->type_name("DIR");
-  app.add_flag("--optimise{gradient}", choices.optimise,
-               "Optimise the cells as ibr optimise does; --optimise=METHOD selects another method")
-      ->check([](const std::string& word) {
-        parsedMethod("--optimise", word);
-        return std::string();
-      });
-  const std::vector<CLI::Option*> all = app.get_options();  // in the order of their declaration
-  return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
+  addOption(app, "--cache", choices.build.cacheFolder,
+            "Cache folder of matched cells and depth, for further builds of any scene [SCENE/.build: data of the last "
+            "build only]")
+      .type("DIR");
+  addFlag(app, "--optimise{gradient}", choices.optimise,
+          "Optimise the cells as ibr optimise does; --optimise=METHOD selects another method")
+      .check([](const std::string& word) { parsedMethod("--optimise", word); });
+}
+
+}  // namespace
+
+void declareInputOptions(CLI::App& app, BuildChoices& choices) {
+  addOption(app, "--model", choices.model,
+            "COLMAP model folder [sparse or sparse/0 in PHOTOS or in its parent folder, else PHOTOS]")
+      .type("DIR");
+  addOption(app, "--transforms", choices.transforms,
+            "transforms.json of nerfstudio or instant-ngp with the poses, instead of a model")
+      .type("FILE")
+      .excludes("--model");
+  addOption(app, "--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
+      .type("FILE")
+      .excludes("--model")
+      .excludes("--transforms");
+  addOption(app, "--masks", choices.build.masks,
+            "Folder of masks, as in COLMAP: NAME.jpg.png or NAME.png, of the same size as the photograph; pixels with "
+            "value 0 are neither matched nor shown")
+      .type("DIR");
+}
+
+std::vector<Option> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
+  return declaredBy(app, [&] {
+    declareInputOptions(app, choices);
+    declareBuildSettings(app, choices);
+  });
 }
 
 BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photographs, const Context& context) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "ibr/author/build.h"
-#include "shared/cli/cli_fwd.h"
 #include "shared/cli/context.h"
+#include "shared/cli/options.h"
 
 namespace ibr::app {
 
@@ -22,7 +22,7 @@ struct BuildChoices {
 void declareInputOptions(CLI::App& app, BuildChoices& choices);
 
 /// Declares all options, the input options included, but not the photographs' and scene's folders. Returns them.
-std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
+std::vector<Option> declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
 /// Returns complete options but for the output. Looks for a model near the photographs if no poses are given; without a
 /// model the build runs COLMAP. Throws Error.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -142,14 +141,13 @@ const Command kOptimiseCommand{
     .mainOptions = "output method instances radius decay threshold rigidity flip-edges pictures json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->input, "Scene folder")->required();
-      app.add_option("-o,--output", options->output, "Folder of the optimised scene; created if missing")
-          ->required()
-          ->type_name("SCENE2");
+      addOption(app, "SCENE", options->input, "Scene folder").required();
+      addOption(app, "-o,--output", options->output, "Folder of the optimised scene; created if missing")
+          .required()
+          .type("SCENE2");
       declareAlignment(app, options->scene.cells.alignment);
       declareCellsOnly(app, options->scene.cells.cells, "Optimise only these cells, by number");
-      app.add_option("--pictures", options->pictures, "Folder for images of each cell before and after")
-          ->type_name("DIR");
+      addOption(app, "--pictures", options->pictures, "Folder for images of each cell before and after").type("DIR");
       return [options](const Context& context) { return optimise(*options, context); };
     }};
 

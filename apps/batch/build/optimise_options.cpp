@@ -34,16 +34,16 @@ const char* optionValue(EccDefinition definition) {
 AlignmentMethod parsedMethod(const std::string& option, const std::string& word) {
   for (const auto& [known, method] : kMethods)
     if (word == known) return method;
-  throw CLI::ValidationError(option, "'" + word + "' is not one of gradient|cpu|compute|raster");
+  refuseOption(option, "'" + word + "' is not one of gradient|cpu|compute|raster");
 }
 
 void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   options.method = AlignmentMethod::gradient;
-  app.add_option_function<std::string>(
-         "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
-         "Search for positions: computed steps [gradient], or random candidates on the CPU (cpu), on the device in "
-         "parallel (compute), or as in the paper (raster)")
-      ->type_name("gradient|cpu|compute|raster");
+  addParsed(
+      app, "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
+      "Search for positions: computed steps [gradient], or random candidates on the CPU (cpu), on the device in "
+      "parallel (compute), or as in the paper (raster)")
+      .type("gradient|cpu|compute|raster");
   addInt(app, "--instances", options.instances, kInstancesLimits.first, kInstancesLimits.second,
          "cpu, compute, raster: number of candidates per point, including the current position");
   addDouble(app, "--radius", options.radiusPx, kRadiusLimits.first, kRadiusLimits.second,
@@ -62,27 +62,27 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   addInt(app, "--levels", options.levels, 1, 8,
          "gradient: number of scale levels, from blurred images to the photographs");
   addInt(app, "--escape", options.escape, 0, 256, "gradient: number of random candidates before each computed step");
-  app.add_flag("--flip-edges", options.flipEdges,
-               "Flip edges of triangles where the photographs then agree better; not in cells of panoramas");
+  addFlag(app, "--flip-edges", options.flipEdges,
+          "Flip edges of triangles where the photographs then agree better; not in cells of panoramas");
   addDouble(app, "--flip-gain", options.flipGain, 0, 1, "Minimum gain in ECC of the two triangles at a flipped edge");
-  app.add_flag("--insert-points", options.insertPoints,
-               "Insert points where bad agreement of photographs improves; not in cells of panoramas");
+  addFlag(app, "--insert-points", options.insertPoints,
+          "Insert points where bad agreement of photographs improves; not in cells of panoramas");
   addDouble(app, "--insert-below", options.insertBelow, -1, 1, "ECC of a triangle below which a point may be inserted");
   addDouble(app, "--insert-gain", options.insertGain, 0, 1,
             "Minimum gain in ECC of the triangles around an inserted point");
-  app.add_flag("--prune", options.prune,
-               "cpu, compute: evaluate all candidates on every 8th row first, then only the best in full");
+  addFlag(app, "--prune", options.prune,
+          "cpu, compute: evaluate all candidates on every 8th row first, then only the best in full");
 }
 
 void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description) {
-  app.add_option_function<std::vector<std::string>>(
-         "--cells-only",
-         [&cells](const std::vector<std::string>& numbers) {
-           for (const std::string& text : numbers)
-             cells.push_back(std::size_t(parsedInt("--cells-only", text, 0, 1000000)));
-         },
-         description)
-      ->type_name("N...");
+  addParsedList(
+      app, "--cells-only",
+      [&cells](const std::vector<std::string>& numbers) {
+        for (const std::string& text : numbers)
+          cells.push_back(std::size_t(parsedInt("--cells-only", text, 0, 1000000)));
+      },
+      description)
+      .type("N...");
 }
 
 Aligner makeAligner(AlignmentMethod method, const Context& context) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +9,7 @@
 #include "batch/build/refinement_report.h"
 #include "batch/command.h"
 #include "ibr/author/build.h"
+#include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 
 namespace fs = std::filesystem;
@@ -91,15 +91,15 @@ const Command kRefineCommand{
     .mainOptions = "output truth model masks tracks exclude-from cache json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
-      app.add_option("-o,--output", options->output, "Folder of the refined model; created if missing")
-          ->required()
-          ->type_name("MODEL");
-      app.add_option(
-             "--truth", options->truth,
-             "COLMAP model with exact poses, to report the pose errors before and after refinement, after alignment by "
-             "a similarity")
-          ->type_name("DIR");
+      addOption(app, "PHOTOS", options->photographs, "Folder of the photographs").required();
+      addOption(app, "-o,--output", options->output, "Folder of the refined model; created if missing")
+          .required()
+          .type("MODEL");
+      addOption(
+          app, "--truth", options->truth,
+          "COLMAP model with exact poses, to report the pose errors before and after refinement, after alignment by "
+          "a similarity")
+          .type("DIR");
       declareBuildOptions(app, options->choices);
       return [options](const Context& context) { return refine(*options, context); };
     }};

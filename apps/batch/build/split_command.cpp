@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -71,38 +70,38 @@ const Command kSplitCommand{
     .mainOptions = "output views poles fov size format model json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("PANORAMA", options->input, "Panorama, or folder of posed panoramas")->required();
-      app.add_option("-o,--output", options->output, "Folder for images/ and sparse/; created if missing")
-          ->required()
-          ->type_name("DIR");
-      app.add_option_function<std::string>(
-             "--views",
-             [options](const std::string& text) {
-               options->split.views = text == "cube" ? 0 : int(parsedInt("--views", text, 1, 360));
-             },
-             "Faces of a cube, or N views around the horizon [cube]")
-          ->type_name("cube|N");
-      app.add_flag("--poles", options->split.poles, "Add views up and down to the views around the horizon");
-      app.add_option_function<std::string>(
-             "--fov",
-             [options](const std::string& text) {
-               const double degrees = parsedDouble("--fov", text, 0, 180);
-               if (!(degrees > 0 && degrees < 180))
-                 throw CLI::ValidationError("--fov", "'" + text + "' is not between 0 and 180 degrees");
-               options->split.fovDegrees = degrees;
-             },
-             "Horizontal and vertical field of view of an image, degrees [105]")
-          ->type_name("DEGREES");
+      addOption(app, "PANORAMA", options->input, "Panorama, or folder of posed panoramas").required();
+      addOption(app, "-o,--output", options->output, "Folder for images/ and sparse/; created if missing")
+          .required()
+          .type("DIR");
+      addParsed(
+          app, "--views",
+          [options](const std::string& text) {
+            options->split.views = text == "cube" ? 0 : int(parsedInt("--views", text, 1, 360));
+          },
+          "Faces of a cube, or N views around the horizon [cube]")
+          .type("cube|N");
+      addFlag(app, "--poles", options->split.poles, "Add views up and down to the views around the horizon");
+      addParsed(
+          app, "--fov",
+          [options](const std::string& text) {
+            const double degrees = parsedDouble("--fov", text, 0, 180);
+            if (!(degrees > 0 && degrees < 180))
+              refuseOption("--fov", "'" + text + "' is not between 0 and 180 degrees");
+            options->split.fovDegrees = degrees;
+          },
+          "Horizontal and vertical field of view of an image, degrees [105]")
+          .type("DEGREES");
       addInt(app, "--size", options->split.size, 0, 16384,
              "Width and height of an image, px; 0 = centre as sharp as the panorama's horizon");
       addChoice<ImageFileFormat>(
           app, "--format", options->split.format,
           {{"source", ImageFileFormat::asSource}, {"jpg", ImageFileFormat::jpeg}, {"png", ImageFileFormat::png}},
           "File format of the images; source: that of the panorama, PNG unless it is a JPEG [source]");
-      app.add_option("--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras")->type_name("DIR");
-      app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
-          ->type_name("FILE")
-          ->excludes("--model");
+      addOption(app, "--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras").type("DIR");
+      addOption(app, "--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
+          .type("FILE")
+          .excludes("--model");
       return [options](const Context& context) { return split(*options, context); };
     }};
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include "ibr/htm_sequence.h"
 #include "ibr/scene.h"
 #include "io/image_file.h"
+#include "shared/cli/options.h"
 
 namespace fs = std::filesystem;
 
@@ -86,7 +86,7 @@ const Command kDoctorCommand{
     .mainOptions = "model transforms panoramas masks json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto path = std::make_shared<std::string>();
-      app.add_option("FOLDER_OR_SCENE", *path, "Folder of photographs, or scene [this machine]");
+      addOption(app, "FOLDER_OR_SCENE", *path, "Folder of photographs, or scene [this machine]");
       const auto choices = std::make_shared<BuildChoices>();
       declareInputOptions(app, *choices);
       return [path, choices](const Context& context) { return examine(*path, *choices, context); };

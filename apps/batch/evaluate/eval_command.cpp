@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -75,15 +74,14 @@ ExitCode evaluate(const Options& options, const Context& context) {
   return kExitOk;
 }
 
-// Returns all baselines if none is named. Throws CLI::ValidationError for a name that is not in kBaselines.
+// Returns all baselines if none is named. Refuses a name that is not in kBaselines.
 std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
   std::erase(names, "");
   std::vector<std::string> known;
   for (const auto& [name, title] : kBaselines) known.emplace_back(name);
   for (const std::string& name : names)
     if (std::ranges::find(known, name) == known.end())
-      throw CLI::ValidationError("--baselines",
-                                 fmt::format("unknown baseline {}; choose from {}", name, fmt::join(known, ", ")));
+      refuseOption("--baselines", fmt::format("unknown baseline {}; choose from {}", name, fmt::join(known, ", ")));
   return names.empty() ? known : names;
 }
 
@@ -120,63 +118,63 @@ const Command kEvalCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       EvaluationOptions& evaluation = options->evaluation;
-      auto* scene = app.add_option("SCENE", options->scene, "Scene folder");
-      auto* truth =
-          app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
-      auto* rebuilt =
-          app.add_option("--leave-one-out", options->leaveOneOut.photographs,
-                         "Build without each of these photographs, and compare with the held-out photograph")
-              ->type_name("PHOTOS");
-      rebuilt->excludes(scene)->excludes(truth);
-      app.add_option("--views", options->views, "Compare only these views, by name")->type_name("NAME...");
-      app.add_option("-o,--output", options->output, "Folder for prediction, truth and difference")->type_name("DIR");
-      app.add_flag("--seams", evaluation.seams,
-                   "Also measure colour steps between cells beyond the truth's, in levels; colour difference (CIE "
-                   "1976) after one gain per channel; misalignment of cells in px (median, 95 %), with and without "
-                   "--align");
-      app.add_flag("--fit-gain", evaluation.fitGain,
-                   "Also measure PSNR after one gain per channel, the median ratio, because exposures of photographs "
-                   "differ");
-      auto* baselines =
-          app.add_option("--baselines", evaluation.baselines,
-                         "Also measure baselines: nearest (photograph by homography); lumigraph (unstructured, on "
-                         "matched depth); crossFade (no morph); paper (the paper's morph and order); paperOrder (the "
-                         "paper's order); gathered (reference implementation of the gather); without names: all")
-              ->type_name("NAME...")
-              ->expected(0, int(kBaselines.size()));
-      app.add_flag("--guessed", evaluation.guessed,
-                   "Also report, in JSON, the share of pixels whose depth was completed or filled");
-      auto* depth = app.add_option("--truth-depth", evaluation.truthDepth,
-                                   "Folder of exact depth, a 16-bit NAME.png per view, to report the share of pixels "
-                                   "with right, too far or too near depth, without sky")
-                        ->type_name("DIR");
+      const Option scene = addOption(app, "SCENE", options->scene, "Scene folder");
+      const Option truth =
+          addOption(app, "--truth", options->truth, "Held-out photographs with their poses").type("DIR");
+      const Option rebuilt =
+          addOption(app, "--leave-one-out", options->leaveOneOut.photographs,
+                    "Build without each of these photographs, and compare with the held-out photograph")
+              .type("PHOTOS");
+      rebuilt.excludes(scene).excludes(truth);
+      addOption(app, "--views", options->views, "Compare only these views, by name").type("NAME...");
+      addOption(app, "-o,--output", options->output, "Folder for prediction, truth and difference").type("DIR");
+      addFlag(app, "--seams", evaluation.seams,
+              "Also measure colour steps between cells beyond the truth's, in levels; colour difference (CIE "
+              "1976) after one gain per channel; misalignment of cells in px (median, 95 %), with and without "
+              "--align");
+      addFlag(app, "--fit-gain", evaluation.fitGain,
+              "Also measure PSNR after one gain per channel, the median ratio, because exposures of photographs "
+              "differ");
+      const Option baselines =
+          addOption(app, "--baselines", evaluation.baselines,
+                    "Also measure baselines: nearest (photograph by homography); lumigraph (unstructured, on "
+                    "matched depth); crossFade (no morph); paper (the paper's morph and order); paperOrder (the "
+                    "paper's order); gathered (reference implementation of the gather); without names: all")
+              .type("NAME...")
+              .expected(0, int(kBaselines.size()));
+      addFlag(app, "--guessed", evaluation.guessed,
+              "Also report, in JSON, the share of pixels whose depth was completed or filled");
+      const Option depth = addOption(app, "--truth-depth", evaluation.truthDepth,
+                                     "Folder of exact depth, a 16-bit NAME.png per view, to report the share of pixels "
+                                     "with right, too far or too near depth, without sky")
+                               .type("DIR");
       addDouble(app, "--depth-unit", evaluation.depthUnit, 1e-9, 1e9, "World units per step of a depth image")
-          ->needs(depth);
+          .needs(depth);
       addDouble(app, "--depth-baseline", evaluation.depthBaseline, 1e-9, 1e9,
                 "Baseline at which a depth error may cause at most 1 px of parallax to count as right, world units")
-          ->needs(depth);
+          .needs(depth);
       declareAllSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
-      std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
-                                            "--leave-one-out: hold out every Nth photograph")};
-      only.push_back(app.add_option("--work", options->leaveOneOut.work,
-                                    "--leave-one-out: folder that caches builds, so that a run with other settings "
-                                    "does not match again [a temporary folder]")
-                         ->type_name("DIR"));
-      only.push_back(app.add_flag("--resect", options->leaveOneOut.resect,
-                                  "--leave-one-out: estimate held-out poses from points shared with other photographs; "
-                                  "always on where --refine-poses moves these"));
-      for (CLI::Option* option : declareBuildOptions(app, options->build))
-        if (option->get_name() != "--masks") only.push_back(option);  // --masks also applies with --truth
-      for (CLI::Option* option : only) option->needs(rebuilt);
-      app.callback([options, baselines, &app] {
-        if (baselines->count() > 0) options->evaluation.baselines = chosenBaselines(options->evaluation.baselines);
+      std::vector<Option> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
+                                      "--leave-one-out: hold out every Nth photograph")};
+      only.push_back(addOption(app, "--work", options->leaveOneOut.work,
+                               "--leave-one-out: folder that caches builds, so that a run with other settings "
+                               "does not match again [a temporary folder]")
+                         .type("DIR"));
+      only.push_back(addFlag(app, "--resect", options->leaveOneOut.resect,
+                             "--leave-one-out: estimate held-out poses from points shared with other photographs; "
+                             "always on where --refine-poses moves these"));
+      for (const Option& option : declareBuildOptions(app, options->build))
+        if (option.name() != "--masks") only.push_back(option);  // --masks also applies with --truth
+      for (const Option& option : only) option.needs(rebuilt);
+      afterParsing(app, [options, baselines, &app] {
+        if (baselines.isSet()) options->evaluation.baselines = chosenBaselines(options->evaluation.baselines);
         if (!options->leaveOneOut.photographs.empty()) {
           options->leaveOneOut.words = scoreArguments(app);
           return;
         }
-        if (options->scene.empty()) throw CLI::RequiredError("SCENE (or --leave-one-out)");
-        if (options->truth.empty()) throw CLI::RequiredError("--truth (or --leave-one-out)");
+        if (options->scene.empty()) requireOption("SCENE (or --leave-one-out)");
+        if (options->truth.empty()) requireOption("--truth (or --leave-one-out)");
       });
       return [options](const Context& context) {
         options->evaluation.pictures = options->output;

@@ -3,7 +3,6 @@
 //
 // A step is the mean absolute difference between neighbouring frames, in 8-bit levels. Motion alone makes steps; a
 // switch of the main cell is invisible if its steps are no larger.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -252,15 +251,16 @@ const Command kWalkCommand{
     .mainOptions = "frames poses output pop stereo size preset json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Scene folder")->required();
-      auto* frames = addInt(app, "--frames", options->autoFrames, 2, 1'000'000,
-                            "Number of frames of an automatic walk between and slightly beyond the photographs, 30 per "
-                            "second");
-      app.add_option("--poses", options->poses, "Camera path to follow")->type_name("FILE")->excludes(frames);
-      app.add_option("-o,--output", options->output, "Folder for the image of the largest step")->type_name("DIR");
-      app.add_flag("--pop", options->pop, "Also report steps as FLIP; takes about as long as drawing");
-      auto* stereo = app.add_flag("--stereo", options->stereo, "Render two eyes and measure their agreement");
-      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance between the eyes, world units")->needs(stereo);
+      addOption(app, "SCENE", options->scene, "Scene folder").required();
+      const Option frames =
+          addInt(app, "--frames", options->autoFrames, 2, 1'000'000,
+                 "Number of frames of an automatic walk between and slightly beyond the photographs, 30 per "
+                 "second");
+      addOption(app, "--poses", options->poses, "Camera path to follow").type("FILE").excludes(frames);
+      addOption(app, "-o,--output", options->output, "Folder for the image of the largest step").type("DIR");
+      addFlag(app, "--pop", options->pop, "Also report steps as FLIP; takes about as long as drawing");
+      const Option stereo = addFlag(app, "--stereo", options->stereo, "Render two eyes and measure their agreement");
+      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance between the eyes, world units").needs(stereo);
       addSize(app, "--size", options->size, "Size of the images [that of the path; else of the photographs]");
       declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);

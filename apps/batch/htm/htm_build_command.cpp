@@ -100,14 +100,12 @@ const Command kHtmBuildCommand{
     .mainOptions = "mesh model images masks output faces adjust rounds stages json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("--mesh", options->mesh, "Mesh file")->required()->type_name("FILE");
-      app.add_option("--model", options->model, "COLMAP model folder")->required()->type_name("DIR");
-      app.add_option("--images", options->images, "Folder of the photographs")->required()->type_name("DIR");
-      app.add_option("--masks", options->masks, "Folder of masks, a NAME.png per photograph")->type_name("DIR");
-      app.add_option("-o,--output", options->output, "Model folder; created if missing")
-          ->required()
-          ->type_name("MODEL");
-      app.add_option("--stages", options->stages, "Folder for the intermediate meshes")->type_name("DIR");
+      addOption(app, "--mesh", options->mesh, "Mesh file").required().type("FILE");
+      addOption(app, "--model", options->model, "COLMAP model folder").required().type("DIR");
+      addOption(app, "--images", options->images, "Folder of the photographs").required().type("DIR");
+      addOption(app, "--masks", options->masks, "Folder of masks, a NAME.png per photograph").type("DIR");
+      addOption(app, "-o,--output", options->output, "Model folder; created if missing").required().type("MODEL");
+      addOption(app, "--stages", options->stages, "Folder for the intermediate meshes").type("DIR");
       declareHtmBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildModel(*options, context); };
     }};

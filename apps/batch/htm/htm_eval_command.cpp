@@ -274,25 +274,23 @@ const Command kHtmEvalCommand{
     .mainOptions = "truth leave-one-out keep-mesh views output json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("MODEL", options->model, "Model folder")->required();
-      CLI::Option* truth =
-          app.add_option("--truth", options->truth, "Folder of views with known images")->type_name("DIR");
-      CLI::Option* leave = app.add_flag("--leave-one-out", options->leaveOneOut,
-                                        "Compare each photograph with a model built without "
-                                        "the photograph")
-                               ->excludes(truth);
-      app.add_flag("--keep-mesh", options->keepMesh,
-                   "With --leave-one-out: build no model again; leave the camera out only when drawing")
-          ->needs(leave);
-      app.add_option("--poses", options->poses, "With --leave-one-out: exact poses of the cameras")
-          ->needs(leave)
-          ->type_name("FILE|DIR");
-      app.add_option("--views", options->views, "Compare only these views, by name")->type_name("NAME");
-      app.add_option("-o,--output", options->output, "Folder for images and plot; created if missing")
-          ->type_name("DIR");
+      addOption(app, "MODEL", options->model, "Model folder").required();
+      const Option truth = addOption(app, "--truth", options->truth, "Folder of views with known images").type("DIR");
+      const Option leave = addFlag(app, "--leave-one-out", options->leaveOneOut,
+                                   "Compare each photograph with a model built without "
+                                   "the photograph")
+                               .excludes(truth);
+      addFlag(app, "--keep-mesh", options->keepMesh,
+              "With --leave-one-out: build no model again; leave the camera out only when drawing")
+          .needs(leave);
+      addOption(app, "--poses", options->poses, "With --leave-one-out: exact poses of the cameras")
+          .needs(leave)
+          .type("FILE|DIR");
+      addOption(app, "--views", options->views, "Compare only these views, by name").type("NAME");
+      addOption(app, "-o,--output", options->output, "Folder for images and plot; created if missing").type("DIR");
       declareHtmSettings(app, options->settings);
-      app.callback([options] {
-        if (options->truth.empty() && !options->leaveOneOut) throw CLI::RequiredError("--truth or --leave-one-out");
+      afterParsing(app, [options] {
+        if (options->truth.empty() && !options->leaveOneOut) requireOption("--truth or --leave-one-out");
       });
       return [options](const Context& context) { return evaluate(*options, context); };
     }};

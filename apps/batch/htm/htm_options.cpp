@@ -14,8 +14,8 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
                         "0: no reduction by shape");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
          "Rounds that adjust cameras and shape to the matches; 0: both stay as given, as in the paper");
-  app.add_flag_callback(
-      "--keep-shape", [&o] { o.reshape = false; }, "Keep vertices fixed in the rounds of --adjust");
+  addFlagCallback(
+      app, "--keep-shape", [&o] { o.reshape = false; }, "Keep vertices fixed in the rounds of --adjust");
   addChoice<TemplateMeasure>(
       app, "--measure", o.measure,
       {{"sad", TemplateMeasure::absoluteDifferences}, {"ncc", TemplateMeasure::correlation}},
@@ -46,10 +46,10 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   addCount<std::size_t>(app, "--max-faces", o.maxFaces, 1, 100000000,
                         "Number of faces beyond which no further round "
                         "begins");
-  app.add_flag_callback(
-      "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Do not divide faces for being partly hidden");
-  app.add_flag_callback(
-      "--no-reject", [&o] { o.reject = false; }, "Keep cameras that disagree at a vertex");
+  addFlagCallback(
+      app, "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Do not divide faces for being partly hidden");
+  addFlagCallback(
+      app, "--no-reject", [&o] { o.reject = false; }, "Keep cameras that disagree at a vertex");
   addDouble(app, "--reject-difference", o.rejectDifference, 0, 255,
             "Difference above which two cameras disagree at a vertex, levels; see --reject-correlation");
   addDouble(app, "--reject-correlation", o.rejectCorrelation, -1, 1,
@@ -65,8 +65,7 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
 }  // namespace
 
 void declareHtmBuildOptions(CLI::App& app, HtmBuildChoices& choices) {
-  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by name in the model")
-      ->type_name("NAME");
+  addOption(app, "--exclude", choices.build.exclude, "Photographs to leave out, by name in the model").type("NAME");
   addInt(app, "--max-size", choices.build.maxSize, 0, 65536,
          "Longest side of the stored photographs, px; 0: unchanged");
   addChoice<bool>(app, "--match", choices.matchOnDevice, {{"processor", false}, {"device", true}},

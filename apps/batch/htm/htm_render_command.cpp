@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "batch/htm/htm_commands.h"
 #include "batch/htm/htm_render_views.h"
+#include "shared/cli/options.h"
 
 namespace ibr::app {
 
@@ -30,20 +30,20 @@ const Command kHtmRenderCommand{
     .mainOptions = "poses path output size fov method smooth time json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<HtmViewsOptions>();
-      app.add_option("MODEL", options->model, "Folder of a model or of 3D video")->required();
-      auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
-              ->type_name("FILE|DIR");
-      poses->excludes(addAutoPath(app, options->autoFrames));
-      app.add_option("-o,--output", options->output, "Folder for the images; created if missing")
-          ->required()
-          ->type_name("DIR");
+      addOption(app, "MODEL", options->model, "Folder of a model or of 3D video").required();
+      const Option poses =
+          addOption(app, "--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
+              .type("FILE|DIR");
+      poses.excludes(addAutoPath(app, options->autoFrames));
+      addOption(app, "-o,--output", options->output, "Folder for the images; created if missing")
+          .required()
+          .type("DIR");
       addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
       addGraph(app, options->graph);
       declareHtmViews(app, *options);
-      app.callback([options] {
-        if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
+      afterParsing(app, [options] {
+        if (options->poses.empty() && options->autoFrames == 0) requireOption("--poses or --path");
         checkHtmViews(*options, assetKind(options->model));
       });
       return [options](const Context& context) { return renderHtmViews(*options, context); };

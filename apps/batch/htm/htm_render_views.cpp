@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/htm/htm_render_views.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
 #include <glm/trigonometric.hpp>
@@ -95,15 +94,15 @@ void printFrames(const HtmPlayer& player, const Context& context) {
 
 void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
   declareHtmPictureSettings(app, options.settings, options.sourceMesh);
-  app.add_option_function<std::string>(
-         "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
-         "3D video: render only this moment, from all poses [the time of each pose]")
-      ->type_name("SECONDS");
+  addParsed(
+      app, "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
+      "3D video: render only this moment, from all poses [the time of each pose]")
+      .type("SECONDS");
 }
 
 void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind) {
   if (options.time && kind == AssetKind::htmModel)
-    throw CLI::ValidationError("--time", "is only for 3D video, but " + options.model + " is a single model");
+    refuseOption("--time", "is only for 3D video, but " + options.model + " is a single model");
 }
 
 ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) {

@@ -8,7 +8,6 @@
 #include "batch/command.h"
 #include "ibr/asset.h"
 #include "ibr/htm.h"
-#include "shared/cli/cli_fwd.h"
 #include "shared/cli/options.h"
 
 namespace ibr::app {
@@ -28,7 +27,7 @@ struct HtmViewsOptions {
 /// Declares --method, --mesh, --gamma, --weight-cut, --smooth and --time.
 void declareHtmViews(CLI::App& app, HtmViewsOptions& options);
 
-/// Throws CLI::ValidationError for options that do not apply to `kind`.
+/// Refuses options that do not apply to `kind`.
 void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind);
 
 /// Renders and writes all views. Throws Error.

@@ -117,10 +117,8 @@ const Command kHtmSequenceCommand{
     .mainOptions = "output fps faces adjust rounds json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("FRAMES", options->frames, "Folder with one folder per frame")->required();
-      app.add_option("-o,--output", options->output, "Sequence folder; created if missing")
-          ->required()
-          ->type_name("SEQUENCE");
+      addOption(app, "FRAMES", options->frames, "Folder with one folder per frame").required();
+      addOption(app, "-o,--output", options->output, "Sequence folder; created if missing").required().type("SEQUENCE");
       addDouble(app, "--fps", options->fps, 0.001, 1000, "Frames per second");
       declareHtmBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildSequence(*options, context); };

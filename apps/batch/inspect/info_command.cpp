@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +20,7 @@
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "io/image_file.h"
+#include "shared/cli/options.h"
 #include "shared/cli/presets.h"
 #include "shared/report/graph_svg.h"
 #include "shared/report/table.h"
@@ -328,24 +328,24 @@ const Command kInfoCommand{
     .mainOptions = "explain advice svg depth json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene,
-                     "Folder of a scene, a model or 3D video, its .gltf or sequence.json, or an image")
-          ->required();
-      app.add_flag("--explain", options->explain,
-                   "Also list the stages of the renderer that this scene needs, with "
-                   "reasons");
-      app.add_flag("--advice", options->advice,
-                   "Also list problems of the photographs, and positions for ten more photographs");
-      app.add_option("--advice-poses", options->advicePoses,
-                     "Also write poses of ten more photographs: FILE.json is a camera path, else FILE is a folder for "
-                     "a COLMAP model")
-          ->type_name("FILE");
-      app.add_option("--svg", options->svg,
-                     "Also draw the image graph: cameras, cells by score, unused photographs and next-best views")
-          ->type_name("FILE");
-      app.add_option("--depth", options->depth,
-                     "Also write depth, confirmations and consensus of each photograph, as PNG and EXR")
-          ->type_name("DIR");
+      addOption(app, "SCENE", options->scene,
+                "Folder of a scene, a model or 3D video, its .gltf or sequence.json, or an image")
+          .required();
+      addFlag(app, "--explain", options->explain,
+              "Also list the stages of the renderer that this scene needs, with "
+              "reasons");
+      addFlag(app, "--advice", options->advice,
+              "Also list problems of the photographs, and positions for ten more photographs");
+      addOption(app, "--advice-poses", options->advicePoses,
+                "Also write poses of ten more photographs: FILE.json is a camera path, else FILE is a folder for "
+                "a COLMAP model")
+          .type("FILE");
+      addOption(app, "--svg", options->svg,
+                "Also draw the image graph: cameras, cells by score, unused photographs and next-best views")
+          .type("FILE");
+      addOption(app, "--depth", options->depth,
+                "Also write depth, confirmations and consensus of each photograph, as PNG and EXR")
+          .type("DIR");
       return [options](const Context& context) { return showScene(*options, context); };
     }};
 

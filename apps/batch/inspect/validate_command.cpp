@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +6,7 @@
 #include "ibr/asset.h"
 #include "ibr/htm_sequence.h"
 #include "ibr/scene.h"
+#include "shared/cli/options.h"
 
 namespace ibr::app {
 namespace {
@@ -45,8 +45,8 @@ const Command kValidateCommand{
     .mainOptions = "json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto scene = std::make_shared<std::string>();
-      app.add_option("SCENE", *scene, "Folder of a scene, a model or 3D video, or its .gltf or sequence.json")
-          ->required();
+      addOption(app, "SCENE", *scene, "Folder of a scene, a model or 3D video, or its .gltf or sequence.json")
+          .required();
       return [scene](const Context& context) { return validateFiles(*scene, context); };
     }};
 

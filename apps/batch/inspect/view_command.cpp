@@ -2,7 +2,6 @@
 // `ibr view`: replaces this process by the viewer.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -10,6 +9,7 @@
 
 #include "base/check.h"
 #include "batch/command.h"
+#include "shared/cli/options.h"
 
 namespace fs = std::filesystem;
 
@@ -39,15 +39,14 @@ ExitCode view(const std::vector<std::string>& words) {
 
 }  // namespace
 
-const Command kViewCommand{
-    .name = "view",
-    .summary = "Opens scenes in the viewer",
-    .examples = "ibr view scene\nibr view scene --preset fast --size 1280x720",
-    .details = "All arguments are passed to ibr-viewer; `ibr-viewer --help` lists its options.",
-    .afterInterrupt = "",
-    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
-      app.prefix_command();  // CLI11 keeps the order of the words after the first that is no option of its own
-      return [&app](const Context&) { return view(app.remaining()); };
-    }};
+const Command kViewCommand{.name = "view",
+                           .summary = "Opens scenes in the viewer",
+                           .examples = "ibr view scene\nibr view scene --preset fast --size 1280x720",
+                           .details = "All arguments are passed to ibr-viewer; `ibr-viewer --help` lists its options.",
+                           .afterInterrupt = "",
+                           .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+                             passArgumentsOn(app);
+                             return [&app](const Context&) { return view(remainingArguments(app)); };
+                           }};
 
 }  // namespace ibr::app

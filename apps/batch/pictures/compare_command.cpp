@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -77,21 +76,20 @@ const Command kCompareCommand{
     .mainOptions = "tolerance output gain json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("A", options->a, "Image")->required();
-      app.add_option("B", options->b, "Image of the same size")->required();
-      app.add_option_function<std::vector<std::string>>(
-             "--tolerance",
-             [options](const std::vector<std::string>& words) {
-               constexpr auto kName = "--tolerance";
-               options->tolerance = {int(parsedInt(kName, words.at(0), 0, 255)),
-                                     parsedDouble(kName, words.at(1), 0, 100),
-                                     int(parsedInt(kName, words.at(2), 0, 255))};
-             },
-             "At most PERCENT of the pixels may differ by more than LEVELS, and none by more than LARGEST "
-             "(levels of 0 to 255)")
-          ->expected(3)
-          ->type_name("LEVELS PERCENT LARGEST");
-      app.add_option("-o,--output", options->output, "Write the absolute difference as an image")->type_name("FILE");
+      addOption(app, "A", options->a, "Image").required();
+      addOption(app, "B", options->b, "Image of the same size").required();
+      addParsedList(
+          app, "--tolerance",
+          [options](const std::vector<std::string>& words) {
+            constexpr auto kName = "--tolerance";
+            options->tolerance = {int(parsedInt(kName, words.at(0), 0, 255)), parsedDouble(kName, words.at(1), 0, 100),
+                                  int(parsedInt(kName, words.at(2), 0, 255))};
+          },
+          "At most PERCENT of the pixels may differ by more than LEVELS, and none by more than LARGEST "
+          "(levels of 0 to 255)")
+          .expected(3)
+          .type("LEVELS PERCENT LARGEST");
+      addOption(app, "-o,--output", options->output, "Write the absolute difference as an image").type("FILE");
       addInt(app, "--gain", options->gain, 1, 255, "Factor on the difference image");
       return [options](const Context& context) { return comparePictures(*options, context); };
     }};

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <glm/trigonometric.hpp>
@@ -48,27 +47,27 @@ struct Options {
 
 void declareSceneOptions(CLI::App& app, Options& options) {
   const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
-    return app.add_option_function<std::string>(
-        name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+    return addParsed(
+        app, name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
         description);
   };
-  auto* stereo = app.add_flag("--stereo", options.stereo, "Render an image for each eye, NAME_l and NAME_r");
+  const Option stereo = addFlag(app, "--stereo", options.stereo, "Render an image for each eye, NAME_l and NAME_r");
   number("--ipd", options.ipd, 1e-9, 1e9, "Distance between the eyes in world units, metres for metric poses")
-      ->type_name("METRES")
-      ->needs(stereo);
-  app.add_flag("--buffers", options.buffers, "Also write depth, tier, rank, weights and confidence, as NAME.exr");
+      .type("METRES")
+      .needs(stereo);
+  addFlag(app, "--buffers", options.buffers, "Also write depth, tier, rank, weights and confidence, as NAME.exr");
   const auto given = [&app](const char* name, std::optional<double>& value, double low, const char* description) {
-    return app
-        .add_option_function<std::string>(
-            name, [name, &value, low](const std::string& text) { value = parsedDouble(name, text, low, 1e9); },
-            description)
-        ->type_name("METRES");
+    return addParsed(
+               app, name, [name, &value, low](const std::string& text) { value = parsedDouble(name, text, low, 1e9); },
+               description)
+        .type("METRES");
   };
-  auto* floor = given("--floor", options.floor, -1e9,
-                      "Distance of a grid below the photographs, in world units; the grid is drawn where no photograph "
-                      "shows anything");
+  const Option floor =
+      given("--floor", options.floor, -1e9,
+            "Distance of a grid below the photographs, in world units; the grid is drawn where no photograph "
+            "shows anything");
   given("--floor-spacing", options.floorSpacing, 1e-9, "Distance between grid lines, in world units [half of --floor]")
-      ->needs(floor);
+      .needs(floor);
   declareSettings(app, options.settings);  // includes --preset, which must precede all other settings
   declareOverlays(app, options.settings);
   declareGpuScene(app, options.gpuScene);
@@ -205,20 +204,20 @@ const Command kRenderCommand{
     .mainOptions = "poses path output size fov preset stereo buffers overlay json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
-      auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
-              ->type_name("FILE|DIR");
-      poses->excludes(addAutoPath(app, options->autoFrames));
-      app.add_option("-o,--output", options->output, "Folder for the images; created if missing")
-          ->required()
-          ->type_name("DIR");
+      addOption(app, "SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video").required();
+      const Option poses =
+          addOption(app, "--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
+              .type("FILE|DIR");
+      poses.excludes(addAutoPath(app, options->autoFrames));
+      addOption(app, "-o,--output", options->output, "Folder for the images; created if missing")
+          .required()
+          .type("DIR");
       addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
       addGraph(app, options->graph);
       const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });
       const auto ofModels = inGroup(app, "Harmonised models, 3D video", [&] { declareHtmViews(app, options->htm); });
-      app.callback([options, ofScenes, ofModels] {
+      afterParsing(app, [options, ofScenes, ofModels] {
         options->htm.model = options->scene;
         const std::optional<AssetKind> kind = assetKind(options->scene);
         if (kind == AssetKind::scene)
@@ -227,7 +226,7 @@ const Command kRenderCommand{
           refuseIfSet(ofScenes, "is for scenes, but " + options->scene + " is a harmonised model or 3D video");
           checkHtmViews(options->htm, kind);
         }
-        if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
+        if (options->poses.empty() && options->autoFrames == 0) requireOption("--poses or --path");
       });
       return [options](const Context& context) { return renderViews(*options, context); };
     }};

@@ -3,7 +3,6 @@
 // (libibr/docs/tradeoff.md).
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -21,20 +20,20 @@ using SharedOptions = std::shared_ptr<TradeoffOptions>;
 
 // Options of the scene and of the views.
 void declareViews(CLI::App& app, const SharedOptions& options) {
-  app.add_option("SCENE", options->scene, "Scene folder")->required();
-  app.add_option("-o,--output", options->output, "Folder for the measurements; created if missing")
-      ->required()
-      ->type_name("DIR");
-  auto* truth = app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
-  app.add_option("--only", options->only, "Compare only these views of the truth, by name")
-      ->needs(truth)
-      ->type_name("NAME...");
+  addOption(app, "SCENE", options->scene, "Scene folder").required();
+  addOption(app, "-o,--output", options->output, "Folder for the measurements; created if missing")
+      .required()
+      .type("DIR");
+  const Option truth = addOption(app, "--truth", options->truth, "Held-out photographs with their poses").type("DIR");
+  addOption(app, "--only", options->only, "Compare only these views of the truth, by name")
+      .needs(truth)
+      .type("NAME...");
   addInt(app, "--shrink", options->shrink, 1, 64, "Factor by which the truth's images are reduced: means of N × N px")
-      ->needs(truth);
-  app.add_option("--poses,--views", options->poses,
-                 "File or folder of further views: COLMAP model, "
-                 "transforms.json or camera path")
-      ->type_name("FILE");
+      .needs(truth);
+  addOption(app, "--poses,--views", options->poses,
+            "File or folder of further views: COLMAP model, "
+            "transforms.json or camera path")
+      .type("FILE");
   addAutoPath(app, options->autoViews);
   addSize(app, "--size", options->size,
           "Size of the images of --poses and --path [that of the poses; of the "
@@ -43,40 +42,40 @@ void declareViews(CLI::App& app, const SharedOptions& options) {
 
 // Options of the settings and of their measurement.
 void declareMeasurement(CLI::App& app, const SharedOptions& options) {
-  app.add_option("--knobs", options->knobs,
-                 "Vary only these settings: " + fmt::format("{}", fmt::join(tradeoffKnobNames(), " ")))
-      ->type_name("NAME...");
-  app.add_flag_callback(
-      "--no-grid", [options] { options->grid = false; }, "Measure no combinations of settings");
-  app.add_option("--build", options->builds,
-                 "Also measure further builds of the same photographs, drawn with "
-                 "default settings")
-      ->type_name("NAME=SCENE...");
-  app.add_option("--sweep", options->sweep,
-                 "Also show the results of ibr-lab sweep for this scene, from its "
-                 "sweep.json")
-      ->type_name("FILE");
+  addOption(app, "--knobs", options->knobs,
+            "Vary only these settings: " + fmt::format("{}", fmt::join(tradeoffKnobNames(), " ")))
+      .type("NAME...");
+  addFlagCallback(
+      app, "--no-grid", [options] { options->grid = false; }, "Measure no combinations of settings");
+  addOption(app, "--build", options->builds,
+            "Also measure further builds of the same photographs, drawn with "
+            "default settings")
+      .type("NAME=SCENE...");
+  addOption(app, "--sweep", options->sweep,
+            "Also show the results of ibr-lab sweep for this scene, from its "
+            "sweep.json")
+      .type("FILE");
   addInt(app, "--repeat", options->repeat, 1, 10'000, "Rounds of time measurements");
   addInt(app, "--walk", options->walk, 0, 1'000'000,
          "Number of frames of a walk through the scene; frames around changes of the main cell are drawn; 0: no "
          "walk");
-  app.add_flag("--check", options->check,
-               "Exit with code 6 if a preset does not meet its guarantees for counts and images; times are not "
-               "checked");
-  app.add_flag("--list", options->list, "Only list the settings");
+  addFlag(app, "--check", options->check,
+          "Exit with code 6 if a preset does not meet its guarantees for counts and images; times are not "
+          "checked");
+  addFlag(app, "--list", options->list, "Only list the settings");
 }
 
 std::function<ExitCode(const Context&)> declareTradeoff(CLI::App& app) {
   const auto options = std::make_shared<TradeoffOptions>();
   declareViews(app, options);
   declareMeasurement(app, options);
-  app.callback([options, &app] {
+  afterParsing(app, [options, &app] {
     if (options->knobs == std::vector<std::string>{"default"}) options->knobs.clear();
     for (const std::string& knob : options->knobs) {
       const std::vector<std::string> names = tradeoffKnobNames();
       if (std::ranges::find(names, knob) == names.end())
-        throw CLI::ValidationError(
-            "--knobs", "unknown setting '" + knob + "'; choose from " + fmt::format("{}", fmt::join(names, ", ")));
+        refuseOption("--knobs",
+                     "unknown setting '" + knob + "'; choose from " + fmt::format("{}", fmt::join(names, ", ")));
     }
     options->command = commandText("ibr tradeoff", givenArguments(app));
   });

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ibr/lab/accuracy.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -158,17 +157,17 @@ const Command kAccuracyCommand{
     .afterInterrupt = "no report was written; run the same command again",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Scene folder")->required();
-      app.add_option("--truth", options->truth, "Folder of views with exact depth")->required()->type_name("DIR");
+      addOption(app, "SCENE", options->scene, "Scene folder").required();
+      addOption(app, "--truth", options->truth, "Folder of views with exact depth").required().type("DIR");
       addDouble(app, "--depth-unit", options->unit, 1e-9, 1e9, "World units per step of a depth image");
-      app.add_flag("--cells", options->cells, "Also print a line for each cell");
-      CLI::Option* exact = app.add_option("--exact", options->exact,
-                                          "Folder for a copy of the scene with exact matches; created if "
-                                          "missing")
-                               ->type_name("DIR");
+      addFlag(app, "--cells", options->cells, "Also print a line for each cell");
+      const Option exact = addOption(app, "--exact", options->exact,
+                                     "Folder for a copy of the scene with exact matches; created if "
+                                     "missing")
+                               .type("DIR");
       addDouble(app, "--noise", options->matches.noisePx, 0, 64,
                 "Maximum error added to exact matches, px in each coordinate, uniformly distributed")
-          ->needs(exact);
+          .needs(exact);
       return [options](const Context& context) { return measure(*options, context); };
     }};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frame and pass times of synthetic scenes with the sizes of those in [T] table 2.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "base/check.h"
@@ -9,6 +8,7 @@
 #include "ibr/texture.h"
 #include "lab/generate/bench_scene.h"
 #include "lab/lab_commands.h"
+#include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/draw/scene_renderer.h"
 
@@ -51,19 +51,19 @@ ExitCode bench(const Options& options, const Context& context) {
 void declareGenerated(CLI::App& app, Options& options) {
   std::string names;
   for (const BenchShape& shape : benchShapes()) names += (names.empty() ? "" : ", ") + std::string(shape.name);
-  app.add_option_function<std::vector<std::string>>(
-         "NAME",
-         [&options](const std::vector<std::string>& wanted) {
-           for (const std::string& name : wanted) {
-             const BenchShape* shape = findBenchShape(name);
-             if (!shape && name != "all") throw CLI::ValidationError("NAME", "'" + name + "' is not a synthetic scene");
-             for (const BenchShape& each : benchShapes())
-               if (shape == &each || name == "all") options.generated.push_back(&each);
-           }
-         },
-         "Synthetic scenes: all, or names of " + names)
-      ->required()
-      ->delimiter(',');
+  addParsedList(
+      app, "NAME",
+      [&options](const std::vector<std::string>& wanted) {
+        for (const std::string& name : wanted) {
+          const BenchShape* shape = findBenchShape(name);
+          if (!shape && name != "all") refuseOption("NAME", "'" + name + "' is not a synthetic scene");
+          for (const BenchShape& each : benchShapes())
+            if (shape == &each || name == "all") options.generated.push_back(&each);
+        }
+      },
+      "Synthetic scenes: all, or names of " + names)
+      .required()
+      .delimiter(',');
   addDouble(app, "--detail", options.detail, 0.01, 1,
             "Size of synthetic photographs, as a factor on 1280x960 (panoramas: 2048x1024)");
 }

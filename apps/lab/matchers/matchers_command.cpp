@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the matching methods in one table.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "ibr/lab/matchers.h"
 #include "io/image_file.h"
 #include "lab/lab_commands.h"
+#include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/report/table.h"
 
@@ -99,9 +99,9 @@ const Command kMatchersCommand{
     .afterInterrupt = "no report was written; run the same command again",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("FILE", options->cases, "JSON file with the list of cases")->required();
-      app.add_option("--data", options->data, "Base folder of paths in FILE [that of FILE]")->type_name("DIR");
-      app.add_option("--pictures", options->pictures, "Folder for the mean image of each method")->type_name("DIR");
+      addOption(app, "FILE", options->cases, "JSON file with the list of cases").required();
+      addOption(app, "--data", options->data, "Base folder of paths in FILE [that of FILE]").type("DIR");
+      addOption(app, "--pictures", options->pictures, "Folder for the mean image of each method").type("DIR");
       return [options](const Context& context) { return compare(*options, context); };
     }};
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr-lab sweep`: cost and benefit of the optimiser's settings ([T] §3.8.1, fig. 17).
 // Difference: the paper plots time against ECC only; this command also compares rendered views with photographs.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -157,23 +156,21 @@ const Command kSweepCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       EvaluationOptions& evaluation = options->sweep.evaluation;
-      app.add_option("SCENE", options->sweep.scene, "Scene folder")->required();
-      app.add_option("--truth", options->sweep.truth, "Held-out photographs with their poses")
-          ->required()
-          ->type_name("DIR");
-      app.add_option("-o,--output", options->output, "Folder for the measurements; created if missing")
-          ->required()
-          ->type_name("DIR");
-      app.add_option("--views", options->sweep.views, "Compare only these views, by name")->type_name("NAME...");
+      addOption(app, "SCENE", options->sweep.scene, "Scene folder").required();
+      addOption(app, "--truth", options->sweep.truth, "Held-out photographs with their poses").required().type("DIR");
+      addOption(app, "-o,--output", options->output, "Folder for the measurements; created if missing")
+          .required()
+          .type("DIR");
+      addOption(app, "--views", options->sweep.views, "Compare only these views, by name").type("NAME...");
       declareCellsOnly(app, options->sweep.cells, "Cells to optimise, by number [cells that the views show]");
       declareSweepLists(app, options->lists);
-      app.add_flag("--list", options->list, "Only list the settings");
+      addFlag(app, "--list", options->list, "Only list the settings");
       RenderSettings defaults;
       defaults.maxCells = 1;
       defaults.maxTier = kTierConsistent;
       declareAllSettings(app, evaluation.settings, defaults);
       declareGpuScene(app, evaluation.gpuScene);
-      app.callback([options, &app] { options->command = commandText("ibr-lab sweep", givenArguments(app)); });
+      afterParsing(app, [options, &app] { options->command = commandText("ibr-lab sweep", givenArguments(app)); });
       return [options](const Context& context) { return sweep(*options, context); };
     }};
 

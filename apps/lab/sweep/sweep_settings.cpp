@@ -180,31 +180,31 @@ const std::array<SweepFactor, kSweepFactorCount>& sweepFactors() {
 }
 
 void declareSweepLists(CLI::App& app, SweepLists& lists) {
-  app.add_option_function<std::vector<std::string>>(
-         "--method",
-         [&lists](const std::vector<std::string>& words) {
-           for (const std::string& word : words) lists.methods.push_back(parsedMethod("--method", word));
-         },
-         "Methods of the optimiser: cpu, compute, raster, gradient [cpu gradient]")
-      ->type_name("WORD...");
+  addParsedList(
+      app, "--method",
+      [&lists](const std::vector<std::string>& words) {
+        for (const std::string& word : words) lists.methods.push_back(parsedMethod("--method", word));
+      },
+      "Methods of the optimiser: cpu, compute, raster, gradient [cpu gradient]")
+      .type("WORD...");
   for (std::size_t f = 0; f < kSweepFactorCount; ++f) {
     const SweepFactor& factor = sweepFactors()[f];
-    app.add_option_function<std::vector<std::string>>(
-           factor.option,
-           [&lists, &factor, f](const std::vector<std::string>& values) {
-             for (const std::string& text : values)
-               lists.values[f].push_back(factor.whole ? double(parsedInt(factor.option, text, std::int64_t(factor.low),
-                                                                         std::int64_t(factor.high)))
-                                                      : parsedDouble(factor.option, text, factor.low, factor.high));
-           },
-           fmt::format("{} [{:g}]", factor.description, fmt::join(factor.usual, " ")))
-        ->type_name(factor.whole ? "N..." : "X...");
+    addParsedList(
+        app, factor.option,
+        [&lists, &factor, f](const std::vector<std::string>& values) {
+          for (const std::string& text : values)
+            lists.values[f].push_back(factor.whole ? double(parsedInt(factor.option, text, std::int64_t(factor.low),
+                                                                      std::int64_t(factor.high)))
+                                                   : parsedDouble(factor.option, text, factor.low, factor.high));
+        },
+        fmt::format("{} [{:g}]", factor.description, fmt::join(factor.usual, " ")))
+        .type(factor.whole ? "N..." : "X...");
   }
-  app.add_flag("--prune", lists.prune,
-               "Also measure cpu and compute with pruning, which evaluates candidates on every "
-               "8th row first");
-  app.add_flag("--grid", lists.grid,
-               "All combinations, as in the paper: instances, radius, decay and all other given lists");
+  addFlag(app, "--prune", lists.prune,
+          "Also measure cpu and compute with pruning, which evaluates candidates on every "
+          "8th row first");
+  addFlag(app, "--grid", lists.grid,
+          "All combinations, as in the paper: instances, radius, decay and all other given lists");
 }
 
 std::string SweepSetting::method() const {

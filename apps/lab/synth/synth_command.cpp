@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Synthetic scenes with exact truth, as test input and ground truth for all other commands.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
@@ -217,18 +216,16 @@ const Command kSynthCommand{
                        {"court", Kind::court},
                        {"noise", Kind::noise}},
                       "Kind of scene to generate")
-          ->required();
-      app.add_option("-o,--output", options->output, "Scene folder; created if missing")
-          ->required()
-          ->type_name("SCENE");
+          .required();
+      addOption(app, "-o,--output", options->output, "Scene folder; created if missing").required().type("SCENE");
       addInt(app, "--members", options->members, 2, 4, "Number of photographs, all of one cell");
       addInt(app, "--views", options->views, 0, 10000, "Number of views in the truth");
       addInt(app, "--frames", options->frames, 1, 10000, "moving: number of frames of one period");
       addInt(app, "--photographs", options->photographs, 2, 10000, "court: number of photographs along the walk");
       addInt(app, "--side", options->side, 2, 1000, "grid: number of photographs along each side");
-      auto* model =
-          app.add_option("--model", options->noise.model, "noise: COLMAP model to add errors to")->type_name("DIR");
-      for (CLI::Option* option :
+      const Option model =
+          addOption(app, "--model", options->noise.model, "noise: COLMAP model to add errors to").type("DIR");
+      for (const Option& option :
            {addDouble(app, "--pixels", options->noise.pixels, 0, 1000,
                       "noise: root mean square shift of the image centre by rotation errors, px"),
             addDouble(app, "--shift", options->noise.shift, 0, 1e9,
@@ -239,15 +236,16 @@ const Command kSynthCommand{
                       "percent"),
             addDouble(app, "--track-pixels", options->noise.trackPixels, 0, 1000,
                       "noise: standard deviation of observations along each axis, px"),
-            app.add_flag_callback(
-                "--no-tracks", [options] { options->noise.tracks = false; }, "noise: leave out the model's points")})
-        option->needs(model);
+            addFlagCallback(
+                app, "--no-tracks", [options] { options->noise.tracks = false; },
+                "noise: leave out the model's points")})
+        option.needs(model);
       declareTextureFormat(app, options->texture);
       addSize(app, "--size", options->size, "Size of the photographs [640x480; panoramas 1024x512; moving 512x512]");
-      app.callback([options] {
+      afterParsing(app, [options] {
         if ((options->kind == Kind::noise) == options->noise.model.empty())
-          throw CLI::ValidationError(
-              "--model", options->noise.model.empty() ? "is required for KIND noise" : "is only valid for KIND noise");
+          refuseOption("--model",
+                       options->noise.model.empty() ? "is required for KIND noise" : "is only valid for KIND noise");
       });
       return [options](const Context& context) { return synthesise(*options, context); };
     }};

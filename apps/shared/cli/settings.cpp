@@ -97,7 +97,7 @@ void declareAllSettings(CLI::App& app, RenderSettings& settings, const std::opti
       app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
       "Draw order: main cell first with a depth test (ours), or the paper's back to front without one, with "
       "--composition cells [ours]");
-  app.remove_option(app.get_option("--colour"));
+  removeOption(app, "--colour");
   addChoice<ColourMapping>(
       app, "--colour", settings.colourMapping, {kColourMappings.begin(), kColourMappings.end()},
       "Match colours of all cells to the main cell: tables from a proxy image (ours), or the paper's sequence, applied "
@@ -124,11 +124,11 @@ void declareOverlays(CLI::App& app, RenderSettings& settings) {
     choices.emplace_back(line.word, line.overlay);
     if (line.overlay != Overlay::none) description += fmt::format("\n{}: {}", line.word, line.shows);
   }
-  addChoice<Overlay>(app, "--overlay", settings.overlay, std::move(choices), description)->type_name("NAME");
+  addChoice<Overlay>(app, "--overlay", settings.overlay, std::move(choices), description).type("NAME");
   const auto cells = [&app](const char* name, std::vector<std::uint32_t>& value, const char* what) {
-    app.add_option_function<std::string>(
-           name, [name, &value](const std::string& text) { value = parsedCells(name, text); }, what)
-        ->type_name("N,N…");
+    addParsed(
+        app, name, [name, &value](const std::string& text) { value = parsedCells(name, text); }, what)
+        .type("N,N…");
   };
   cells("--mute", settings.mutedCells, "Never draw these cells");
   cells("--solo", settings.soloCells, "Draw only these cells");
