@@ -34,8 +34,8 @@ function(ibr_shaders target)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated)
 endfunction()
 
-# ibr_shader_registry(target): the table of libibr/src/reload/embedded_shaders.h, of all files of shaders/ that were given
-# to ibr_shaders() before, becomes a source of `target`, which links their targets.
+# ibr_shader_registry(target): adds the table of libibr/src/reload/embedded_shaders.h to the sources of `target`, and
+# links the targets of the shaders. The table contains all files of shaders/ in earlier calls of ibr_shaders().
 function(ibr_shader_registry target)
   get_property(files GLOBAL PROPERTY IBR_SHADER_FILES)
   get_property(targets GLOBAL PROPERTY IBR_SHADER_TARGETS)

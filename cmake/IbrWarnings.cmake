@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# ibr_warnings(target): the warnings, sanitizers and floating-point rules that all our code is built with.
+# ibr_warnings(target): sets the warnings, sanitizers and floating-point rules for all code of this repository.
 function(ibr_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                            -Wno-missing-field-initializers -ffp-contract=off)

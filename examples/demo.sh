@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# From photographs to new views: installs what is missing, builds ibr, turns the bundled photographs into scenes, and
-# renders a walk between and slightly beyond the places they were taken from.
+# Installs missing packages, builds ibr, and turns the bundled photographs into scenes. For each scene, renders a walk
+# between the camera positions and slightly beyond.
 #   sh examples/demo.sh [--output DIR]      default: out/demo
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -18,7 +18,7 @@ while [ $# -gt 0 ]; do
       exit 0
       ;;
     *)
-      echo "demo.sh: $1: unknown; sh examples/demo.sh [--output DIR]" >&2
+      echo "demo.sh: unknown argument $1; usage: sh examples/demo.sh [--output DIR]" >&2
       exit 1
       ;;
   esac
@@ -36,20 +36,20 @@ cmake --build --preset release --target ibr_batch
 ibr=$root/build/release/apps/batch/ibr
 "$ibr" doctor || true
 
-# made FILE: whether FILE is there already, made by this program and this script
-made() { [ -n "$(find "$1" -newer "$ibr" -newer "$root/examples/demo.sh" 2>/dev/null)" ]; }
+# is_current FILE: succeeds if FILE exists and is newer than this program and this script.
+is_current() { [ -n "$(find "$1" -newer "$ibr" -newer "$root/examples/demo.sh" 2>/dev/null)" ]; }
 
-# walk NAME FRAMES SIZE: photographs → scene → pictures, contact sheet, video. What is made before is kept.
+# walk NAME FRAMES SIZE: photographs → scene → images, contact sheet, video. Current files are not made again.
 walk() {
   scene=$output/$1/scene pictures=$output/$1/pictures rendered=$output/$1/pictures/.rendered
-  if ! made "$scene/scene.gltf"; then
+  if ! is_current "$scene/scene.gltf"; then
     echo "== $1: photographs to scene"
     rm -f "$rendered"
     "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1/build.txt"
     head -n 1 "$output/$1/build.txt"
   fi
-  if made "$rendered" && [ -e "$output/$1/walk.mp4" ] && [ -e "$output/$1/contact-sheet.jpg" ]; then return; fi
-  echo "== $1: scene to pictures"
+  if is_current "$rendered" && [ -e "$output/$1/walk.mp4" ] && [ -e "$output/$1/contact-sheet.jpg" ]; then return; fi
+  echo "== $1: scene to images"
   rm -rf "$pictures"
   "$ibr" render "$scene" --path "auto:$2" --size "$3" -o "$pictures"
   ffmpeg -v error -y -i "$pictures/frame_%04d.png" -vf "select=not(mod(n\,$(($2 / 12)))),scale=480:-2,tile=4x3" \
@@ -61,20 +61,20 @@ walk() {
 names="cathedral lane relief"
 for name in $names; do mkdir -p "$output/$name"; done
 
-# A draft shows a first picture soon; the build of the scene goes on from it.
-if ! made "$output/cathedral/scene/scene.gltf"; then
-  echo "== a first picture"
+# Draft scene for an early first image. The full build resumes from the draft.
+if ! is_current "$output/cathedral/scene/scene.gltf"; then
+  echo "== first image"
   "$ibr" build examples/photographs/cathedral -o "$output/cathedral/scene" --draft -q
   "$ibr" render "$output/cathedral/scene" --path auto:1 --size 1280x960 -o "$output/first" -q
   echo "$output/first"
-  # The draft is older than the scene must be.
+  # Marks the draft as out of date, so that walk() builds the full scene.
   touch -d 2000-01-01 "$output/cathedral/scene/scene.gltf"
 fi
 walk cathedral 96 1280x960
 walk lane 180 984x738
 walk relief 120 960x720
 
-# Without a window to open, or where its libraries are missing, the demo is whole without the viewer.
+# The viewer is optional: its libraries or a display may be missing.
 viewer=$root/build/release/apps/viewer/ibr-viewer
 echo "== building the viewer"
 cmake --build --preset release --target ibr_viewer || true
@@ -82,16 +82,16 @@ cmake --build --preset release --target ibr_viewer || true
 echo
 for name in $names; do
   echo "$name"
-  echo "  pictures       $output/$name/pictures"
+  echo "  images         $output/$name/pictures"
   echo "  contact sheet  $output/$name/contact-sheet.jpg"
   echo "  video          $output/$name/walk.mp4"
   echo "  scene          $output/$name/scene"
 done
 cat <<END
 
-With photographs of your own, of one place and overlapping well:
+For your own photographs of one place, which must overlap well:
   $ibr build PHOTOGRAPHS -o SCENE
-  $ibr render SCENE --path auto:90 -o PICTURES
+  $ibr render SCENE --path auto:90 -o IMAGES
 END
 [ ! -x "$viewer" ] || echo "  $ibr view SCENE"
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -x "$viewer" ]; then

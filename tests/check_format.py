@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that .clang-format (version 14) holds for every C and C++ file but the headers of shaders, which GLSL reads too.
+"""Checks the format of C and C++ files against .clang-format with clang-format 14. Headers in the folder shaders are
+left out, because GLSL includes them too.
 
-With --write the files are formatted. Exit code 77 where clang-format-14 is missing.
+With --write the files are formatted. Exit code 77 if clang-format 14 is missing.
 """
 import pathlib
 import re
@@ -37,7 +38,7 @@ def main():
     for first in range(0, len(files), 100):
         status |= subprocess.run([program, *mode, *files[first:first + 100]], cwd=ROOT).returncode
     if status:
-        print("tests/check_format.py --write formats the files", file=sys.stderr)
+        print("to format the files: tests/check_format.py --write", file=sys.stderr)
     return 1 if status else 0
 
 

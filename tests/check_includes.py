@@ -2,10 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks every #include of the library and its programs against the table of rooms in libibr/ARCHITECTURE.md.
 
-check_includes.py [ROOT]: a room is a folder of sources. Its row `| room | holds | may include | papers |` names, in
-backquotes, the rooms and the guarded libraries that its files may include and its CMake target may link. Exit code 1
-where an include or a link is not allowed, a program's row names a room that is internal to the library, a room has no
-row or a row no room, rows form a cycle, a folder has too many sources, or CGAL is in two rooms.
+check_includes.py [ROOT]: a room is a folder of sources. Its row is `| room | holds | may include | papers |`. The third
+column names, in backquotes, rooms and guarded libraries that the room's files may include and its target may link.
+
+Exit code 1 if
+  - an include or a link is not allowed
+  - a program's row names a room that is internal to the library
+  - a room has no row, or a row has no room
+  - rows form a cycle
+  - a folder has too many sources
+  - CGAL is in two rooms
 """
 import pathlib
 import re
@@ -14,9 +20,9 @@ import sys
 PAGE = "libibr/ARCHITECTURE.md"
 INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "apps", "shaders")  # in the order of the compiler's search
 GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui")
-ONLY_ONE_ROOM = "<CGAL>"  # whoever links it is under the GPL
-OF_PROGRAMS = ("ibr", "ibr/author", "base", "base/vulkan", "io", "shaders")  # rooms of the library in rows of programs
-MOST_SOURCES = 45  # of a folder
+SINGLE_ROOM_LIBRARY = "<CGAL>"  # only one room may include it: binaries that link CGAL are under the GPL
+PROGRAM_ROOMS = ("ibr", "ibr/author", "base", "base/vulkan", "io", "shaders")  # library rooms that programs may include
+MAX_SOURCES = 45  # files per folder
 SUFFIXES = (".h", ".cpp", ".c")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 LAYER = re.compile(r"ibr_layer\(([^)]*)\)")
@@ -24,7 +30,8 @@ HEADER = "| room | holds | may include | papers |"
 
 
 def room_of(path):
-    """`libibr/src/author/match/match.h` is of the room author/match, `apps/window/window.h` of apps/window."""
+    """Returns a file's room: author/match for `libibr/src/author/match/match.h`, apps/window for
+    `apps/window/window.h`."""
     if path.startswith("shaders/"):
         return "shaders"
     folder = path.rpartition("/")[0]
@@ -34,7 +41,7 @@ def room_of(path):
 
 
 def rows_of(text):
-    """(line, room, set of what it may include) of each row."""
+    """Returns (line, room, allowed includes) of each row; the set is None if the number of columns is wrong."""
     rows, inside = [], False
     for number, line in enumerate(text.splitlines(), 1):
         if line == HEADER:
@@ -48,7 +55,7 @@ def rows_of(text):
 
 
 def guarded(include):
-    """The guarded library of a system header, or None."""
+    """Returns the guarded library of a system header, or None."""
     name = include.removeprefix("backends/")
     for library in GUARDED:
         if name.startswith(library + "/") or library == "imgui" and name.startswith("imgui"):
@@ -57,7 +64,7 @@ def guarded(include):
 
 
 def targets_of(rooms):
-    """By the name of a CMake target, its rooms: `ibr_gpu` is all rooms below gpu, `ibr_passes` is render/passes."""
+    """Returns the rooms of each CMake target: `ibr_gpu` has all rooms below gpu, `ibr_passes` has render/passes."""
     targets = {}
     for room in rooms:
         targets[f"ibr_{room.replace('/', '_')}"] = {room}
@@ -69,16 +76,16 @@ def targets_of(rooms):
 
 
 def cycle_of(allowed):
-    """A list of rooms whose rows form a cycle, or None."""
+    """Returns a list of rooms whose rows form a cycle, or None."""
     done = set()
 
-    def visit(room, way):
-        if room in way:
-            return way[way.index(room):] + [room]
+    def visit(room, path):
+        if room in path:
+            return path[path.index(room):] + [room]
         if room in done:
             return None
         for other in sorted(allowed.get(room, ())):
-            found = other in allowed and visit(other, way + [room])
+            found = other in allowed and visit(other, path + [room])
             if found:
                 return found
         done.add(room)
@@ -93,15 +100,15 @@ def cycle_of(allowed):
 
 def check(root):
     faults, allowed = [], {}
-    for line, room, may in rows_of((root / PAGE).read_text(encoding="utf-8")):
+    for line, room, includes in rows_of((root / PAGE).read_text(encoding="utf-8")):
         where = f"{PAGE}:{line}: "
-        if may is None:
-            faults.append(where + f"the row of {room} has not four columns")
+        if includes is None:
+            faults.append(where + f"the row of {room} must have four columns")
         elif room in allowed:
             faults.append(where + f"{room} has two rows")
-        allowed[room] = may or set()
+        allowed[room] = includes or set()
     if not allowed:
-        faults.append(f"{PAGE}: there is no table of rooms")
+        faults.append(f"{PAGE}: the table of rooms is missing")
 
     sources = {}
     for folder in INCLUDE_FOLDERS:
@@ -115,24 +122,24 @@ def check(root):
     for folder, names in folders.items():
         if room_of(names[0]) not in allowed:
             faults.append(f"{folder}: the room {room_of(names[0])} has no row in {PAGE}")
-        if len(names) > MOST_SOURCES:
-            faults.append(f"{folder}: {len(names)} sources, at most {MOST_SOURCES} are allowed; split the room")
+        if len(names) > MAX_SOURCES:
+            faults.append(f"{folder}: {len(names)} sources, at most {MAX_SOURCES} are allowed; split the room")
     rooms = {room_of(name) for name in sources}
-    for room, may in allowed.items():
+    for room, includes in allowed.items():
         if room not in rooms:
             faults.append(f"{PAGE}: the row of {room} has no folder of sources")
-        for other in sorted(may):
+        for other in sorted(includes):
             if other not in allowed and other.strip("<>") not in GUARDED:
                 faults.append(f"{PAGE}: the row of {room} names {other}, which is neither a room nor a guarded library")
         if room.startswith("apps/"):
-            for other in sorted(may):
-                if other in allowed and not other.startswith("apps/") and other not in OF_PROGRAMS and not (
+            for other in sorted(includes):
+                if other in allowed and not other.startswith("apps/") and other not in PROGRAM_ROOMS and not (
                         other == "ibr/lab" and room.startswith("apps/lab")):
-                    faults.append(f"{PAGE}: the row of {room} names {other}; programs use the public headers, and only "
-                                  f"{', '.join(OF_PROGRAMS)}")
-    holders = sorted(room for room, may in allowed.items() if ONLY_ONE_ROOM in may)
-    if len(holders) > 1:
-        faults.append(f"{PAGE}: {ONLY_ONE_ROOM} is allowed in {', '.join(holders)}; only one room may have it")
+                    faults.append(f"{PAGE}: the row of {room} names {other}; programs use the public headers; allowed "
+                                  f"rooms of the library are {', '.join(PROGRAM_ROOMS)}")
+    users = sorted(room for room, includes in allowed.items() if SINGLE_ROOM_LIBRARY in includes)
+    if len(users) > 1:
+        faults.append(f"{PAGE}: {SINGLE_ROOM_LIBRARY} is allowed in {', '.join(users)}; only one room may have it")
     cycle = cycle_of(allowed)
     if cycle:
         faults.append(f"{PAGE}: the rows form a cycle: {' -> '.join(cycle)}")

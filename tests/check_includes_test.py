@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""check_includes.py sees what is forbidden: each fault is planted into a copy of the tree, and the script must name it."""
+"""Tests check_includes.py: each test plants a violation into a copy of the source tree, which the script must
+report."""
 import pathlib
 import shutil
 import subprocess
@@ -33,16 +34,16 @@ class ForbiddenIncludes(unittest.TestCase):
         path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
     def plant(self, name, include):
-        """Adds a line at the end; returns its number."""
+        """Appends an include to the file and returns its line number."""
         path = self.root / name
         text = path.read_text(encoding="utf-8") + f"#include {include}\n"
         path.write_text(text, encoding="utf-8")
         return text.count("\n")
 
-    def test_passes_as_it_is(self):
+    def test_source_tree_passes(self):
         self.assertEqual(self.check(), (0, ""))
 
-    def test_room_that_the_row_does_not_name(self):
+    def test_include_that_the_row_does_not_name(self):
         line = self.plant(MATCH, '"author/build/cell_maker.h"')
         code, faults = self.check()
         self.assertEqual(code, 1)
@@ -57,14 +58,14 @@ class ForbiddenIncludes(unittest.TestCase):
             self.assertEqual(code, 1)
             self.assertIn(f"{MATCH}:{line}: author/match may not include {library}", faults)
 
-    def test_programs_that_look_inside(self):
+    def test_program_row_names_internal_room(self):
         row = next(l for l in (self.root / PAGE).read_text(encoding="utf-8").splitlines() if "`apps/viewer/open` |" in l)
         self.edit(PAGE, row, row.replace("`ibr`, ", "`ibr`, `render/plan`, ", 1))
         code, faults = self.check()
         self.assertEqual(code, 1)
         self.assertIn(f"{PAGE}: the row of apps/viewer/open names render/plan; programs use the public headers", faults)
 
-    def test_programs_have_rows_too(self):
+    def test_program_includes_internal_room(self):
         line = self.plant("apps/viewer/control/viewer.cpp", '"author/poses/colmap_program.h"')
         code, faults = self.check()
         self.assertEqual(code, 1)
@@ -76,7 +77,7 @@ class ForbiddenIncludes(unittest.TestCase):
         self.assertEqual(self.check(), (1, f"{name}: author/match may not link ibr_author_build: its row in {PAGE} does "
                                            "not name author/build\n"))
 
-    def test_header_that_is_not_there(self):
+    def test_missing_header(self):
         line = self.plant(MATCH, '"author/match/nothing.h"')
         code, faults = self.check()
         self.assertEqual(code, 1)
@@ -106,7 +107,7 @@ class ForbiddenIncludes(unittest.TestCase):
         self.assertIn("the rows form a cycle: ", faults)
 
     def test_cgal_in_two_rooms(self):
-        self.edit(PAGE, "`<CGAL>`", "`<CGAL>`, `<vulkan>`")  # of its own room: no second one
+        self.edit(PAGE, "`<CGAL>`", "`<CGAL>`, `<vulkan>`")  # still one room with CGAL
         self.assertEqual(self.check()[0], 0)
         text = (self.root / PAGE).read_text(encoding="utf-8")
         row = next(line for line in text.splitlines() if line.startswith("| `author/mesh` |"))

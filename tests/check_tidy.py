@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy with the checks of .clang-tidy over sources of the library and its programs.
 
-check_tidy.py BUILD [--all] [-j N]: BUILD holds compile_commands.json. Sources: the runtime (libibr/src without author),
-with --all also author and apps. Precompiled headers are left out, so a source that lacks an include is found, too.
-Exit code 1 where a check finds a fault or a source does not compile, 77 where clang-tidy is not installed.
+check_tidy.py BUILD [--all] [-j N]: BUILD contains compile_commands.json. Sources: the runtime (libibr/src without
+author), with --all also author and apps. Precompiled headers are left out, so that a missing include is an error too.
+Exit code 1 if a check finds a fault or a source does not compile, 77 if clang-tidy is not installed.
 """
 import argparse
 import json
@@ -19,33 +19,33 @@ from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # clang 14 lacks parenthesised initialisation of aggregates (C++20), which emplace_back and make_unique use here.
-NOT_OURS = re.compile(r"construct_at|no matching constructor for initialization")
+FALSE_ERRORS = re.compile(r"construct_at|no matching constructor for initialization")
 COMPILER = re.compile(r"(?:^|/)(?:c\+\+|g\+\+|clang\+\+)(?:-\d+)?$")
 
 
 def without_precompiled_header(command):
-    words, kept = shlex.split(command), []
+    words, result = shlex.split(command), []
     for i, word in enumerate(words):
         if word.endswith("cmake_pch.hxx") or word in ("-Winvalid-pch", "-fpch-preprocess"):
             continue
         if word == "-include" and words[i + 1].endswith("cmake_pch.hxx"):
             continue
-        kept.append(word)
-    first = next(i for i, word in enumerate(kept) if COMPILER.search(word))  # after ccache and its environment
-    return shlex.join(kept[first:])
+        result.append(word)
+    first = next(i for i, word in enumerate(result) if COMPILER.search(word))  # after ccache and its environment
+    return shlex.join(result[first:])
 
 
-def is_checked(path, everything):
+def is_checked(path, check_all):
     name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else ""
     runtime = name.startswith("libibr/src/") and not name.startswith("libibr/src/author/")
-    return name.endswith(".cpp") and (runtime or everything and name.startswith(("libibr/src/", "apps/")))
+    return name.endswith(".cpp") and (runtime or check_all and name.startswith(("libibr/src/", "apps/")))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
-    parser.add_argument("--all", action="store_true", help="author and apps as well")
-    parser.add_argument("-j", type=int, default=2, metavar="N", help="processes")
+    parser.add_argument("--all", action="store_true", help="check author and apps too")
+    parser.add_argument("-j", type=int, default=2, metavar="N", help="number of processes")
     options = parser.parse_args()
     tidy = shutil.which("clang-tidy-14") or shutil.which("clang-tidy")
     if not tidy:
@@ -65,7 +65,7 @@ def main():
             errors = [line for line in run.stdout.splitlines() if " error: " in line]
             if run.returncode and not errors:
                 return [f"{path}: clang-tidy failed: {run.stderr.strip()[-200:]}"]
-            return [line for line in errors if not NOT_OURS.search(line)]
+            return [line for line in errors if not FALSE_ERRORS.search(line)]
 
         with ThreadPoolExecutor(options.j) as pool:
             faults = sorted({fault for found in pool.map(check, commands) for fault in found})

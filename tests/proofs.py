@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pages that name tests against the tests there are.
+"""Checks the test names on documentation pages against the tags of test cases.
 
-A row `| T4 | … | tests |` of libibr/docs/numerics.md or promises.md names, in backquotes in its last column, every test case
-that has the tag [T4], and no other. With --write the last columns are filled in from the tags.
+A row `| T4 | … | tests |` of libibr/docs/numerics.md or promises.md names test cases in its last column, in backquotes:
+every test case with the tag [T4], and no other. With --write the last columns are filled in from the tags.
 """
 import pathlib
 import re
@@ -19,7 +19,7 @@ ROW = re.compile(r"^\| ([TNP]\d+) \|(.*)\|([^|]*)\|$")
 
 
 def tests():
-    """By tag, (name, file) of the test cases that have it."""
+    """Returns, by tag, (name, file) of the test cases with this tag."""
     found = {}
     for file in sorted(ROOT.glob("tests/**/*.cpp")):
         for name, tags in CASE.findall(file.read_text(encoding="utf-8")):
@@ -29,7 +29,7 @@ def tests():
 
 
 def column(cases):
-    """The last column: the number of tests, and their names folded, by file."""
+    """Returns the last column: the number of tests, and a folded list of their names by file."""
     files = {}
     for name, file in cases:
         files.setdefault(file, []).append(f"`{name}`")
@@ -56,11 +56,11 @@ def main():
                     faults.append(f"{page}: {ident} names other test cases than those with the tag [{ident}]")
             lines.append(line)
         if seen != ids:
-            faults.append(f"{page}: rows {', '.join(seen)}, not {ids[0]} to {ids[-1]}")
+            faults.append(f"{page}: has rows {', '.join(seen)}; expected {ids[0]} to {ids[-1]}")
         if "--write" in sys.argv:
             path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     for tag in set(found) - {i for ids in PAGES.values() for i in ids}:
-        faults.append(f"[{tag}] of {found[tag][0][1]} stands on no page")
+        faults.append(f"{found[tag][0][1]}: the tag [{tag}] is on no page")
     for fault in faults:
         print(fault, "(tests/proofs.py --write fills in the pages)", file=sys.stderr)
     return 1 if faults else 0

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds scenes without some photographs, renders those views, and compares them with the photographs:
-#   tests/quality.sh DATASETS [SET…]      all sets of DATASETS, or these
-#   tests/quality.sh --small              bundled photographs, reduced; fails where views got worse
+# Builds scenes without some photographs, renders the views of these photographs, and compares images with photographs:
+#   tests/quality.sh DATASETS [SET…]      all sets in DATASETS, or the named ones
+#   tests/quality.sh --small              bundled photographs, reduced; fails if views are worse than the reference
 # tests/quality.sh --help lists the options and the sets. Environment:
-#   IBR=PROGRAM        the program to judge [build/ci/apps/batch/ibr, else build/release/apps/batch/ibr]
-#   PYTHON=PROGRAM     [/usr/bin/python3, else python3: Debian's python3-pil is seen only by Debian's Python]
+#   IBR=PROGRAM        program to evaluate [build/ci/apps/batch/ibr, else build/release/apps/batch/ibr]
+#   PYTHON=PROGRAM     Python [/usr/bin/python3, else python3; only Debian's Python finds Debian's python3-pil]
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 

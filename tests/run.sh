@@ -1,18 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, builds with warnings as errors, checks the runtime with clang-tidy, and runs every test.
-# Arguments go to ctest.
-#   IBR_DATASETS=DIR          also runs the tests that want more than the bundled photographs
-#   IBR_REQUIRE_DEVICE=1      a machine without a Vulkan device fails instead of skipping
-#   IBR_GLTF_VALIDATOR=DIR    where the npm package gltf-validator is; without it that test is skipped
-#   IBR_XR_RUNTIME=DIR        an OpenXR runtime as tests/xr/runtime.sh makes it; without it one is made in the user's cache,
-#                             and where that cannot be, the tests of headsets are skipped
-#   IBR_REQUIRE_XR=1          then they fail instead
-#   IBR_NO_SANITIZERS=1       does without the second build, with sanitizers, of what reads files
+# Installs missing packages, builds with warnings as errors, checks the runtime with clang-tidy, and runs all tests.
+# Arguments are passed to ctest.
+#   IBR_DATASETS=DIR          also runs the tests that need more than the bundled photographs
+#   IBR_REQUIRE_DEVICE=1      tests fail instead of being skipped on a machine without a Vulkan device
+#   IBR_GLTF_VALIDATOR=DIR    folder of the npm package gltf-validator; without it the validator's test is skipped
+#   IBR_XR_RUNTIME=DIR        OpenXR runtime that tests/xr/runtime.sh has built; by default one is built in the user's
+#                             cache. If the build fails, the headset tests are skipped
+#   IBR_REQUIRE_XR=1          a missing OpenXR runtime is an error
+#   IBR_NO_SANITIZERS=1       leaves out the second build, which tests file readers with sanitizers
 set -eu
 cd "$(dirname "$0")/.."
 began=$(date +%s)
-# part NAME: prints how long the part took that ends here.
+# part NAME: ends a part of the script and prints its duration.
 part() {
   now=$(date +%s)
   echo "part: $1: $((now - began)) s"
@@ -26,7 +26,7 @@ part packages
 # shellcheck disable=SC2086 # a list of words
 if [ -z "${IBR_XR_RUNTIME-}" ] && ! { install_packages $IBR_PACKAGES_XR && IBR_XR_RUNTIME=$(sh tests/xr/runtime.sh); }; then
   [ -z "${IBR_REQUIRE_XR-}" ] || exit 1
-  echo "There is no OpenXR runtime: the tests of headsets are skipped." >&2
+  echo "no OpenXR runtime: headset tests are skipped" >&2
 fi
 export IBR_XR_RUNTIME
 part "OpenXR runtime"
@@ -42,7 +42,7 @@ if [ -z "${IBR_NO_SANITIZERS-}" ]; then
   part "build with sanitizers"
 fi
 
-# Tests that want a locale with a decimal comma take it from here; nobody need be root for that.
+# Folder for a locale with a decimal comma, which some tests use. A folder of the build needs no root access.
 LOCPATH=$PWD/build/locale
 if [ ! -e "$LOCPATH/de_DE.UTF-8" ]; then
   mkdir -p "$LOCPATH"
@@ -50,7 +50,7 @@ if [ ! -e "$LOCPATH/de_DE.UTF-8" ]; then
 fi
 export LOCPATH
 if [ -z "${IBR_NO_SANITIZERS-}" ]; then
-  echo "What reads files, with sanitizers:"
+  echo "file readers, with sanitizers:"
   IBR_FUZZ_MIB=3000 ctest --preset readers -j2 --quiet --output-log build/readers/tests.log ||
     { cat build/readers/tests.log; exit 1; }
   part "tests with sanitizers"

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-# Writes lantern.gltf and lantern.bin beside itself: a lantern post 3.4 m high that stands at the origin, y up. All of it
-# is frustums of regular prisms, flat shaded.
+# Writes lantern.gltf and lantern.bin beside itself: a lantern post at the origin, 3.4 m high, y up. The post consists
+# of flat-shaded frustums of regular prisms.
 import json
 import math
 import pathlib
 import struct
 
+# Frustums: number of corners, then height and radius of the bottom and of the top, metres.
 IRON = [(8, 0.00, 0.22, 0.10, 0.22), (8, 0.10, 0.17, 0.45, 0.11), (8, 0.45, 0.13, 0.52, 0.13),
         (8, 0.52, 0.065, 2.55, 0.045), (8, 2.55, 0.09, 2.62, 0.09), (4, 2.62, 0.06, 2.70, 0.15),
         (4, 3.12, 0.27, 3.16, 0.27), (4, 3.16, 0.25, 3.34, 0.05), (6, 3.34, 0.03, 3.42, 0.01)]
@@ -14,7 +15,7 @@ GLASS = [(4, 2.70, 0.14, 3.12, 0.22)]
 
 
 def frustum(corners, low, low_radius, high, high_radius):
-    """Triangles of three corners each, counter-clockwise from outside."""
+    """Yields triangles of three corners each, counter-clockwise from outside."""
     def ring(height, radius):
         angles = [2 * math.pi * (i + 0.5) / corners for i in range(corners)]
         return [(radius * math.cos(a), height, -radius * math.sin(a)) for a in angles]
@@ -40,7 +41,7 @@ data, views, accessors, primitives = b"", [], [], []
 
 
 def accessor(values, kind):
-    """Appends vectors of floats and gives the index of their accessor."""
+    """Appends vectors of floats and returns the index of their accessor."""
     global data
     raw = b"".join(struct.pack("<3f", *v) for v in values)
     views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": 34962})

@@ -2,8 +2,8 @@
 """tradeoff.py OUT [--write]: prints the settings that libibr/docs/tradeoff.sh measured on all scenes, as Markdown. Time
 and FLIP are geometric means over the scenes, relative to the default; * marks the Pareto front of the two. --write puts
 tables and numbers between the markers of libibr/docs/tradeoff.md, and the figures of one scene into the folder pictures.
-Exit code 1: a preset is beaten by more than 3 % in both time and error; 2: reports are missing, or the page cannot be
-written."""
+Exit code 1: a setting beats a preset by more than 3 % in both time and error; 2: reports are missing, or the page
+cannot be written."""
 import argparse
 import json
 import math
@@ -13,16 +13,16 @@ import sys
 
 DEFAULT = "preset balanced"
 PRESETS = ("fast", "balanced", "accurate", "reference")
-SHOWN = ("street", "hall")  # the page has the figures of the first of these that was measured
+FIGURE_SCENES = ("street", "hall")  # the page shows the figures of the first measured scene of this list
 FIGURES = ("pareto", "knobs", "memory", "passes", "histogram")
 MAX_IMAGE_BYTES = 150_000
 PAGE = pathlib.Path(__file__).resolve().parent / "tradeoff.md"
-# An absolute path; not a part of an address, a closing tag or a ratio.
+# Matches an absolute path, but no part of a URL, a closing tag or a ratio.
 MACHINE_PATH = re.compile(r"(?<![\w.:/<~)}-])(?:/[A-Za-z][\w.-]*){2,}|[A-Z]:\\\w|file://")
 
 
-def fail(why):
-    print(f"tradeoff.py: {why}", file=sys.stderr)
+def fail(message):
+    print(f"tradeoff.py: {message}", file=sys.stderr)
     sys.exit(2)
 
 
@@ -35,13 +35,13 @@ def read(folder):
 
 
 def rows_of(report):
-    """Drawn settings of one view, by name."""
+    """Returns the measured settings with one view, by name."""
     return {r["setting"]: r for r in report["settings"] if "failure" not in r and r["knobs"]["views"] == 1}
 
 
 def table(head, lines):
-    every = [head, ["---"] * len(head), *lines]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in every)
+    all_lines = [head, ["---"] * len(head), *lines]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in all_lines)
 
 
 class Scenes:
@@ -49,11 +49,11 @@ class Scenes:
         self.reports = reports
         self.rows = {scene: rows_of(report) for scene, report in reports.items()}
         first = next(iter(self.rows.values()))
-        self.means = {name: self.mean(name) for name in first if all(name in of for of in self.rows.values())}
+        self.means = {name: self.mean(name) for name in first if all(name in rows for rows in self.rows.values())}
 
     def mean(self, name):
-        """Time and FLIP relative to the default, and the difference of PSNR, dB."""
-        pairs = [(of[name], of[DEFAULT]) for of in self.rows.values()]
+        """Returns time and FLIP relative to the default, and the difference of PSNR, dB."""
+        pairs = [(rows[name], rows[DEFAULT]) for rows in self.rows.values()]
 
         def ratio(figure):
             return math.exp(sum(math.log(figure(row) / figure(default)) for row, default in pairs) / len(pairs))
@@ -62,7 +62,7 @@ class Scenes:
                 sum(row["truth"]["psnr"] - default["truth"]["psnr"] for row, default in pairs) / len(pairs))
 
     def beaten(self):
-        """Settings that are more than 3 % better in time and error, by preset."""
+        """Returns, by preset, the settings that are more than 3 % better in both time and error."""
         found = {}
         for preset in PRESETS:
             time, flip, _ = self.means["preset " + preset]
@@ -70,10 +70,10 @@ class Scenes:
         return found
 
     def all_settings(self):
-        lines, least = [], math.inf
+        lines, min_flip = [], math.inf
         for name, (time, flip, psnr) in sorted(self.means.items(), key=lambda item: item[1]):
-            lines.append(("*" if flip < least else "", name, f"{time:.2f}", f"{flip:.4f}", f"{psnr:+.2f}"))
-            least = min(least, flip)
+            lines.append(("*" if flip < min_flip else "", name, f"{time:.2f}", f"{flip:.4f}", f"{psnr:+.2f}"))
+            min_flip = min(min_flip, flip)
         return table(("", "setting", "time", "FLIP", "PSNR, dB"), lines)
 
     def about(self):
@@ -89,13 +89,13 @@ class Scenes:
     def knobs(self):
         lines = []
         for knob in next(iter(self.reports.values()))["knobs"]:
-            named = knob["name"]
+            knob_name = knob["name"]
             for name, row in next(iter(self.rows.values())).items():
-                value = next((label["value"] for label in row["labels"] if label["knob"] == named), None)
+                value = next((label["value"] for label in row["labels"] if label["knob"] == knob_name), None)
                 if value is None or name not in self.means or name == DEFAULT:
                     continue
                 time, flip, psnr = self.means[name]
-                lines.append((f"`{named}`", value, f"{time:.2f}", f"{flip:.3f}", f"{psnr:+.2f}"))
+                lines.append((f"`{knob_name}`", value, f"{time:.2f}", f"{flip:.3f}", f"{psnr:+.2f}"))
         seen, short = set(), []
         for line in lines:
             short.append(("" if line[0] in seen else line[0],) + line[1:])
@@ -106,7 +106,7 @@ class Scenes:
         def cell(row):
             return f"{row['ms']['median']:.1f}, {row['truth']['flip']:.4f}"
 
-        lines = [(scene, *(cell(of["preset " + p]) for p in PRESETS)) for scene, of in self.rows.items()]
+        lines = [(scene, *(cell(rows["preset " + p]) for p in PRESETS)) for scene, rows in self.rows.items()]
         means = [self.means["preset " + p] for p in PRESETS]
         lines.append(("all, relative to balanced", *(f"{time:.2f}, {flip:.3f}" for time, flip, _ in means)))
         text = table(("ms, FLIP", *(f"`{p}`" for p in PRESETS)), lines)
@@ -137,8 +137,8 @@ class Scenes:
 
 
 def worst_views(html, size, presets):
-    """Drawing of the worst view of each preset: rendered image, truth, FLIP. The report has these as JPEG in this
-    order."""
+    """Returns an SVG drawing of each preset's worst view: rendered image, truth, FLIP. The report has these JPEG images
+    in this order."""
     parts, top = [], 0
     height = round(240 * size[1] / size[0])
     for preset in presets:
@@ -146,8 +146,8 @@ def worst_views(html, size, presets):
         if not found:
             fail(f"report.html: contains no worst view of {preset}")
         parts.append(f'<text x="4" y="{top + 14}">{found[1]}</text>')
-        pictures = re.findall(r'alt="([^"]*)"[^>]*src="(data:image/jpeg;base64,[^"]*)"', found[2])
-        for column, (name, source) in enumerate(pictures):
+        images = re.findall(r'alt="([^"]*)"[^>]*src="(data:image/jpeg;base64,[^"]*)"', found[2])
+        for column, (name, source) in enumerate(images):
             parts.append(f'<image x="{4 + 246 * column}" y="{top + 20}" width="240" height="{height}" '
                          f'href="{source}"><title>{name}</title></image>')
         top += height + 28
@@ -160,8 +160,8 @@ def machine_paths(text):
     return MACHINE_PATH.findall(re.sub(r'href="data:[^"]*"|</?[a-z]\w*|/>|xmlns="[^"]*"', "", text))
 
 
-def between(page, name, text):
-    """Page with `text` between the markers of that name."""
+def with_section(page, name, text):
+    """Returns the page with `text` between the markers of section `name`."""
     begin, end = f"<!-- measured: {name} -->", "<!-- end -->"
     at = page.find(begin)
     if at < 0 or page.find(end, at) < 0:
@@ -170,12 +170,12 @@ def between(page, name, text):
 
 
 def write(folder, scenes):
-    shown = next((s for s in SHOWN if s in scenes.reports), next(iter(scenes.reports)))
+    shown = next((s for s in FIGURE_SCENES if s in scenes.reports), next(iter(scenes.reports)))
     report = folder / shown / "report"
     page = PAGE.read_text()
     for name in ("description", "knobs", "presets", "gates", "eyes", "reference"):
-        page = between(page, name, getattr(scenes, name)())
-    page = between(page, "shown", f"The figures show the scene {shown}.")
+        page = with_section(page, name, getattr(scenes, name)())
+    page = with_section(page, "shown", f"The figures show the scene {shown}.")
     files = {PAGE: page}
     for name in (*FIGURES, *(["optimiser"] if (report / "optimiser.svg").exists() else [])):
         files[PAGE.parent / "pictures" / f"tradeoff-{name}.svg"] = (report / f"{name}.svg").read_text()

@@ -18,7 +18,7 @@ scenes=${*:-cathedral lane hall drone street}
 rounds=${ROUNDS:-5}
 mkdir -p "$out"
 cd "$out"
-# Links, because reports and figures contain the command: its paths must not name folders of this machine.
+# Links give relative paths: reports and figures contain the command, which must not name folders of this machine.
 ln -sfn "$data" datasets
 ln -sfn "$photographs" photographs
 

@@ -1,10 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Splitting a panorama of 8192×4096 px into six faces, 105 degrees each: ibr split against OpenCV's remap (bilinear, maps
-# made in the run and ready) and ffmpeg's v360 (bilinear; the second of two frames has its maps ready). Not a test: it
-# prints a table. CPU seconds, the least of three runs in turn, so that a loaded machine disturbs all alike.
+# Benchmark that splits a panorama of 8192×4096 px into six faces of 105 degrees each, and prints a table. Compares:
+#   ibr split
+#   OpenCV's remap, bilinear, with and without the computation of its maps
+#   ffmpeg's v360, bilinear; the second of two frames reuses the maps of the first
+# Values are CPU seconds, the minimum of three runs. Programs run in turn, so that load affects all equally.
 #   sh tests/benchmarks/split_bench.sh build/release/apps/batch/ibr
-# Wants ffmpeg, and python3 with OpenCV and NumPy (PYTHON names another).
+# Needs ffmpeg, and python3 with OpenCV and NumPy (PYTHON names another interpreter).
 set -eu
 program=$(realpath "$1")
 python=${PYTHON:-python3}
@@ -24,18 +26,19 @@ program, size, fov = sys.argv[1], 3398, 105
 cv2.setNumThreads(1)
 faces = [(0, 0), (90, 0), (180, 0), (-90, 0), (0, 90), (0, -90)]  # yaw, pitch in degrees
 
-def ours():
+def ibr_split():
     subprocess.run([program, "split", "pano.png", "-o", "faces", "--threads", "1", "--format", "jpg", "--json",
                     "report.json", "-q"],
                    check=True, stdout=subprocess.DEVNULL)
     return json.load(open("report.json"))["sampleSeconds"]
 
 def remap():
-    picture = cv2.imread("pano.png")
-    height, width = picture.shape[:2]
+    """Returns CPU seconds with and without the computation of maps."""
+    image = cv2.imread("pano.png")
+    height, width = image.shape[:2]
     start = time.process_time()
-    picture = cv2.copyMakeBorder(picture, 1, 1, 1, 1, cv2.BORDER_WRAP)
-    ready = 0
+    image = cv2.copyMakeBorder(image, 1, 1, 1, 1, cv2.BORDER_WRAP)
+    remap_only = 0
     for yaw, pitch in faces:
         focal = size / 2 / math.tan(math.radians(fov / 2))
         at = (numpy.arange(size, dtype=numpy.float32) + 0.5 - size / 2) / focal
@@ -48,32 +51,33 @@ def remap():
         v = (height / 2 + 0.5) - numpy.arctan2(up, cv2.magnitude(right, ahead)) * (height / math.pi)
         fixed = cv2.convertMaps(u, v.astype(numpy.float32), cv2.CV_16SC2)
         before = time.process_time()
-        cv2.remap(picture, fixed[0], fixed[1], cv2.INTER_LINEAR)
-        ready += time.process_time() - before
-    return time.process_time() - start, ready
+        cv2.remap(image, fixed[0], fixed[1], cv2.INTER_LINEAR)
+        remap_only += time.process_time() - before
+    return time.process_time() - start, remap_only
 
 def v360(frames):
-    pictures = []
-    for number, (yaw, pitch) in enumerate(faces):
+    seconds = []
+    for yaw, pitch in faces:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(["ffmpeg", "-v", "error", "-threads", "1", "-f", "rawvideo", "-pix_fmt", "gbrp", "-s",
                         "8192x4096", "-i", f"frames{frames}.raw", "-filter_threads", "1", "-vf",
                         f"v360=e:flat:h_fov={fov}:v_fov={fov}:yaw={yaw}:pitch={pitch}:w={size}:h={size}:interp=line",
                         "-f", "null", "-"], check=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        pictures.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
-    return sum(pictures)
+        seconds.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+    return sum(seconds)
 
 for frames in (1, 2):
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-loop", "1", "-i", "pano.png", "-frames:v", str(frames), "-f",
                     "rawvideo", "-pix_fmt", "gbrp", f"frames{frames}.raw"], check=True)
 rows = []
 for run in range(3):
-    made, ready = remap()
-    first, second = v360(1), v360(2)
-    rows.append((ours(), made, ready, first, second - first))
-least = [min(column) for column in zip(*rows)]
-for name, seconds in zip(["ibr split", "OpenCV remap", "  maps ready", "v360, first frame", "  further frames"], least):
+    with_maps, remap_only = remap()
+    first, both = v360(1), v360(2)
+    rows.append((ibr_split(), with_maps, remap_only, first, both - first))
+minima = [min(column) for column in zip(*rows)]
+names = ["ibr split", "OpenCV remap", "  without maps", "v360, first frame", "  further frames"]
+for name, seconds in zip(names, minima):
     print(f"{name:18} {seconds:6.2f} s")
 END
 "$python" run.py "$program"

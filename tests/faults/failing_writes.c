@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Library for LD_PRELOAD: the N-th call that creates or writes a file fails as on a full disk. N comes from the
 // environment variable IBR_FAIL_WRITE and starts at 0. Counted calls use paths below IBR_FAIL_BELOW or their
-// descriptors: open for writing, write, close after writing, rename, mkdir. After a failure, the file IBR_FAIL_TOLD
+// descriptors: open for writing, write, close after writing, rename, mkdir. After a failure, the file IBR_FAIL_REPORT
 // contains "failed CALL PATH".
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -28,7 +28,7 @@ static int fails(const char* call, const char* path) {
   const char* wanted = getenv("IBR_FAIL_WRITE");
   if (!wanted || atomic_fetch_add(&calls, 1) != atoi(wanted)) return 0;
   int (*real)(const char*, int, ...) = (int (*)(const char*, int, ...))dlsym(RTLD_NEXT, "open");
-  const int fd = real(getenv("IBR_FAIL_TOLD"), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  const int fd = real(getenv("IBR_FAIL_REPORT"), O_WRONLY | O_CREAT | O_TRUNC, 0666);
   dprintf(fd, "failed %s %s", call, path);
   close(fd);
   errno = ENOSPC;

@@ -24,10 +24,10 @@ std::string failWrite(int n, const fs::path& below, const std::vector<std::strin
   const TemporaryFolder notes;
   RunOptions options;
   options.environment = {"LD_PRELOAD=" IBR_FAILING_WRITES, fmt::format("IBR_FAIL_WRITE={}", n),
-                         "IBR_FAIL_BELOW=" + below.string(), "IBR_FAIL_TOLD=" + (notes / "told").string(),
+                         "IBR_FAIL_BELOW=" + below.string(), "IBR_FAIL_REPORT=" + (notes / "failure").string(),
                          "XDG_CACHE_HOME=" + (notes / "cache").string()};
   outcome = runProgram(command, options);
-  return fs::exists(notes / "told") ? readTextFile(notes / "told") : std::string();
+  return fs::exists(notes / "failure") ? readTextFile(notes / "failure") : std::string();
 }
 
 void expectNoDraft(const fs::path& folder) {

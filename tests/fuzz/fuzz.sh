@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Live fuzzing, by hand: builds the targets with clang's libFuzzer, AddressSanitizer and UBSan, and runs each from its
-# seeds. An input that does harm is left in build/fuzz/found; mend the reader and add it as tests/fuzz/corpus/NAME/WHAT.
-#   tests/fuzz/fuzz.sh [SECONDS [NAME …]]      seconds a target, 60 without; clang: apt-get install clang
+# Live fuzzing, started by hand: builds the targets with clang's libFuzzer, AddressSanitizer and UBSan, and runs each
+# from its seeds. Failing inputs are written to build/fuzz/found. Fix the reader, then add the input as
+# tests/fuzz/corpus/NAME/FAULT.
+#   tests/fuzz/fuzz.sh [SECONDS [NAME …]]      seconds per target [60]; clang: apt-get install clang
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1-60}
@@ -18,7 +19,7 @@ for name; do
   echo "== $name"
   corpus=build/fuzz/corpus/$name
   mkdir -p "$corpus"
-  # The replaying program of the ordinary build writes the seeds.
+  # The replay program of the preset ci writes the seeds.
   build/ci/tests/fuzz/ibr_fuzz_"$name" --write "$corpus"
   [ ! -d tests/fuzz/corpus/"$name" ] || cp tests/fuzz/corpus/"$name"/* "$corpus"
   TMPDIR=${TMPDIR-/dev/shm} build/fuzz/tests/fuzz/ibr_fuzz_"$name" -max_total_time="$seconds" -timeout=10 \

@@ -18,27 +18,27 @@ namespace {
 
 constexpr std::size_t kHead = 16;  // bytes of the file before Vulkan's data
 
-struct Told {
+struct Logged {
   std::string debug, info, warnings;
 };
 
 /// Creates a device with a cache file, draws, and destroys the device.
-Told drawWith(const std::filesystem::path& file) {
-  Told told;
+Logged drawWith(const std::filesystem::path& file) {
+  Logged logged;
   {
     const Device device = Device::create({.validation = true,
                                           .log =
                                               [&](LogLevel level, std::string_view text) {
-                                                if (level == LogLevel::debug) told.debug += text;
-                                                if (level == LogLevel::info) told.info += text;
-                                                if (level >= LogLevel::warning) told.warnings += text;
+                                                if (level == LogLevel::debug) logged.debug += text;
+                                                if (level == LogLevel::info) logged.info += text;
+                                                if (level >= LogLevel::warning) logged.warnings += text;
                                               },
                                           .pipelineCache = file});
     CHECK(device.pipelineCache() != VK_NULL_HANDLE);
     CHECK(test::samplePicture(device) == test::expectedPicture());
     CHECK(device.validationMessages() == 0);
   }
-  return told;
+  return logged;
 }
 
 bool isWhole(const std::filesystem::path& file) {
@@ -51,7 +51,7 @@ bool isWhole(const std::filesystem::path& file) {
 TEST_CASE("compiled pipelines are cached in a file for the next device") {
   const test::TemporaryFolder folder;
   const auto file = folder / "pipelines";
-  const Told first = drawWith(file), second = drawWith(file);
+  const Logged first = drawWith(file), second = drawWith(file);
   CHECK_THAT(first.debug, !Contains(file.string()));
   CHECK_THAT(second.debug, Contains(file.string()));
   CHECK((first.warnings + second.warnings).empty());
@@ -76,10 +76,10 @@ TEST_CASE("a damaged pipeline cache file is reported, ignored and replaced") {
   broken.back().push_back(std::byte(0));
   for (const Bytes& bytes : broken) {
     writeFile(file, bytes);
-    const Told told = drawWith(file);
+    const Logged logged = drawWith(file);
     INFO(bytes.size() << " bytes");
-    CHECK_THAT(told.warnings, Contains(file.string()));
-    CHECK_THAT(told.debug, !Contains(file.string()));
+    CHECK_THAT(logged.warnings, Contains(file.string()));
+    CHECK_THAT(logged.debug, !Contains(file.string()));
     CHECK(isWhole(file));
   }
 }
@@ -94,11 +94,11 @@ TEST_CASE("a pipeline cache of another device is ignored") {
     Bytes data(whole.begin() + kHead, whole.end());
     data[at] ^= std::byte(1);
     writeFile(file, packedPipelineCache(data));
-    const Told told = drawWith(file);
+    const Logged logged = drawWith(file);
     INFO("byte " << at);
-    CHECK_THAT(told.info, Contains(file.string()));
-    CHECK_THAT(told.debug, !Contains(file.string()));
-    CHECK(told.warnings.empty());
+    CHECK_THAT(logged.info, Contains(file.string()));
+    CHECK_THAT(logged.debug, !Contains(file.string()));
+    CHECK(logged.warnings.empty());
     CHECK_THAT(drawWith(file).debug, Contains(file.string()));
   }
 }

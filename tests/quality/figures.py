@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of the reports of `ibr eval`: scores of views, their means, and the views that are worst or lost most."""
+"""Figures from reports of `ibr eval`: scores of views, mean scores, the worst view, and the view with the largest
+loss."""
 import math
 
 
@@ -7,7 +8,7 @@ def is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def added(a, b):
+def sum_or_none(a, b):
     return None if a is None or b is None else a + b
 
 
@@ -20,7 +21,7 @@ def rounded(scores):
 
 
 def views_of(result, column):
-    """Scores by view's name. Columns: now, or a baseline."""
+    """Returns scores by view name. `column` is now or the name of a baseline."""
     found = {}
     for view in result["views"]:
         scores = view if column == "now" else (view.get("baselines") or {}).get(column)
@@ -30,7 +31,7 @@ def views_of(result, column):
 
 
 def mean_of(views):
-    """Mean of every figure over the views that have it."""
+    """Returns the mean of each figure, over the views that have this figure."""
     keys = dict.fromkeys(key for scores in views.values() for key in scores)
     means = {}
     for key in keys:
@@ -41,7 +42,7 @@ def mean_of(views):
 
 
 def summary(result):
-    """By column: mean figures, the worst view, and the views. A column that was not measured is missing."""
+    """Returns, by column, mean figures, the worst view and all views. Columns that were not measured are missing."""
     columns = {}
     for column in ("now", "lumigraph", "gathered"):
         views = views_of(result, column)
@@ -51,8 +52,8 @@ def summary(result):
     return columns
 
 
-def largest_loss(former, views):
-    """(name, dB) of the view that lost most PSNR against frozen views, or None."""
-    changes = [(views[name]["psnr"] - scores["psnr"], name) for name, scores in former.items()
+def largest_loss(previous, views):
+    """Returns (name, dB) of the view with the largest PSNR loss against frozen views, or None."""
+    changes = [(views[name]["psnr"] - scores["psnr"], name) for name, scores in previous.items()
                if name in views and is_number(scores.get("psnr"))]
     return min(changes)[::-1] if changes else None

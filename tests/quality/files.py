@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every part of the script uses: where the source tree is, the exit codes, messages, and reading and writing of
-small files."""
+"""Helpers for all modules: path of the source tree, exit codes, messages, and reading and writing of small files."""
 import hashlib
 import json
 import pathlib
@@ -12,7 +11,7 @@ OK, COMMAND_LINE, FILES, RUN_TIME, UNSUPPORTED, COMPARISON, STOPPED = 0, 1, 2, 4
 
 
 class Failure(Exception):
-    """Ends the script, or one set; `code` is the exit code."""
+    """Error that ends the script, or the run of one set; `code` is the exit code."""
 
     def __init__(self, text, code=FILES):
         super().__init__(text)
@@ -33,7 +32,7 @@ def read_json(file):
 
 
 def write_text(file, text):
-    """Leaves the former file, or a whole one."""
+    """Replaces the file atomically, so that a stopped run leaves no partial file."""
     file.parent.mkdir(parents=True, exist_ok=True)
     part = file.with_name(file.name + ".part")
     part.write_text(text, encoding="utf-8")
@@ -49,11 +48,11 @@ def digest(value):
 
 
 def names_in(folder):
-    """Sorted names of the photographs in a folder."""
+    """Returns the sorted names of the photographs in a folder."""
     return sorted(f.name for f in folder.iterdir() if f.suffix.lower() in PICTURE_SUFFIXES)
 
 
 def model_names(model):
-    """Names of the images of a COLMAP text model: every second line that is no comment has one."""
+    """Returns the image names of a COLMAP text model. Every second line that is not a comment has an image name."""
     lines = [line for line in (model / "images.txt").read_text().split("\n") if not line.startswith("#")]
     return [line.split(maxsplit=9)[9] for line in lines[::2] if line.strip()]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The program `ibr` as a child process: what it can do, what a run costs, and what becomes of a run that failed or was
-stopped."""
+"""The program `ibr` as a child process: its supported options, cost of a run, and handling of failed or stopped
+runs."""
 import dataclasses
 import hashlib
 import os
@@ -23,12 +23,13 @@ class Program:
     def __init__(self, path):
         self.path = path
         if not path.is_file() or not os.access(path, os.X_OK):
-            raise Failure(f"{path}: is no program; build it, or set IBR")
+            raise Failure(f"{path}: is not an executable; build it, or set IBR")
         self.hash = hashlib.sha256(path.read_bytes()).hexdigest()[:12]
         self.eval_help = subprocess.run([path, "eval", "--help"], capture_output=True, text=True, check=False).stdout
 
     def run(self, words, log):
-        """Runs `ibr WORDS`, with its output in a log. It gets SIGINT once, and time to leave whole files."""
+        """Runs `ibr WORDS` and appends its output to a log. On Ctrl-C, the program gets SIGINT and can finish its
+        files."""
         begin = time.monotonic()
         log.parent.mkdir(parents=True, exist_ok=True)
         with open(log, "a", encoding="utf-8") as out:
@@ -49,14 +50,15 @@ class Program:
         return Run(code, time.monotonic() - begin, usage.ru_utime + usage.ru_stime)
 
     def eval_words(self, options):
-        """The options as far as this program has them: older ones know all baselines or none, and no others."""
+        """Returns the options that this program supports. Older programs compute all baselines or none, and lack
+        --guessed."""
         if "gathered" in self.eval_help or "--baselines" not in options:
             return list(options)
         return [*without([o for o in options if o != "--guessed"], "--baselines"), "--baselines"]
 
 
 def without(options, option):
-    """The options without this one and its values."""
+    """Returns the options without `option` and its values."""
     first = options.index(option)
     last = next((i for i in range(first + 1, len(options)) if options[i].startswith("-")), len(options))
     return [*options[:first], *options[last:]]
@@ -67,11 +69,11 @@ def check_run(run, what, log):
         raise KeyboardInterrupt
     if run.code != 0:
         lines = log.read_text(encoding="utf-8", errors="replace").strip().split("\n")
-        raise Failure(f"{what} failed with exit code {run.code}: {lines[-1]} (all of it: {log})", RUN_TIME)
+        raise Failure(f"{what} failed with exit code {run.code}: {lines[-1]} (full log: {log})", RUN_TIME)
 
 
 def describe():
-    """The commit of the source tree; the program may be of another, so its hash stands beside."""
+    """Returns the commit of the source tree. The program may be from another commit, so pages also show its hash."""
     git = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True,
                          check=False)
     return "source tree " + (git.stdout.strip() or "unknown")

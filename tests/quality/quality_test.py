@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the modules beside this file that need no program and no photographs. That of the contact sheet needs PIL,
-and is skipped without it."""
+"""Tests of the modules in this folder, without a program and photographs. The test of the contact sheet needs PIL, and
+is skipped without PIL."""
 import contextlib
 import io
 import pathlib
@@ -72,36 +72,36 @@ class Losses(unittest.TestCase):
         self.assertEqual(len(reference.losses(small(20), nothing)), 2)
         self.assertEqual(reference.losses(nothing, small(20)), [])
 
-    def test_the_view_that_lost_most(self):
-        former = {"a": {"psnr": 20}, "b": {"psnr": 20}, "gone": {"psnr": 30}, "none": {"psnr": None}}
-        self.assertEqual(figures.largest_loss(former, {"a": {"psnr": 21}, "b": {"psnr": 19}}), ("b", -1))
+    def test_view_with_the_largest_loss(self):
+        previous = {"a": {"psnr": 20}, "b": {"psnr": 20}, "gone": {"psnr": 30}, "none": {"psnr": None}}
+        self.assertEqual(figures.largest_loss(previous, {"a": {"psnr": 21}, "b": {"psnr": 19}}), ("b", -1))
         self.assertIsNone(figures.largest_loss({}, {"a": {"psnr": 21}}))
 
 
 class Tables(unittest.TestCase):
-    def markdown(self, results, former=None):
+    def markdown(self, results, previous=None):
         about = {"program": {"hash": "0", "describe": "-"}, "configuration": "0", "failed": {}}
-        return page.markdown(results, former or {}, about)
+        return page.markdown(results, previous or {}, about)
 
     def test_missing_figures_leave_cells_empty(self):
         text = self.markdown({"hall-pano": result("hall-pano", 20), "lane": result("lane", None),
                               "empty": {"set": "empty", "views": [], "build": {"cpuSecondsPerMegapixel": 1.5}}})
         self.assertIn("| hall-pano | 1 | 20.00 / 0.800 |", text)
-        self.assertIn("Pictures only: empty.", text)
+        self.assertIn("Images only: empty.", text)
         self.assertNotIn("None", text)
         self.assertNotIn("nan", text)
 
     def test_baselines_have_their_own_columns(self):
         scores = {"gathered": {"psnr": 22, "ssim": 0.9, "rightDepth": 0.75}, "lumigraph": None}
         lane = {"now": {"mean": {"psnr": 19, "ssim": 0.7}, "views": {"a.jpg": {"psnr": 20.5}}}}
-        former = {"program": "old", "configuration": "0", "sets": {"lane": lane}}
-        text = self.markdown({"lane": result("lane", 20, baselines=scores, rightDepth=0.5)}, former)
+        previous = {"program": "old", "configuration": "0", "sets": {"lane": lane}}
+        text = self.markdown({"lane": result("lane", 20, baselines=scores, rightDepth=0.5)}, previous)
         self.assertIn("| lane | 1 | 19.00 / 0.700 | 20.00 / 0.800 | 22.00 / 0.900 | +1.00 |", text)
         self.assertIn("| lane | 0.500 · 0.750 |", text)
         self.assertIn("a.jpg -0.50", text)
         self.assertIn("now − old, dB", text)
 
-    def test_means_are_over_the_views_that_have_the_figure(self):
+    def test_means_ignore_views_without_the_figure(self):
         views = {"a": {"psnr": 20, "flip": None}, "b": {"psnr": 22, "flip": 0.5}}
         self.assertEqual(figures.mean_of(views), {"psnr": 21, "flip": 0.5})
 
@@ -144,15 +144,16 @@ class ContactSheet(unittest.TestCase):
 
 
 class ConfigurationHash(unittest.TestCase):
-    def test_options_change_it_and_which_sets_run_does_not(self):
-        def of(*words):
+    def test_depends_on_options_but_not_on_selected_sets(self):
+        def hash_of(*words):
             return sets.configuration_of(main.parse([*words])).hash()
 
-        self.assertEqual(of("/"), of("/", "street"))
-        different = {of("/"), of("/", "--build", "--max-size 9"), of("/", "--eval", "--seams"), of("--small")}
+        self.assertEqual(hash_of("/"), hash_of("/", "street"))
+        different = {hash_of("/"), hash_of("/", "--build", "--max-size 9"), hash_of("/", "--eval", "--seams"),
+                     hash_of("--small")}
         self.assertEqual(len(different), 4)
 
-    def test_older_programs_get_the_baselines_they_know(self):
+    def test_older_programs_get_only_supported_options(self):
         program = programs.Program.__new__(programs.Program)
         program.eval_help = "--baselines"
         self.assertEqual(program.eval_words(("--fit-gain", "--baselines", "lumigraph", "gathered", "--seams")),

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures that are kept in tests/data to compare later programs with: those of one older program for all sets, and
-those that --small must not fall below."""
+"""Reference figures in tests/data: those of one older program for all sets, and the minimum for --small."""
 from figures import is_number, rounded, summary
 from files import COMPARISON, OK, ROOT, Failure, read_json, say, write_json
 from sets import SETS
@@ -9,12 +8,13 @@ DATA = ROOT / "tests/data"
 FROZEN_FILE = DATA / "quality_2bdd944.json"
 SMALL_FILE = DATA / "quality_small.json"
 
-# What --small allows a set to lose: dB, and SSIM.
-LARGEST_LOSS = {"psnr": 0.2, "ssim": 0.005}
+# Maximum loss of a set in --small: dB, and SSIM.
+MAX_LOSS = {"psnr": 0.2, "ssim": 0.005}
 
 
-def frozen(results, program, configuration):
-    """Figures to compare later programs with: means of ours and of the lumigraph, and our views."""
+def frozen_figures(results, program, configuration):
+    """Returns figures for comparison with later programs: means of the program and the lumigraph, and the program's
+    views."""
     sets = {}
     for name, result in results.items():
         columns = summary(result)
@@ -29,48 +29,48 @@ def frozen(results, program, configuration):
 
 
 def freeze(file, results, configuration):
-    """quality_NAME.json is of the program NAME. Sets that were not run stay as they are."""
+    """Writes the figures of the program NAME to `file`, quality_NAME.json. Sets that were not run are not changed."""
     known = read_json(file) or {"sets": {}}
-    new = frozen(results, file.stem.rpartition("_")[2], configuration)
+    new = frozen_figures(results, file.stem.rpartition("_")[2], configuration)
     sets = {**known["sets"], **new["sets"]}
     write_json(file, {**new, "sets": {each.name: sets[each.name] for each in SETS if each.name in sets}})
     say(f"written: {file}")
 
 
 def small_table(results, configuration):
-    sets = {name: {column: rounded({key: of["mean"].get(key) for key in LARGEST_LOSS})
-                   for column, of in summary(result).items() if column in ("now", "gathered")}
+    sets = {name: {column: rounded({key: figures["mean"].get(key) for key in MAX_LOSS})
+                   for column, figures in summary(result).items() if column in ("now", "gathered")}
             for name, result in results.items()}
     return {"configuration": configuration, "sets": sets}
 
 
-def former_of_small(reference):
-    """The reference of --small in the form of freeze()."""
+def previous_of_small(reference):
+    """Returns the reference of --small in the format of freeze()."""
     sets = {name: {column: {"mean": scores} for column, scores in columns.items()}
             for name, columns in reference["sets"].items()}
     return {"program": "committed", "configuration": reference["configuration"], "sets": sets}
 
 
 def losses(reference, current):
-    """Lines that name figures of small_table() that are missing, or by more than LARGEST_LOSS below the reference."""
+    """Returns a line for each figure of small_table() that is missing or more than MAX_LOSS below the reference."""
     lines = []
     for name, columns in reference["sets"].items():
         for column, scores in columns.items():
             found = current["sets"].get(name, {}).get(column, {})
-            for key, former in scores.items():
+            for key, previous in scores.items():
                 value = found.get(key)
-                if not is_number(former):
+                if not is_number(previous):
                     continue
                 if not is_number(value):
-                    lines.append(f"{name}, {column}: {key} is missing, was {former:.4f}")
-                elif former - value > LARGEST_LOSS[key] + 1e-9:
-                    lines.append(f"{name}, {column}: {key} {value:.4f}, was {former:.4f}; "
-                                 f"{LARGEST_LOSS[key]} less is allowed")
+                    lines.append(f"{name}, {column}: {key} is missing, was {previous:.4f}")
+                elif previous - value > MAX_LOSS[key] + 1e-9:
+                    lines.append(f"{name}, {column}: {key} {value:.4f}, was {previous:.4f}; "
+                                 f"a loss of {MAX_LOSS[key]} is allowed")
     return lines
 
 
 def judge_small(options, results, configuration):
-    """Exit code of --small."""
+    """Returns the exit code of --small."""
     current = small_table(results, configuration)
     if options.write:
         write_json(SMALL_FILE, current)
@@ -78,11 +78,11 @@ def judge_small(options, results, configuration):
         return OK
     reference = read_json(SMALL_FILE)
     if reference is None:
-        raise Failure(f"{SMALL_FILE}: is missing; tests/quality.sh --small --write makes it")
+        raise Failure(f"{SMALL_FILE}: is missing; write it with tests/quality.sh --small --write")
     if reference["configuration"] != configuration:
-        say(f"{SMALL_FILE.name} was written with another configuration; --write where that is meant")
+        say(f"{SMALL_FILE.name} was written with another configuration; if the change is intended, run with --write")
     if options.names:
-        reference["sets"] = {name: of for name, of in reference["sets"].items() if name in options.names}
+        reference["sets"] = {name: columns for name, columns in reference["sets"].items() if name in options.names}
     lines = losses(reference, current)
     for line in lines:
         say(f"worse: {line}")

@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sets of photographs: where they are, which photographs are left out, and the options that all of them are built
-and judged with. The configuration is all of this, and its hash says which figures may be compared."""
+"""Sets of photographs: their folders, photographs that are left out, and options of builds and evaluations. All of
+these are the configuration. Figures may be compared only if the hashes of their configurations are equal."""
 import dataclasses
 import shlex
 
 from files import COMMAND_LINE, Failure, digest
 
-# Version of the rules. Raise it where a change of this file, of program.py or of work.py changes figures.
+# Version of the rules. Increment it when a change of this file, of program.py or of work.py changes figures.
 RULES_VERSION = 1
 BUILD_OPTIONS = ()
 SMALL_BUILD_OPTIONS = ("--max-size", "640")
 EVAL_OPTIONS = ("--fit-gain", "--guessed", "--baselines", "lumigraph", "gathered")
-PANORAMA_BASELINES = ("gathered",)  # the lumigraph is of pinholes alone
+PANORAMA_BASELINES = ("gathered",)  # the lumigraph supports pinhole cameras only
 SPLIT_OPTIONS = ("--fov", "90", "--format", "png")
 RENDER_OPTIONS = ("--path", "auto:9")
 
-# Names that are left out of a build, from the sorted names of a set's photographs.
+# Functions that select the photographs left out of a build from a set's sorted photograph names.
 LEFT_OUT = {
     "none": lambda names: [],
     "every sixth from the fourth on": lambda names: names[3::6],
@@ -25,20 +25,20 @@ LEFT_OUT = {
 
 @dataclasses.dataclass(frozen=True)
 class Set:
-    """Where the files of a set are, and which photographs are left out. Folders are below DATASETS; those of a bundled
-    set below examples/photographs."""
+    """Files of a set, and photographs that are left out. Folders are relative to DATASETS, or to examples/photographs
+    for a bundled set. Field names and values are part of the configuration's hash."""
     name: str
     photographs: str
     poses: tuple  # option of `ibr build`, and its file or folder
     left_out: str = "none"
-    truth: str = ""  # folder of the truth views: of those left out, or of others
-    depth_unit: float = 0  # metres a step of the truth's depth pictures; 0: their depth is not judged
-    judged: str = "views"  # "views", "faces" of the panoramas that are left out, or "pictures" alone, without truth
+    truth: str = ""  # folder of the truth views: photographs that are left out, or other views
+    depth_unit: float = 0  # metres per step of the truth's depth images; 0: depth is not evaluated
+    judged: str = "views"  # "views", "faces" of the panoramas that are left out, or "pictures": images without truth
     bundled: bool = False
 
 
 def photographs(name, **more):
-    """A set whose truth is every sixth of its own photographs."""
+    """Returns a set with every sixth of its own photographs as truth."""
     return Set(name, f"{name}/images", ("--model", f"{name}/sparse"), "every sixth from the fourth on", name, **more)
 
 
@@ -74,7 +74,7 @@ class Configuration:
                 "render": RENDER_OPTIONS, "sets": [dataclasses.asdict(each) for each in self.sets]}
 
     def hash(self):
-        """One for the whole table, whichever sets are run."""
+        """Returns one hash for all sets, independent of the sets that are run."""
         return digest(self.rules())
 
 
@@ -83,9 +83,9 @@ def configuration_of(options):
     return Configuration(SMALL_SETS if options.small else SETS, build, (*EVAL_OPTIONS, *shlex.split(options.eval)))
 
 
-def chosen(configuration, names):
+def selected_sets(configuration, names):
     known = [each.name for each in configuration.sets]
     for name in names:
         if name not in known:
-            raise Failure(f"{name}: is no set; there are {', '.join(known)}", COMMAND_LINE)
+            raise Failure(f"{name}: unknown set; choose from {', '.join(known)}", COMMAND_LINE)
     return [each for each in configuration.sets if not names or each.name in names]

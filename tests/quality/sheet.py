@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contact sheet sheet.jpg: the views with the worst tiles, each as prediction, truth and difference, with a red
-frame round the tile. It needs PIL; without it the script says so and goes on."""
+"""Contact sheet sheet.jpg: the views with the worst tiles, each as prediction, truth and difference, with a red frame
+around the tile. Without PIL, the script prints a message and writes no sheet."""
 import math
 import sys
 
@@ -12,8 +12,8 @@ TILE_PX = 32
 
 
 def worst_tiles(results):
-    """(set, view, tile, mean squared error) of the views with the worst tiles. Where reports have no tiles: the views
-    with the lowest PSNR, and None."""
+    """Returns (set, view, tile, mean squared error) of the views with the worst tiles. A view without a tile in its
+    report has the mean squared error of its PSNR, and None as tile."""
     found = []
     for name, result in results.items():
         for view, scores in views_of(result, "now").items():
@@ -27,7 +27,7 @@ def worst_tiles(results):
 
 
 def sheet_row(image_module, draw_module, picture, tile, text, width):
-    """Prediction, truth and difference, each with a frame round the tile, and a line of text above."""
+    """Returns a row of prediction, truth and difference, with a frame around the tile in each, below a line of text."""
     scale = width / picture.width
     row = image_module.new("RGB", (width, round(picture.height * scale) + 16), "white")
     row.paste(picture.convert("RGB").resize((width, row.height - 16)), (0, 16))
@@ -41,18 +41,19 @@ def sheet_row(image_module, draw_module, picture, tile, text, width):
 
 
 def write_sheet(file, results, pictures):
-    """Rows in two columns, the worst first."""
+    """Writes rows in two columns, sorted from worst to best."""
     try:
         from PIL import Image, ImageDraw  # pylint: disable=import-outside-toplevel
     except ImportError:
-        say(f"no contact sheet: {sys.executable} has no PIL; install Debian's python3-pil, for /usr/bin/python3")
+        say(f"no contact sheet: {sys.executable} has no PIL; install Debian's python3-pil and use /usr/bin/python3")
         return
     rows = []
     for name, view, tile, error in worst_tiles(results):
         path = pictures / name / (view.rsplit(".", 1)[0] + ".png")
         if path.is_file():
             with Image.open(path) as picture:
-                text = f"{name} {view}: {'tile' if tile else 'view'} off by {math.sqrt(error):.0f} levels (RMS)"
+                area = "tile" if tile else "view"
+                text = f"{name} {view}: RMS error of the {area} {math.sqrt(error):.0f} 8-bit levels"
                 rows.append(sheet_row(Image, ImageDraw, picture, tile, text, 960))
     if not rows:
         return

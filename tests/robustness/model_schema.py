@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""model_schema.py SCHEMA MODEL.gltf: exit code 77 where Python's jsonschema (Debian: python3-jsonschema) is not installed.
+"""model_schema.py SCHEMA MODEL.gltf: checks the model against the schema, and that the schema refuses wrong models.
+Exit code 77 without Python's jsonschema (Debian: python3-jsonschema).
 """
 import schema_check
 

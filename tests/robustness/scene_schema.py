@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""scene_schema.py SCHEMA SCENE.gltf: exit code 77 where Python's jsonschema (Debian: python3-jsonschema) is not installed.
+"""scene_schema.py SCHEMA SCENE.gltf: checks the scene against the schema, and that the schema refuses wrong scenes.
+Exit code 77 without Python's jsonschema (Debian: python3-jsonschema).
 """
 import schema_check
 
@@ -35,7 +36,7 @@ BREAKS = [
     lambda e: e["cells"][0].update(tiers=[2]),
     lambda e: e["backdrops"][0].update(members=[0, 1]),
 ]
-# Quality of a cell: each figure just outside its range, and of another kind.
+# Quality of a cell: each figure just outside its range, and with another type.
 BAD_QUALITY = {"coverage": (-0.01, 1.01), "ecc": (-1.01, 1.01), "residualPx": (-0.01,), "score": (-0.01, 1.01)}
 for figure, values in BAD_QUALITY.items():
     for value in (*values, "0.5", None):

@@ -57,7 +57,7 @@ struct Behind {
 extern Behind behind;
 
 /// Progress of a session that was stopped temporarily by the fault "stopping".
-enum class Pause { none, told, ended };
+enum class Pause { none, requested, ended };
 
 struct State {
   std::mutex mutex;  // guards all members

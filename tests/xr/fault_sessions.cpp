@@ -119,7 +119,7 @@ XrResult endSession(XrSession session) {
   if (isLost(session)) return XR_ERROR_SESSION_LOST;
   {
     const std::lock_guard lock(state->mutex);
-    if (state->pause == Pause::told) {
+    if (state->pause == Pause::requested) {
       state->pause = Pause::ended;
       for (const auto to : {XR_SESSION_STATE_IDLE, XR_SESSION_STATE_READY}) tellState(to);
       return XR_SUCCESS;
@@ -148,7 +148,7 @@ void tellWhatIsDue() {
   if (faults.due("stopping")) {
     for (const auto to : {XR_SESSION_STATE_VISIBLE, XR_SESSION_STATE_SYNCHRONIZED, XR_SESSION_STATE_STOPPING})
       tellState(to);
-    state->pause = Pause::told;
+    state->pause = Pause::requested;
   }
   if (const auto space = faults.due("recentre")) {
     XrEventDataReferenceSpaceChangePending event{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING};

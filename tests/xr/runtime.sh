@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# An OpenXR runtime for the tests, without a headset: sh tests/xr/runtime.sh [DIR]
+# Builds an OpenXR runtime for tests without a headset: sh tests/xr/runtime.sh [DIR]
 #
-# Builds Monado from Debian's source archive, and lays a Mesa beside it that is newer than Debian 12's own, whose
-# software device draws every view of a multiview pass into the first layer. Nothing outside DIR is changed; without DIR
-# it is a folder of the user's cache, named after this file's contents, so that a changed recipe is a new folder. What is
-# there already is not built again. Progress goes to stderr, the folder's name to stdout. The packages it needs are
-# IBR_PACKAGES_XR of examples/packages.sh; root is not needed.
+# Builds Monado from Debian's source archive, and adds a newer Mesa than Debian 12's. The software device of Debian 12's
+# Mesa draws every view of a multiview pass into the first layer. Only DIR is changed. The default DIR is a folder of
+# the user's cache with a hash of this file in its name, so that a changed recipe gets a new folder. An existing runtime
+# is reused. Progress goes to stderr, the name of the folder to stdout. Needs the packages IBR_PACKAGES_XR of
+# examples/packages.sh, but not root.
 #
-# DIR/environment holds the lines NAME=value that a program needs to run on it. XRT_COMPOSITOR_NULL=1 (no display) or
-# XRT_COMPOSITOR_FORCE_XCB=1 (a window of DISPLAY) is for whoever starts the program to choose.
+# DIR/environment contains lines NAME=value, which programs need to use the runtime. The caller also chooses a
+# compositor: XRT_COMPOSITOR_NULL=1 (no display) or XRT_COMPOSITOR_FORCE_XCB=1 (a window of DISPLAY).
 set -eu
 
 monado=25.0.0
@@ -27,17 +27,17 @@ if made_by; then
   exit 0
 fi
 if [ -d "$dir" ] && [ ! -e "$dir/recipe" ] && [ -n "$(ls -A "$dir")" ]; then
-  die "$dir holds something else"
+  die "$dir: contains other files; give another folder"
 fi
 
 # shellcheck source=/dev/null
 debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")
-[ "$debian" = bookworm ] || die "it is made for Debian 12 only"
+[ "$debian" = bookworm ] || die "Debian 12 is needed"
 # shellcheck source=examples/packages.sh disable=SC1091
 . "$here/../../examples/packages.sh"
 # shellcheck disable=SC2086 # a list of words
 missing=$(missing_packages $IBR_PACKAGES_XR)
-[ -z "$missing" ] || die "these packages are missing:$missing"
+[ -z "$missing" ] || die "packages are missing; install$missing"
 
 mkdir -p "$(dirname "$dir")"
 dir=$(cd "$(dirname "$dir")" && pwd)/$(basename "$dir")
@@ -45,61 +45,63 @@ work=$(mktemp -d "$dir.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 log=$work/log
-# run COMMAND…: what it says is shown only where it fails.
+# run COMMAND…: runs a command and shows its output only if it fails.
 run() { "$@" >"$log" 2>&1 </dev/null || { tail -n 40 "$log" >&2; die "failed: $*"; }; }
 
-# --- Downloads: by apt, which checks the signatures, from the mirror that this machine uses, with lists of our own.
+# --- Downloads: by apt, which checks signatures, from this machine's mirror, with separate package lists.
 cd "$work"
 mkdir -p lists/partial cache/archives/partial debs product
 # shellcheck disable=SC2016 # apt's variables
 mirror=$(apt-get indextargets --format '$(RELEASE) $(COMPONENT) $(LABEL) $(REPO_URI)' 'Created-By: Packages' |
   awk '$1 ~ /^(bookworm|oldstable)$/ && $2 == "main" && (NF == 3 || $3 == "Debian") { print $NF; exit }')
-[ -n "$mirror" ] || die "no mirror of Debian 12 among apt's sources"
+[ -n "$mirror" ] || die "apt's sources contain no mirror of Debian 12"
 cat >sources.list <<END
 deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main
 deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm-backports main
 END
-# our_apt COMMAND…: apt-get with that alone. Its sandbox's user may not read a user's folders.
-our_apt() {
+# separate_apt COMMAND…: runs apt-get with these sources and lists only. APT::Sandbox::User is root, because apt's
+# sandbox user may lack access to the folder.
+separate_apt() {
   apt-get -q -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts=- -o Dir::State::lists="$work/lists" \
     -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root -o APT::Update::Error-Mode=any -o Acquire::Retries=3 "$@" \
-    >"$log" 2>&1 </dev/null || { tail -n 20 "$log" >&2; die "apt-get $* has failed; is there a network?"; }
+    >"$log" 2>&1 </dev/null || { tail -n 20 "$log" >&2; die "apt-get $* failed; check the network"; }
 }
 say "fetching Monado $monado and Mesa"
-our_apt update
-our_apt source --download-only --tar-only monado/trixie
-(cd debs && our_apt download mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports)
+separate_apt update
+separate_apt source --download-only --tar-only monado/trixie
+(cd debs && separate_apt download mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports)
 tarball=monado_$monado+dfsg.orig.tar.xz
-echo "$monado_sha256  $tarball" | sha256sum --check --status || die "$tarball is not what it was: $(ls monado_* || true)"
+echo "$monado_sha256  $tarball" | sha256sum --check --status ||
+  die "$tarball is missing or has another checksum; downloaded: $(ls monado_* || true)"
 
-# --- Mesa's software device, unpacked beside the installed one.
+# --- Mesa's software device, unpacked without changing the installed one.
 for deb in debs/*.deb; do run dpkg -x "$deb" product/mesa; done
 lib=mesa/usr/lib/$(gcc -print-multiarch)
 find product/mesa -name 'libvulkan_*.so' ! -name libvulkan_lvp.so -delete
-[ -e "product/$lib/libvulkan_lvp.so" ] || die "the package of Mesa holds no libvulkan_lvp.so"
+[ -e "product/$lib/libvulkan_lvp.so" ] || die "the package of Mesa contains no libvulkan_lvp.so"
 sed "s#\"libvulkan_lvp#\"./$lib/libvulkan_lvp#" product/mesa/usr/share/vulkan/icd.d/lvp_icd*.json >product/lvp.json
 
-# --- Monado's sources, changed where they stand in the way.
+# --- Monado's sources, with changes for this build.
 tar xJf "$tarball"
 source=$work/monado-v$monado
-# change FILE SCRIPT: by sed; that it changes nothing is an error.
+# change FILE SCRIPT: edits a file with sed. A script that changes nothing is an error.
 change() {
   cp "$source/$1" before
   sed -i "$2" "$source/$1"
-  ! cmp -s before "$source/$1" || die "a change of $1 has found nothing to change"
+  ! cmp -s before "$source/$1" || die "$1: sed changed nothing"
 }
-# Its headers are asked for even where it is not used; Debian's package of them wants a newer systemd.
+# Monado requires the headers of udev even without using them, and their Debian package needs a newer systemd.
 change CMakeLists.txt 's/find_package(udev REQUIRED)/find_package(udev)/'
-# xrGetVisibilityMaskKHR calls what the remote headset leaves null.
+# xrGetVisibilityMaskKHR calls get_visibility_mask, which is null for the remote headset.
 change src/xrt/drivers/remote/r_hmd.c \
   's/rh->base.set_output = .*/&\n\trh->base.get_visibility_mask = u_device_get_visibility_mask;/'
-# The scripted headset listens to this machine alone.
+# The scripted headset accepts connections from this machine only.
 change src/xrt/drivers/remote/r_hub.c 's/htonl(INADDR_ANY)/htonl(INADDR_LOOPBACK)/'
 
-# --- Monado: the runtime in one library, with the compositor that shows nothing and the one in a window of X11.
+# --- Monado: the runtime in one library, with the null compositor and the compositor in an X11 window.
 off=$(grep -ohE '^option(_with_deps)?\((XRT_BUILD_DRIVER|XRT_HAVE)_[A-Z0-9_]+' "$source/CMakeLists.txt" |
   sed 's/.*(//' | grep -vE '^XRT_HAVE_(VULKAN|XCB)$|_(SIMULATED|REMOTE)$' | sed 's/.*/-D&=OFF/')
-say "building Monado (a minute or a few)"
+say "building Monado (some minutes)"
 # shellcheck disable=SC2086 # a list of words
 run cmake -S "$source" -B build -G Ninja -DCMAKE_BUILD_TYPE=Release $off -DXRT_FEATURE_SERVICE=OFF -DXRT_MODULE_IPC=OFF \
   -DXRT_MODULE_MONADO_CLI=OFF -DXRT_FEATURE_STEAMVR_PLUGIN=OFF -DXRT_FEATURE_SLAM=OFF -DXRT_FEATURE_RENDERDOC=OFF \
@@ -111,7 +113,7 @@ cat >product/monado.json <<END
 END
 for library in libopenxr_monado.so "$lib/libvulkan_lvp.so"; do
   absent=$(LD_LIBRARY_PATH=$PWD/product/$lib ldd "product/$library" | grep 'not found' || true)
-  [ -z "$absent" ] || die "$library wants what is not installed: $absent"
+  [ -z "$absent" ] || die "$library needs libraries that are not installed: $absent"
 done
 
 cat >product/environment <<END
@@ -122,7 +124,7 @@ LD_LIBRARY_PATH=$dir/$lib
 P_OVERRIDE_ACTIVE_CONFIG=remote
 END
 echo "$recipe" >product/recipe
-# Somebody else may have finished first; then theirs is as good.
+# Another process may have built the same runtime meanwhile, which is used then.
 if ! made_by; then
   rm -rf "$dir"
   mv -T "product" "$dir" 2>/dev/null || made_by || die "cannot make $dir"

@@ -134,10 +134,10 @@ TEST_CASE("build finds the COLMAP model, names it and its stages on stderr, and 
     INFO(draft.err);
     REQUIRE(draft.code == 0);
     CHECK_THAT(draft.out, Contains("--draft"));
-    const auto told = test::parseJson(readTextFile(folder / "draft.json"));
-    CHECK(told.at("cells").empty());
-    CHECK(told.at("backdrops").size() == 3);
-    CHECK_FALSE(told.contains("capture"));
+    const auto draftReport = test::parseJson(readTextFile(folder / "draft.json"));
+    CHECK(draftReport.at("cells").empty());
+    CHECK(draftReport.at("backdrops").size() == 3);
+    CHECK_FALSE(draftReport.contains("capture"));
     CHECK(runProgram({"validate", drafted}).code == 0);
     CHECK(runProgram({"build", set.photographs, "-o", folder / "no", "--draft", "--no-backdrops"}).code != 0);
     if (test::deviceIsThere()) {
@@ -326,16 +326,16 @@ TEST_CASE("a dry run predicts time, memory and disk space, and writes nothing") 
   REQUIRE(dry.code == 0);
   CHECK_THAT(dry.out, Contains("3 photographs") && Contains("threads") && Contains("memory") && Contains("disk"));
   CHECK(!fs::exists(folder / "scene"));
-  const auto told =
+  const auto dryReport =
       test::parseJson(runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run", "--json", "-"}).out);
-  CHECK(told.at("predicted").at("photographs") == 3);
-  CHECK(told.at("predicted").at("memory") > 1e6);
+  CHECK(dryReport.at("predicted").at("photographs") == 3);
+  CHECK(dryReport.at("predicted").at("memory") > 1e6);
   CHECK(!fs::exists(folder / "scene"));
   const auto real = runProgram({"build", set.photographs, "-o", folder / "scene", "--memory", "2G", "--json", "-"});
   REQUIRE(real.code == 0);
   CHECK_THAT(real.err, Contains("3 photographs") && Contains("memory"));
   const auto report = test::parseJson(real.out);
-  CHECK(report.at("predicted").at("cells") == told.at("predicted").at("cells"));
+  CHECK(report.at("predicted").at("cells") == dryReport.at("predicted").at("cells"));
   CHECK(report.at("predicted").at("memoryAllowed") == 2147483648.0);
   CHECK(report.at("memory") < report.at("predicted").at("memory"));
   CHECK(report.at("processorSeconds") > 0);

@@ -186,11 +186,11 @@ TEST_CASE("htm eval scores each photograph that is left out") {
   REQUIRE(report.at("views").size() == 6);
   for (const auto& view : report["views"]) checkScores(view);
   CHECK(report["settings"]["keepMesh"] == true);
-  const auto anew = runProgram({"htm", "eval", once.model, "--leave-one-out", "--views", "camera2.png", "--poses",
-                                once.files / "sparse", "--json", "-"});
-  INFO(anew.err);
-  REQUIRE(anew.code == 0);
-  const auto one = test::parseJson(anew.out);
+  const auto again = runProgram({"htm", "eval", once.model, "--leave-one-out", "--views", "camera2.png", "--poses",
+                                 once.files / "sparse", "--json", "-"});
+  INFO(again.err);
+  REQUIRE(again.code == 0);
+  const auto one = test::parseJson(again.out);
   REQUIRE(one.at("views").size() == 1);
   CHECK(one["views"][0]["name"] == "camera2.png");
   checkScores(one["views"][0]);

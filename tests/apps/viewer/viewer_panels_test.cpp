@@ -128,8 +128,8 @@ TEST_CASE("O cycles through the overlays, and ibr render reproduces screenshots 
     INFO(overlays[i]);
     const fs::path shot = folder / ("view_000" + std::to_string(i + 1) + ".png");
     REQUIRE(fs::exists(shot));
-    const auto told = runProgram({"info", shot, "--json", "-"});
-    const json settings = parseJson(told.out)["settings"];
+    const auto shotInfo = runProgram({"info", shot, "--json", "-"});
+    const json settings = parseJson(shotInfo.out)["settings"];
     CHECK(settings["overlay"] == (overlays[i] == "none" ? json() : json(overlays[i])));
     CHECK(settings["mute"].empty());
     const auto drawn = runProgram(

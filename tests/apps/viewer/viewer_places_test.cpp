@@ -150,8 +150,8 @@ TEST_CASE("a scene is built from a folder of photographs in the background") {
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   std::size_t begun = 0;
-  const json said = parseJson(outcome.out)["messages"];
-  for (const json& line : said) {
+  const json logged = parseJson(outcome.out)["messages"];
+  for (const json& line : logged) {
     const std::string text = line.get<std::string>();
     begun += text.find((folder / "photos").string()) != std::string::npos && text.find("-scene") == std::string::npos;
   }

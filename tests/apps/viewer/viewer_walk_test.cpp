@@ -135,9 +135,10 @@ TEST_CASE("a camera path of the command line plays in a loop") {
                  }
                  sleepFor(1);
                });
-  const auto told = [&](const char* shot) { return runProgram({"info", folder / shot, "--json", "-"}).out; };
+  const auto infoOf = [&](const char* shot) { return runProgram({"info", folder / shot, "--json", "-"}).out; };
   REQUIRE(fs::exists(folder / "view_0002.png"));
-  CHECK(parseJson(told("view_0001.png"))["view"]["position"] != parseJson(told("view_0002.png"))["view"]["position"]);
+  CHECK(parseJson(infoOf("view_0001.png"))["view"]["position"] !=
+        parseJson(infoOf("view_0002.png"))["view"]["position"]);
   writeFile(folder / "path.json", "{}");
   const auto bad = view({tinyScene(), "--path", folder / "path.json", "--frames", "2"});
   CHECK(bad.code != 0);

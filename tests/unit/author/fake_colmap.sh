@@ -1,9 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Stands for the program colmap in tests: says what COLMAP says, and copies FAKE_COLMAP/models to where models go,
-# FAKE_COLMAP/added to where the one with added photographs goes.
-# FAKE_COLMAP also holds what it was called with (calls), and may hold FAIL-COMMAND, NONE-COMMAND, SLEEP-COMMAND, and
-# AHEAD-COMMAND: NONE unless it may begin with photographs one behind the other.
+# Stub for the program colmap in tests: prints COLMAP's output and copies models to --output_path. The command mapper
+# copies FAKE_COLMAP/models, image_registrator copies FAKE_COLMAP/added. Arguments are appended to FAKE_COLMAP/calls.
+# Files in the folder FAKE_COLMAP change the behaviour of a COLMAP command:
+#   newer            --help lists the option name of newer versions
+#   FAIL-COMMAND     exits with code 3
+#   NONE-COMMAND     creates no model
+#   SLEEP-COMMAND    sleeps for 600 s; the file sleeper gets the process id
+#   AHEAD-COMMAND    creates no model unless forward motion of the initial pair is allowed (init_max_forward_motion 1)
 set -eu
 command=$1
 if [ "${2:-}" = --help ]; then

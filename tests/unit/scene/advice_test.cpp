@@ -224,9 +224,9 @@ TEST_CASE("a defect of one photograph is reported for this photograph only") {
     only("unused", kNotRegistered);
     scene.unusedPhotographs = {
         {"last.heic", "HEIC files are not read: convert them"}};  // the reason contains the remedy
-    const Advice told = adviseCapture(scene).advice.at(0);
-    CHECK_THAT(told.problem, Contains("last.heic") && Contains("HEIC files are not read: convert them"));
-    CHECK(told.remedy.empty());
+    const Advice unused = adviseCapture(scene).advice.at(0);
+    CHECK_THAT(unused.problem, Contains("last.heic") && Contains("HEIC files are not read: convert them"));
+    CHECK(unused.remedy.empty());
   }
   SECTION("the photograph repeats another") {
     std::vector<Camera> cameras = grid(4, 0.5);

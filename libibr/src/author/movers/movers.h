@@ -6,7 +6,7 @@
 //   2. the others are warped to the photograph through that depth. Two photographs differ at a pixel if a colour of one
 //      lies outside the range of the other's colours around it, after a gain for each channel: misalignment of two
 //      pixels makes no difference
-//   3. regions that differ from all others that see them, amid surroundings that agree with these others. Small and
+//   3. regions that differ from all other photographs that see them, with matching surroundings. Small and
 //      thin regions are left out, and also regions of which a share matches another photograph at any depth: such
 //      regions are static, and their depth was wrong
 //   4. the owner of a region: a hidden wall continues beside the region, a person does not; the photograph with

@@ -116,11 +116,11 @@ class MaskResolver {
         }
       for (std::size_t r = 0; r < views_[i].found.regions.size(); ++r) {
         const DifferingRegion& region = views_[i].found.regions[r];
-        const auto said =
+        const auto attributedPixels =
             std::ranges::count_if(region.pixels, [&](const DifferingPixel& p) { return attributed.at(p.x, p.y); });
-        const bool own =
-            region.owner == RegionOwner::own ||
-            (region.owner == RegionOwner::unsure && double(said) > kMinAttributedShare * double(region.pixels.size()));
+        const bool own = region.owner == RegionOwner::own ||
+                         (region.owner == RegionOwner::unsure &&
+                          double(attributedPixels) > kMinAttributedShare * double(region.pixels.size()));
         if (own && uncheckedShare({i, r}) < kMaxUncheckedShare) result.emplace_back(i, r);
       }
     }
@@ -138,8 +138,8 @@ class MaskResolver {
       const auto at = there_(from, inverseDepth);
       if (!at) return {};
       const float depth = depth_.pixel(int(at->x) / kDepthStep, int(at->y) / kDepthStep)[0];
-      const double said = there_.inverseDepth(from, inverseDepth), known = double(depth);
-      if (std::abs(said - known) > kMaxDepthDifference * std::max(said, known)) return {};
+      const double projected = there_.inverseDepth(from, inverseDepth), known = double(depth);
+      if (std::abs(projected - known) > kMaxDepthDifference * std::max(projected, known)) return {};
       const auto again = back_(*at, depth);
       return again && glm::distance(*again, from) < tolerance_ ? at : std::nullopt;
     }

@@ -75,13 +75,14 @@ TEST_CASE("pose refinement is predicted on one thread, and not for exact poses")
   for (const bool refines : {false, true}) {
     BuildOptions options = set.options;
     options.refinePoses = refines;
-    bool told = true;
+    bool refinementPredicted = true;
     options.onPrediction = [&](const BuildPrediction& p) {
-      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
+      refinementPredicted =
+          std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
       return false;
     };
     build(options);
-    CHECK_FALSE(told);  // the court's poses are exact, so no refinement is predicted
+    CHECK_FALSE(refinementPredicted);  // the court's poses are exact, so no refinement is predicted
   }
 }
 
@@ -114,31 +115,32 @@ TEST_CASE("comparing exposures is predicted, unless it is disabled") {
   const test::CourtPhotographs set = court(4);
   BuildOptions options = set.options;
   for (const bool match : {true, false}) {
-    bool told = false;
+    bool comparisonPredicted = false;
     options.matchExposures = match;
     options.onPrediction = [&](const BuildPrediction& p) {
-      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "comparing exposures"; });
+      comparisonPredicted =
+          std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "comparing exposures"; });
       return false;
     };
     build(options);
-    CHECK(told == match);
+    CHECK(comparisonPredicted == match);
   }
 }
 
 TEST_CASE("the prediction is reported before the build begins, and a dry run writes nothing") {
   const test::CourtPhotographs set = court(8);
   BuildOptions options = set.options;
-  int told = 0;
+  int predictionCount = 0;
   BuildPrediction prediction;
   options.onPrediction = [&](const BuildPrediction& p) {
-    ++told;
+    ++predictionCount;
     prediction = p;
     CHECK(!fs::exists(options.output));
     return false;
   };
   CHECK(build(options).cells.empty());
   CHECK(!fs::exists(options.output));
-  REQUIRE(told == 1);
+  REQUIRE(predictionCount == 1);
   CHECK(prediction.photographs == 8);
   CHECK(prediction.backdrops == 8);
   CHECK(prediction.posesKnown);
@@ -238,16 +240,16 @@ TEST_CASE("without poses, the prediction uses the files alone") {
   BuildOptions options = set.options;
   options.model.clear();
   options.colmap = "no such program";
-  bool told = false;
+  bool predicted = false;
   options.onPrediction = [&](const BuildPrediction& p) {
-    told = true;
+    predicted = true;
     CHECK(!p.posesKnown);
     CHECK(!p.cellCountKnown);
     CHECK(p.photographs == 5);
     return false;
   };
   build(options);
-  CHECK(told);
+  CHECK(predicted);
   CHECK(!fs::exists(options.output));
 }
 
@@ -260,17 +262,17 @@ TEST_CASE("insufficient disk space and memory are reported before anything is wr
   const Error error = test::errorOf([&] { checkDiskSpace(prediction, options, {}); });
   CHECK(error.code() == ErrorCode::io);
   CHECK_THAT(error.what(), Contains("2.0 GB") && Contains("1.0 GB") && Contains("--texture bc7"));
-  std::string said;
-  const LogCallback log = [&](LogLevel, std::string_view text) { said += text; };
+  std::string logged;
+  const LogCallback log = [&](LogLevel, std::string_view text) { logged += text; };
   prediction.disk = 1.1e9;
   checkDiskSpace(prediction, options, log);
-  CHECK_THAT(said, Contains("1.1 GB"));
-  said.clear();
+  CHECK_THAT(logged, Contains("1.1 GB"));
+  logged.clear();
   prediction.disk = 0.5e9;
   checkDiskSpace(prediction, options, log);
-  CHECK(said.empty());
+  CHECK(logged.empty());
   prediction.memory = 3e9;
   prediction.memoryLimitBytes = 2e9;
   checkDiskSpace(prediction, options, log);
-  CHECK_THAT(said, Contains("3.0 GB") && Contains("--memory"));
+  CHECK_THAT(logged, Contains("3.0 GB") && Contains("--memory"));
 }

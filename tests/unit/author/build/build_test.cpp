@@ -489,13 +489,13 @@ TEST_CASE("a model whose photographs share no point is reported") {
   PosedModel model = set.model;
   for (Track& track : model.tracks) track.observations.resize(1);
   writeColmapModel(model, set.folder / "model");
-  std::string said;
+  std::string logged;
   BuildOptions options = set.options();
   options.tracks = TrackSource::model;
   const BuildReport report =
-      build(options, {}, [&](LogLevel, std::string_view message) { said += std::string(message) + "\n"; });
+      build(options, {}, [&](LogLevel, std::string_view message) { logged += std::string(message) + "\n"; });
   CHECK(report.cells.empty());
-  CHECK_THAT(said, Contains("points3D"));
+  CHECK_THAT(logged, Contains("points3D"));
   REQUIRE(report.unusedPhotographs.size() == 5);
   CHECK_THAT(report.unusedPhotographs[1].reason, Contains("points"));
 }
@@ -532,12 +532,12 @@ TEST_CASE("masks are stored in the scene and in the textures' alpha, in every fo
   for (const TextureFormat format : {TextureFormat::rgba8, TextureFormat::bc1, TextureFormat::bc7}) {
     INFO(textureFormatName(format));
     options.texture = format;
-    std::string said;
+    std::string logged;
     const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
-      if (level == LogLevel::warning) said += text;
+      if (level == LogLevel::warning) logged += text;
     });
-    CHECK_THAT(said, Contains("nobody.png") && !Contains("001.png") && !Contains("003.png"));
-    CHECK_THAT(said, Contains("000.png") && Contains("2 of the 4"));
+    CHECK_THAT(logged, Contains("nobody.png") && !Contains("001.png") && !Contains("003.png"));
+    CHECK_THAT(logged, Contains("000.png") && Contains("2 of the 4"));
     REQUIRE(report.masks.size() == 1);
     CHECK(report.masks[0].photograph == "001.png");
     CHECK(report.masks[0].givenShare == Approx(1.0 / 12));
@@ -572,11 +572,11 @@ TEST_CASE("masks are stored in the scene and in the textures' alpha, in every fo
   Image8 inverted = mask;
   for (std::uint8_t& value : inverted.values) value = value ? 0 : 255;
   writeImage(set.folder / "masks/001.png", inverted);
-  std::string said;
+  std::string logged;
   build(options, {}, [&](LogLevel level, std::string_view text) {
-    if (level == LogLevel::warning) said += text;
+    if (level == LogLevel::warning) logged += text;
   });
-  CHECK_THAT(said, Contains("001.png") && Contains("8 %"));
+  CHECK_THAT(logged, Contains("001.png") && Contains("8 %"));
   options.masks = set.folder / "photos/nowhere";
   CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere") && Contains("masks"));
   options.masks = set.folder / "masks";

@@ -163,14 +163,14 @@ TEST_CASE("dense matches alone do not move poses that the model's points confirm
       if (cell.members[i] == 2 || cell.members[i] == 3)
         for (glm::vec2& match : cell.mesh.match[i]) match += glm::vec2(0.2f, -0.1f);
   for (const double noisePx : {0.0, 0.2}) {
-    BuildInput told = inputOf(exact, exact, someOfWall()), alone = inputOf(exact);
+    BuildInput withTracks = inputOf(exact, exact, someOfWall()), alone = inputOf(exact);
     PoseNoise random(5);
-    for (Track& track : told.model.tracks)
+    for (Track& track : withTracks.model.tracks)
       for (TrackObservation& seen : track.observations) seen.pixel += glm::dvec2(random.vector(noisePx));
-    const PoseRefinement report = refinePoses(told, made.scene.cells);
+    const PoseRefinement report = refinePoses(withTracks, made.scene.cells);
     INFO(noisePx << " px: " << report.steps.at(1).cellsGainSigmas << ", " << report.steps.at(1).modelGainSigmas);
     CHECK(report.poseChanges.empty());
-    CHECK(furthest(exact, told) == 0);
+    CHECK(furthest(exact, withTracks) == 0);
     CHECK(report.steps[1].cellsGainSigmas > 3);
     CHECK(report.steps[1].modelGainSigmas < 0);
     CHECK_FALSE(refinePoses(alone, made.scene.cells).poseChanges.empty());  // the cells are the only information

@@ -129,8 +129,8 @@ TEST_CASE("sky above a wall is found at infinity") {
   CHECK(mostReachInfinity({deep, near, deep, {}}));
   CHECK_FALSE(mostReachInfinity({deep, near, {}, {}}));
   CHECK_FALSE(mostReachInfinity({{}, {}}));
-  const SweptDepth told = sweptDepth(place.views[0], std::span(place.views).subspan(1), sweepRange(near, true));
-  CHECK(std::ranges::count(told.sky.values, 255) > 40 * kWidth * 9 / 10);
+  const SweptDepth swept = sweptDepth(place.views[0], std::span(place.views).subspan(1), sweepRange(near, true));
+  CHECK(std::ranges::count(swept.sky.values, 255) > 40 * kWidth * 9 / 10);
 }
 
 TEST_CASE("the sweep range covers all tracks but outliers, and a few more tracks do not change it") {

@@ -117,10 +117,10 @@ TEST_CASE("faces are merged and divided as the options say, and the report count
   options.meanDifference = 0.1;
   options.faceDifference = 2;
   options.minFacePx = 10;
-  std::vector<std::string> told;
+  std::vector<std::string> reportedStages;
   const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options, [&](const Progress& p) {
     CHECK((p.total == 0 || p.done <= p.total));
-    if (told.empty() || told.back() != p.stage) told.emplace_back(p.stage);
+    if (reportedStages.empty() || reportedStages.back() != p.stage) reportedStages.emplace_back(p.stage);
     return true;
   });
   checkWhole(result, kCameras);
@@ -139,7 +139,7 @@ TEST_CASE("faces are merged and divided as the options say, and the report count
   std::vector<std::string> names;
   for (const HtmResult::Stage& stage : result.stages) names.push_back(stage.name);
   CHECK(names == std::vector<std::string>{"original", "reduced by shape", "reduced by texture", "refined"});
-  CHECK(told.size() > 4);
+  CHECK(reportedStages.size() > 4);
   options.maxFaces = 1;
   options.keepSource = false;
   options.reject = false;

@@ -254,24 +254,24 @@ TEST_CASE("without matches or displacements there are no offsets") {
 
 TEST_CASE("solving for offsets reports progress, and can be cancelled") {
   const Planted planted;
-  std::vector<std::size_t> told;
+  std::vector<std::size_t> reported;
   std::size_t last = 1000;
   const ProgressCallback progress = [&](const Progress& p) {
     CHECK(p.total == 120);
-    told.push_back(p.done);
+    reported.push_back(p.done);
     return p.done < last;
   };
   const auto offsets = [&](const ProgressCallback& to) {
     return consensusOffsets(planted.mesh, planted.views, planted.members, planted.matches, {}, to);
   };
   CHECK(offsets(progress) == offsets({}));
-  CHECK(told.size() == 120);
-  CHECK(std::ranges::is_sorted(told));
+  CHECK(reported.size() == 120);
+  CHECK(std::ranges::is_sorted(reported));
   for (const std::size_t stop : {0, 7}) {
-    told.clear();
+    reported.clear();
     last = stop;
     CHECK(test::errorOf([&] { offsets(progress); }).code() == ErrorCode::cancelled);
-    CHECK(told.size() == stop + 1);
+    CHECK(reported.size() == stop + 1);
   }
 }
 

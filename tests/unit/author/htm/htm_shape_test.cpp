@@ -13,39 +13,39 @@ namespace {
 
 // A wall, a mesh of the wall displaced by bump(v) along the normals, and exact matches of three cameras.
 struct Wall {
-  TriangleMesh truly, said;
+  TriangleMesh exact, displaced;
   std::vector<HtmView> views;
   std::vector<CameraSet> members;
   std::vector<VertexMatch> matches;
 
   template <class Bump>
   explicit Wall(const Bump& bump, glm::dvec3 middle = glm::dvec3(0))
-      : truly(test::moved(test::flatGrid(8), middle + glm::dvec3(-4, -4, 0))), said(truly) {
-    const std::vector<glm::dvec3> normals = vertexNormals(truly);
-    for (std::size_t v = 0; v < said.positions.size(); ++v) said.positions[v] += normals[v] * bump(v);
+      : exact(test::moved(test::flatGrid(8), middle + glm::dvec3(-4, -4, 0))), displaced(exact) {
+    const std::vector<glm::dvec3> normals = vertexNormals(exact);
+    for (std::size_t v = 0; v < displaced.positions.size(); ++v) displaced.positions[v] += normals[v] * bump(v);
     const double side = normals[0].z > 0 ? 1 : -1;  // sign of the wall's front side
     for (const glm::dvec3& from : {glm::dvec3(-3, 0, 9), {0.3, 2, 10}, {4, -1, 8}})
       views.push_back(test::plainView(test::lookingAt(middle + from * glm::dvec3(1, 1, side), middle, 200, 150)));
-    members.assign(said.positions.size(), 7);
+    members.assign(displaced.positions.size(), 7);
     match();
   }
   void match() {
-    const std::size_t n = said.positions.size();
+    const std::size_t n = displaced.positions.size();
     matches.assign(9 * n, {});
     for (std::size_t j = 0; j < 3; ++j)
       for (std::size_t v = 0; v < n; ++v) {
-        const auto at = PinholeView(views[j].camera).seen(said.positions[v]);
-        const auto point = at ? test::pointBehind(truly, views[j].camera, at->pixel) : std::nullopt;
+        const auto at = PinholeView(views[j].camera).seen(displaced.positions[v]);
+        const auto point = at ? test::pointBehind(exact, views[j].camera, at->pixel) : std::nullopt;
         for (std::size_t i = 0; point && i < 3; ++i) {
           if (i == j) continue;
           const PinholeView view(views[i].camera);
-          matches[(i * 3 + j) * n + v] = {glm::vec2(view.seen(*point)->pixel - view.seen(said.positions[v])->pixel),
-                                          glm::vec3(20, 0, 20), 0};
+          matches[(i * 3 + j) * n + v] = {
+              glm::vec2(view.seen(*point)->pixel - view.seen(displaced.positions[v])->pixel), glm::vec3(20, 0, 20), 0};
         }
       }
   }
   std::vector<double> found(double smoothness = 1e-6) const {
-    return normalDisplacements(said, views, members, matches, {smoothness, 2});
+    return normalDisplacements(displaced, views, members, matches, {smoothness, 2});
   }
 };
 
@@ -58,7 +58,7 @@ TEST_CASE("errors of vertices along their normals are recovered, one by one or a
   const std::vector<double> found = wall.found();
   for (std::size_t v = 0; v < found.size(); ++v) {
     INFO(v);
-    if (wall.matches[wall.said.positions.size() + v].information != glm::vec3(0))
+    if (wall.matches[wall.displaced.positions.size() + v].information != glm::vec3(0))
       CHECK(found[v] == Approx(-bump(v)).margin(0.004));
   }
   const Wall flat([](std::size_t) { return 0.08; }, glm::dvec3(far));
@@ -68,7 +68,7 @@ TEST_CASE("errors of vertices along their normals are recovered, one by one or a
 
 TEST_CASE("one outlier moves nothing, and vertices without matches follow their neighbours") {
   Wall wall([](std::size_t) { return 0.08; });
-  const std::size_t n = wall.said.positions.size();
+  const std::size_t n = wall.displaced.positions.size();
   wall.matches[n + 40].displacement += glm::vec2(30, -20);
   for (std::size_t pair = 0; pair < 9; ++pair) wall.matches[pair * n + 20] = {};
   const std::vector<double> found = wall.found(1);
@@ -92,28 +92,28 @@ TEST_CASE("cameras that look along the surface do not count") {
 }
 
 TEST_CASE("outlines move to the masks' borders") {
-  const TriangleMesh truly = test::sphere(24);
+  const TriangleMesh exact = test::sphere(24);
   const double size = GENERATE(0.96, 1.04);
-  TriangleMesh said = truly;
-  for (glm::dvec3& p : said.positions) p *= size;
+  TriangleMesh scaled = exact;
+  for (glm::dvec3& p : scaled.positions) p *= size;
   std::vector<HtmView> views;
   for (const glm::dvec3& from : {glm::dvec3(6, 0.5, 0), {-5, 1, 4}, {0.5, 1, -6}, {0.3, 6, 0.2}, {2, -5, 2}}) {
     views.push_back(test::plainView(test::lookingAt(from, {0, 0, 0}, 200, 200, 0.6)));
-    const MeshRaster seen = rasterised(truly, views.back().camera);
+    const MeshRaster seen = rasterised(exact, views.back().camera);
     views.back().mask = Image8(200, 200, 1);
     for (std::size_t p = 0; p < seen.face.values.size(); ++p)
       views.back().mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
   }
-  const std::vector<CameraSet> members(said.positions.size(), 0);
-  const std::vector<VertexMatch> matches(views.size() * views.size() * said.positions.size());
+  const std::vector<CameraSet> members(scaled.positions.size(), 0);
+  const std::vector<VertexMatch> matches(views.size() * views.size() * scaled.positions.size());
   const auto mean = [&] {
     double sum = 0;
-    for (const double moved : normalDisplacements(said, views, members, matches, {1, 2})) sum += moved;
-    return sum / double(said.positions.size());
+    for (const double moved : normalDisplacements(scaled, views, members, matches, {1, 2})) sum += moved;
+    return sum / double(scaled.positions.size());
   };
   CHECK(mean() == Approx(1 - size).margin(0.015));
-  CHECK(normalDisplacements(said, views, members, matches, {1, 2, 1}) ==
-        normalDisplacements(said, views, members, matches, {1, 2, 3}));
+  CHECK(normalDisplacements(scaled, views, members, matches, {1, 2, 1}) ==
+        normalDisplacements(scaled, views, members, matches, {1, 2, 3}));
   for (HtmView& view : views) view.mask = Image8(200, 200, 1, 255);
   CHECK(mean() == 0);
 }
@@ -122,7 +122,7 @@ TEST_CASE("adjusting the shape reports progress, and can be cancelled") {
   const Wall wall([](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); });
   std::size_t last = 1000, calls = 0;
   const auto found = [&] {
-    return normalDisplacements(wall.said, wall.views, wall.members, wall.matches, {1, 2}, [&](const Progress& p) {
+    return normalDisplacements(wall.displaced, wall.views, wall.members, wall.matches, {1, 2}, [&](const Progress& p) {
       CHECK(p.done < p.total);
       CHECK(p.total == 103);
       ++calls;
@@ -140,10 +140,10 @@ TEST_CASE("adjusting the shape reports progress, and can be cancelled") {
 }
 
 TEST_CASE("vertices next to a camera, far outside its image, do not move to its mask") {
-  const TriangleMesh said = test::sphere(24);
+  const TriangleMesh sphere = test::sphere(24);
   HtmView view = test::plainView(test::lookingAt({0, 0, 0}, {0, 0, -1}, 200, 200, 0.38));
-  const TriangleMesh moved = test::moved(said, {0, 0, -6});
-  const MeshRaster seen = rasterised(test::moved(said, {0.02, 0, -6}), view.camera);
+  const TriangleMesh moved = test::moved(sphere, {0, 0, -6});
+  const MeshRaster seen = rasterised(test::moved(sphere, {0.02, 0, -6}), view.camera);
   view.mask = Image8(200, 200, 1);
   for (std::size_t p = 0; p < seen.face.values.size(); ++p)
     view.mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
@@ -174,7 +174,7 @@ TEST_CASE("without a mask, outlines stay and their matches do not count") {
   std::vector<double> found = wall.found();
   for (const double moved : found) CHECK(moved < -0.03);
   // A second wall behind each, which faces away: the border is then an outline for all three cameras.
-  for (TriangleMesh* mesh : {&wall.truly, &wall.said}) {
+  for (TriangleMesh* mesh : {&wall.exact, &wall.displaced}) {
     const auto n = std::uint32_t(mesh->positions.size());
     const TriangleMesh front = *mesh;
     for (std::size_t v = 0; v < n; ++v) {
@@ -188,7 +188,7 @@ TEST_CASE("without a mask, outlines stay and their matches do not count") {
       mesh->triangles.push_back(back);
     }
   }
-  wall.members.resize(wall.said.positions.size(), 0);
+  wall.members.resize(wall.displaced.positions.size(), 0);
   wall.match();
   found = wall.found();
   const auto atBorder = [](std::size_t v) { return v % 9 == 0 || v % 9 == 8 || v < 9 || v >= 72; };

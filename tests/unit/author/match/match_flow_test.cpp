@@ -54,12 +54,12 @@ TEST_CASE("flow matches a wall without poses, in any order of the members") {
   const SyntheticScene scene = wall(cameras);
   std::vector<MatchView> views = viewsOf(cameras, scene);
   std::vector<std::size_t> order = GENERATE(std::vector<std::size_t>{0, 1, 2}, std::vector<std::size_t>{2, 0, 1});
-  std::vector<MatchView> told;
+  std::vector<MatchView> ordered;
   for (const std::size_t i : order) {
-    told.push_back(views[i]);
-    told.back().camera.pose = {};  // flow does not use poses
+    ordered.push_back(views[i]);
+    ordered.back().camera.pose = {};  // flow does not use poses
   }
-  const DenseMatch match = matchByFlow(told);
+  const DenseMatch match = matchByFlow(ordered);
   CHECK(shareGood(match) > 0.5);
   std::size_t near = 0, all = 0;
   for (int y = 0; y < match.good.height; y += 3)
@@ -75,7 +75,7 @@ TEST_CASE("flow matches a wall without poses, in any order of the members") {
       near += worst < 0.5;
     }
   CHECK(double(near) > 0.95 * double(all));
-  const DenseMatch again = matchByFlow(told);
+  const DenseMatch again = matchByFlow(ordered);
   CHECK(again.good == match.good);
   CHECK(again.position == match.position);
 }

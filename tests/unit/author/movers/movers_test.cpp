@@ -280,10 +280,10 @@ TEST_CASE("a person in one photograph alone is found, and nothing is found witho
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
       const bool gone = !mask.pixel(x, y)[0];
-      const bool his = 2 * x >= kLeft && 2 * x < kRight && 2 * y >= kTop && 2 * y < kBottom;
+      const bool inPerson = 2 * x >= kLeft && 2 * x < kRight && 2 * y >= kTop && 2 * y < kBottom;
       const bool near = 2 * x >= kLeft - 12 && 2 * x < kRight + 12 && 2 * y >= kTop - 12 && 2 * y < kBottom + 12;
-      inside += his;
-      found += his && gone;
+      inside += inPerson;
+      found += inPerson && gone;
       beside += !near && gone;
     }
   CHECK(found / inside > 0.97);

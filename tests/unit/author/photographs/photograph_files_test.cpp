@@ -65,11 +65,11 @@ TEST_CASE("each EXIF orientation fits a model of upright images and a model of s
       };
       CHECK(meanDifference(load(modelOfUpright, Orientation::exif), upright) < 2);
       CHECK(meanDifference(load(modelOfStored, Orientation::stored), stored) < 2);
-      const bool told = orientation >= 5 && size.x != size.y;  // the shape of the picture tells the quarter turn
-      CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), told ? upright : stored) < 2);
+      const bool turnDetectable = orientation >= 5 && size.x != size.y;  // width and height reveal a quarter turn
+      CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), turnDetectable ? upright : stored) < 2);
       CHECK(meanDifference(load(modelOfStored, Orientation::automatic), stored) < 2);
-      CHECK(findPhotograph(folder / "", modelOfStored, 0).orientationAmbiguous == (orientation > 1 && !told));
-      if (told) {
+      CHECK(findPhotograph(folder / "", modelOfStored, 0).orientationAmbiguous == (orientation > 1 && !turnDetectable));
+      if (turnDetectable) {
         CHECK_THROWS_AS(findPhotograph(folder / "", modelOfUpright, 0, Orientation::stored), Error);
         CHECK_THROWS_AS(findPhotograph(folder / "", modelOfStored, 0, Orientation::exif), Error);
       }
@@ -94,21 +94,21 @@ TEST_CASE("photographs that fit in both orientations are turned like the others 
     options.photographs = folder / "photos";
     options.model = folder / "model";
     options.output = folder / "scene";
-    std::string said;
+    std::string logged;
     const LogCallback log = [&](LogLevel level, std::string_view text) {
-      if (level == LogLevel::warning) said += text;
+      if (level == LogLevel::warning) logged += text;
     };
     const BuildInput input = readInput(options, log);
     CHECK(input.photographs[0].applyOrientation == withTurned);
     CHECK(!input.photographs[1].applyOrientation);
     CHECK(meanDifference(loadPhotograph(input.photographs[0]), withTurned ? upright : storedAs(3, upright)) < 2);
-    CHECK_THAT(said, Contains("half.jpg") && !Contains("plain.jpg") &&
-                         Contains(withTurned ? "--orientation stored" : "--orientation exif"));
+    CHECK_THAT(logged, Contains("half.jpg") && !Contains("plain.jpg") &&
+                           Contains(withTurned ? "--orientation stored" : "--orientation exif"));
     options.orientation = withTurned ? Orientation::stored : Orientation::exif;
-    said.clear();
+    logged.clear();
     if (withTurned) continue;  // as stored, quarter.jpg has another shape than its camera
     CHECK(readInput(options, log).photographs[0].applyOrientation);
-    CHECK(said.empty());
+    CHECK(logged.empty());
   }
 }
 
@@ -207,11 +207,11 @@ TEST_CASE("unsupported files in a folder are reported and listed in the scene") 
   writeText(set.options.photographs / "photo00.CR2", "II*\0raw"s);
   BuildOptions options = set.options;
   options.backdrops = false;
-  std::string said;
+  std::string logged;
   const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
-    if (level == LogLevel::warning) said += text;
+    if (level == LogLevel::warning) logged += text;
   });
-  CHECK_THAT(said, Contains("x.HEIC: HEIC") && !Contains("photo00.CR2"));
+  CHECK_THAT(logged, Contains("x.HEIC: HEIC") && !Contains("photo00.CR2"));
   REQUIRE(report.unusedPhotographs.size() == 1);
   CHECK(report.unusedPhotographs[0].name == "x.HEIC");
   CHECK_THAT(report.unusedPhotographs[0].reason, Contains("heif-convert"));

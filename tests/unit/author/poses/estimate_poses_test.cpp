@@ -282,13 +282,13 @@ TEST_CASE("unreadable photographs are reported before COLMAP runs") {
   fs::copy_file(photographs / "x.jpg", photographs / "y.jpg");
   fs::resize_file(photographs / "x.jpg", 20);                                        // cut in the header
   fs::resize_file(photographs / "y.jpg", fs::file_size(photographs / "y.jpg") - 9);  // cut at the end
-  const auto told = [&](const PoseOptions& options) {
+  const auto messageOf = [&](const PoseOptions& options) {
     return std::string(test::errorOf([&] { estimatePoses(options); }).what());
   };
   PoseOptions options = place.options();
-  CHECK_THAT(told(options), Contains("x.jpg") && Contains("--exclude"));
+  CHECK_THAT(messageOf(options), Contains("x.jpg") && Contains("--exclude"));
   options.exclude = {"x.jpg"};
-  CHECK_THAT(told(options), Contains("y.jpg") && Contains("--exclude") && !Contains("x.jpg"));
+  CHECK_THAT(messageOf(options), Contains("y.jpg") && Contains("--exclude") && !Contains("x.jpg"));
   CHECK(!fs::exists(place.folder / "calls"));
   options.exclude.push_back("y.jpg");
   CHECK(estimatePoses(options).photographs == (someTurned ? 5 : 4));
