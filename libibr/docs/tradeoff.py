@@ -173,7 +173,7 @@ def write(folder, scenes):
     shown = next((s for s in FIGURE_SCENES if s in scenes.reports), next(iter(scenes.reports)))
     report = folder / shown / "report"
     page = PAGE.read_text()
-    for name in ("description", "knobs", "presets", "gates", "eyes", "reference"):
+    for name in ("about", "knobs", "presets", "gates", "eyes", "reference"):
         page = with_section(page, name, getattr(scenes, name)())
     page = with_section(page, "shown", f"The figures show the scene {shown}.")
     files = {PAGE: page}

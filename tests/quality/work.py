@@ -61,8 +61,8 @@ class Work:
         words = ["build", str(self.base / self.photo_set.photographs), "-o", str(self.scene), "-q", "--json",
                  str(report), *self.build_words()]
         run = self.program.run(words, self.log)
-        stamp = {"key": key, "done": run.code == 0, "seconds": added(before["seconds"], run.seconds),
-                 "cpuSeconds": added(before["cpuSeconds"], run.cpu_seconds)}
+        stamp = {"key": key, "done": run.code == 0, "seconds": sum_or_none(before["seconds"], run.seconds),
+                 "cpuSeconds": sum_or_none(before["cpuSeconds"], run.cpu_seconds)}
         if run.code == 0:
             stamp["megapixels"] = (read_json(report) or {}).get("predicted", {}).get("megapixels")
             stamp["words"] = words
