@@ -228,6 +228,7 @@ TEST_CASE("buffers have the size of their targets at any render scale") {
   FramePlan whole = plan;
   whole.settings.renderScale = 1;
   RendererOptions options = optionsFor(settings, {320, 240});
+  options.maxRenderScale = 1;
   options.bufferScene = &stage.scene();
   const Renderer renderer(testDevice(), stage.gpuScene(), options);
   Offscreen offscreen(testDevice(), {320, 240});
