@@ -8,7 +8,7 @@
 # Exit code 77 means "skipped" (no device, no datasets). With IBR_REQUIRE_DEVICE (as in CI) a missing device is a
 # failure. IBR_DATASETS names the folder of datasets for tests with label `data`.
 find_package(Catch2 2.13 REQUIRED)
-set(ibr_test_timeout 3600)  # s: ten times the slowest test, for machines busy with other work
+set(ibr_test_timeout 3600)  # s: about ten times the slowest test on an idle machine, for busy machines
 # -O1 compiles test cases a quarter faster. The tested library keeps its optimisation level.
 set(ibr_test_options $<$<NOT:$<CONFIG:Debug>>:-O1>)
 
@@ -38,11 +38,11 @@ function(ibr_test name)
   target_link_libraries(${name} PRIVATE $<IF:$<BOOL:${arg_GPU}>,ibr_test_gpu_support,ibr_test_support> ${arg_LIBRARIES})
   ibr_warnings(${name})
   target_compile_options(${name} PRIVATE ${ibr_test_options})
+  set(json)
   if(arg_JSON)
-    ibr_precompiled(${name} TEST JSON)
-  else()
-    ibr_precompiled(${name} TEST)
+    set(json JSON)
   endif()
+  ibr_precompiled(${name} TEST ${json})
   set(tests ${name})
   if(arg_SEPARATE)
     list(POP_FRONT arg_SEPARATE part)

@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # clang 14 lacks parenthesised initialisation of aggregates (C++20), which emplace_back and make_unique use here.
 FALSE_ERRORS = re.compile(r"construct_at|no matching constructor for initialization")
-COMPILER = re.compile(r"(?:^|/)(?:c\+\+|g\+\+|clang\+\+)(?:-\d+)?$")
+COMPILER = re.compile(r"(?:^|[/-])(?:c\+\+|g\+\+|clang\+\+)(?:-\d+)?$")
 
 
 def without_precompiled_header(command):

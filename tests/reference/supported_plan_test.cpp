@@ -45,6 +45,7 @@ TEST_CASE("the first field of the options that a plan exceeds is named") {
       {"orders", [](FramePlan& p) { p.settings.order = DrawOrder::paper; }},
       {"blends", [](FramePlan& p) { p.settings.blend = BlendMode::dither; }},
       {"compositions", [](FramePlan& p) { p.settings.composition = Composition::hybrid; }},
+      {"gatherCandidates", [](FramePlan& p) { p.photographs.resize(13); }},
       {"gatherCandidates",
        [](FramePlan& p) {
          p.settings.composition = Composition::gathered;

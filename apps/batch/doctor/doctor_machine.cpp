@@ -253,7 +253,7 @@ void examineHeadset(Findings& findings) {
   for (const fs::path& file : runtimeFiles()) {
     if (!fs::exists(file, ignored)) continue;
     try {
-      const nlohmann::ordered_json json = parsedJson(readTextFile(file));
+      const nlohmann::ordered_json json = jsonOrDiscarded(readTextFile(file));
       fs::path library = json.at("runtime").at("library_path").get<std::string>();
       const bool pathGiven = library.has_parent_path();
       if (pathGiven && library.is_relative()) library = fs::canonical(file).parent_path() / library;

@@ -116,7 +116,7 @@ class LeaveOneOut {
   std::optional<ViewOutcome> fetch(const std::string& view) {
     if (!fs::exists(file(view))) return std::nullopt;
     try {
-      const Json json = parsedJson(readTextFile(file(view)));
+      const Json json = jsonOrDiscarded(readTextFile(file(view)));
       ViewOutcome outcome = outcomeOf(json);
       const auto pictures = evaluationFiles(evaluation_, view);
       if (outcome.failure.empty() && !std::ranges::all_of(pictures, [](const fs::path& f) { return fs::exists(f); }))

@@ -24,7 +24,7 @@ MeasurementCache::MeasurementCache(std::filesystem::path file) : file_(std::move
   if (!std::filesystem::exists(file_)) return;
   std::istringstream lines(readTextFile(file_));
   for (std::string line; std::getline(lines, line);) {
-    const Json json = parsedJson(line);
+    const Json json = jsonOrDiscarded(line);
     if (!json.is_object() || !json.contains("key") || !json["key"].is_string()) continue;
     byKey_[json["key"].get<std::string>()] = json;
   }

@@ -68,7 +68,7 @@ std::optional<fs::path> otherEye(const fs::path& picture) {
 
 // True for the format of nerfstudio and instant-ngp: an object with "frames".
 bool isTransforms(const fs::path& file) {
-  const nlohmann::ordered_json json = parsedJson(readTextFile(file));
+  const nlohmann::ordered_json json = jsonOrDiscarded(readTextFile(file));
   return json.is_object() && json.contains("frames");
 }
 

@@ -95,7 +95,7 @@ std::optional<HtmFrameModel> cachedHtmFrame(const HtmFrameInput& frame, const Ht
                                             const fs::path& sequence) {
   const fs::path file = sequence / frame.name / kBuildFile;
   if (!fs::is_regular_file(file)) return std::nullopt;
-  const Json json = parsedJson(readTextFile(file));
+  const Json json = jsonOrDiscarded(readTextFile(file));
   if (!json.is_object() || json.value("key", Json()) != keyOf(frame, options) || !json.contains("report"))
     return std::nullopt;
   if (!validateHtmModelFiles(sequence / frame.name, 1).empty()) return std::nullopt;
@@ -124,7 +124,7 @@ HtmFrameModel buildHtmFrame(const HtmFrameInput& frame, const HtmBuildOptions& o
     fail(e.code(), "frame {}: {}", frame.name, e.what());
   }
   made.seconds = watch.seconds();
-  writeFile(draft.folder / kBuildFile, jsonText({{"key", key}, {"report", made.report}}) + '\n');
+  writeFile(draft.folder / kBuildFile, jsonText({{"key", key}, {"report", made.report}}));
   fs::remove_all(modelFolder);
   fs::rename(draft.folder, modelFolder);
   return made;

@@ -31,19 +31,10 @@ const Command kHtmRenderCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<HtmViewsOptions>();
       addOption(app, "MODEL", options->model, "Folder of a model or of 3D video").required();
-      const Option poses =
-          addOption(app, "--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
-              .type("FILE|DIR");
-      poses.excludes(addAutoPath(app, options->autoFrames));
-      addOption(app, "-o,--output", options->output, "Folder for the images; created if missing")
-          .required()
-          .type("DIR");
-      addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
-      addFov(app, options->fovDegrees);
-      addGraph(app, options->graph);
+      declareRenderedViews(app, *options);
       declareHtmViews(app, *options);
       afterParsing(app, [options] {
-        if (options->poses.empty() && options->autoFrames == 0) requireOption("--poses or --path");
+        requireViews(*options);
         checkHtmViews(*options, assetKind(options->model));
       });
       return [options](const Context& context) { return renderHtmViews(*options, context); };

@@ -6,20 +6,15 @@
 #include <string>
 
 #include "batch/command.h"
+#include "batch/files/rendered_views.h"
 #include "ibr/asset.h"
 #include "ibr/htm.h"
-#include "shared/cli/options.h"
 
 namespace ibr::app {
 
-struct HtmViewsOptions {
+struct HtmViewsOptions : RenderedViews {
   std::string model;  // or sequence
-  std::string poses, output;
-  int autoFrames = 0;  // 0: not requested
-  PictureSize size;
-  double fovDegrees = 0;  // 0: as the poses
   bool sourceMesh = false;
-  bool graph = false;
   std::optional<double> time;  // s, for all views; nullopt: the times of the poses
   HtmSettings settings;
 };

@@ -30,15 +30,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
-  std::string scene, poses, output;
-  int autoFrames = 0;  // 0: not requested
-  PictureSize size;
-  double fovDegrees = 0;  // 0: as the poses
+struct Options : RenderedViews {
+  std::string scene;
   bool stereo = false;
   double ipd = 0;  // 0: not given
   bool buffers = false;
-  bool graph = false;
   std::optional<double> floor, floorSpacing;  // FloorOptions
   RenderSettings settings;
   GpuSceneOptions gpuScene;
@@ -80,12 +76,7 @@ bool isHarmonised(std::optional<AssetKind> kind) {
 ExitCode renderHarmonised(const Options& options, const Context& context) {
   HtmViewsOptions htm = options.htm;
   htm.model = options.scene;
-  htm.poses = options.poses;
-  htm.output = options.output;
-  htm.autoFrames = options.autoFrames;
-  htm.graph = options.graph;
-  htm.size = options.size;
-  htm.fovDegrees = options.fovDegrees;
+  static_cast<RenderedViews&>(htm) = options;
   return renderHtmViews(htm, context);
 }
 
@@ -205,16 +196,7 @@ const Command kRenderCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       addOption(app, "SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video").required();
-      const Option poses =
-          addOption(app, "--poses", options->poses, "COLMAP model's folder, transforms.json, camera path or image")
-              .type("FILE|DIR");
-      poses.excludes(addAutoPath(app, options->autoFrames));
-      addOption(app, "-o,--output", options->output, "Folder for the images; created if missing")
-          .required()
-          .type("DIR");
-      addSize(app, "--size", options->size, "Size of the images [that of the poses; auto: of the photographs]");
-      addFov(app, options->fovDegrees);
-      addGraph(app, options->graph);
+      declareRenderedViews(app, *options);
       const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });
       const auto ofModels = inGroup(app, "Harmonised models, 3D video", [&] { declareHtmViews(app, options->htm); });
       afterParsing(app, [options, ofScenes, ofModels] {
@@ -226,7 +208,7 @@ const Command kRenderCommand{
           refuseIfSet(ofScenes, "is for scenes, but " + options->scene + " is a harmonised model or 3D video");
           checkHtmViews(options->htm, kind);
         }
-        if (options->poses.empty() && options->autoFrames == 0) requireOption("--poses or --path");
+        requireViews(*options);
       });
       return [options](const Context& context) { return renderViews(*options, context); };
     }};

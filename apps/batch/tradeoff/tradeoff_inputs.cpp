@@ -111,7 +111,7 @@ VkExtent2D maxExtentOf(const std::vector<TradeoffSubject>& subjects, const std::
 
 nlohmann::ordered_json readSweepReport(const std::string& file) {
   if (file.empty()) return nullptr;
-  const nlohmann::ordered_json json = parsedJson(readTextFile(file));
+  const nlohmann::ordered_json json = jsonOrDiscarded(readTextFile(file));
   const bool good = json.is_object() && json.contains("settings") && json["settings"].is_array() &&
                     std::ranges::all_of(json["settings"], [](const nlohmann::ordered_json& row) {
                       return row.is_object() && row.contains("method") && row["method"].is_string() &&

@@ -144,7 +144,7 @@ void writeReport(const TradeoffReport& report, const std::vector<TradeoffFigure>
                  const std::vector<WorstView>& worst, const fs::path& folder, const Context& context) {
   writeFile(folder / "report.html", tradeoffHtml(report, figures, worst, folder));
   const Json json = reportJson(report);
-  writeFile(folder / "tradeoff.json", jsonText(json) + '\n');
+  writeFile(folder / "tradeoff.json", jsonText(json));
   writeFile(folder / "tradeoff.csv", tradeoffCsv(report.rows));
   context.print("{}", reportText(report));
   context.report(json);

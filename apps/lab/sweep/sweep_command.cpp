@@ -61,7 +61,7 @@ class Report {
 
   void write(const std::vector<SweepRow>& rows) const {
     writeFile(folder_ / "sweep.csv", sweepCsv(rows));
-    writeFile(folder_ / "sweep.json", jsonText(json(rows)) + '\n');
+    writeFile(folder_ / "sweep.json", jsonText(json(rows)));
     writeFile(folder_ / "sweep.svg", sweepSvg(rows, "Settings of the ECC optimiser", notes_));
   }
 

@@ -77,7 +77,7 @@ void writeCameraPath(const std::filesystem::path& file, const CameraPath& path) 
     addPose(entry, {key.position, key.rotation});
     entry["fovY"] = key.fovY;
   }
-  writeFile(file, jsonText(json) + '\n');
+  writeFile(file, jsonText(json));
 }
 
 }  // namespace ibr::app

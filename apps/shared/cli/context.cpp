@@ -54,9 +54,9 @@ LogCallback Context::log() const {
 
 void Context::report(const nlohmann::ordered_json& report) const {
   if (options_.json == "-")
-    writeOut(jsonText(report) + '\n');
+    writeOut(jsonText(report));
   else if (!options_.json.empty())
-    writeFile(options_.json, jsonText(report) + '\n');
+    writeFile(options_.json, jsonText(report));
 }
 
 void Context::writeOut(std::string_view text) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/cli/settings.h"
+#include "shared/json/json_text.h"
 
 namespace ibr::app {
 namespace {
@@ -24,7 +25,7 @@ std::string optionOf(const std::string& key) {
 }
 
 std::string optionValue(const Json& value) {
-  if (!value.is_array()) return value.is_string() ? value.get<std::string>() : value.dump();
+  if (!value.is_array()) return value.is_string() ? value.get<std::string>() : jsonLine(value);
   std::string list;
   for (const Json& one : value) {
     if (!list.empty()) list += ",";

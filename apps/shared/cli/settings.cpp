@@ -39,7 +39,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
       app, "--composition", settings.composition,
       {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
       "Source of pixels: morphing cells, a gather from photographs per pixel, or cells with a gather where members "
-      "disagree [as --preset; cells with --solo]");
+      "disagree [as --preset]");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
                           "Maximum number of photographs per frame to gather from");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
@@ -131,7 +131,7 @@ void declareOverlays(CLI::App& app, RenderSettings& settings) {
         .type("N,N…");
   };
   cells("--mute", settings.mutedCells, "Never draw these cells");
-  cells("--solo", settings.soloCells, "Draw only these cells");
+  cells("--solo", settings.soloCells, "Draw only these cells; sets --composition cells");
 }
 
 void checkCells(const RenderSettings& settings, const Scene& scene) {

@@ -4,21 +4,18 @@
 #include <nlohmann/json.hpp>
 
 namespace ibr::app {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-}  // namespace
-
 std::string jsonText(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 std::string jsonLine(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json parsedJson(std::string_view text) {
+Json jsonOrDiscarded(std::string_view text) {
   return Json::parse(text, nullptr, false);
 }
 

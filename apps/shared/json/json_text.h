@@ -8,13 +8,13 @@
 
 namespace ibr::app {
 
-/// Returns indented text without a final newline. Bytes that are not UTF-8 become U+FFFD.
+/// Returns indented text with a final newline. Bytes that are not UTF-8 become U+FFFD.
 std::string jsonText(const nlohmann::ordered_json& json);
 
-/// Returns text on one line. Bytes that are not UTF-8 become U+FFFD.
+/// Returns text on one line, without a newline. Bytes that are not UTF-8 become U+FFFD.
 std::string jsonLine(const nlohmann::ordered_json& json);
 
 /// Parses text; returns a discarded value (is_discarded()) for text that is not JSON.
-nlohmann::ordered_json parsedJson(std::string_view text);
+nlohmann::ordered_json jsonOrDiscarded(std::string_view text);
 
 }  // namespace ibr::app

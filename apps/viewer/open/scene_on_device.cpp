@@ -14,6 +14,11 @@
 namespace ibr::app {
 namespace {
 
+// Returns the largest render scale that a renderer draws; without a maximum, images have the target's size.
+double largestScale(const RendererOptions& options) {
+  return options.maxRenderScale > 0 ? options.maxRenderScale : 1;
+}
+
 // Returns true if a renderer made with `has` can draw everything that `needs` asks for.
 bool canDraw(const RendererOptions& has, const RendererOptions& needs) {
   const auto within = [](const auto& few, const auto& many) {
@@ -22,8 +27,8 @@ bool canDraw(const RendererOptions& has, const RendererOptions& needs) {
   return has.maxExtent.width >= needs.maxExtent.width && has.maxExtent.height >= needs.maxExtent.height &&
          has.crossFadeOrders >= needs.crossFadeOrders && has.fill >= needs.fill && has.colour >= needs.colour &&
          within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
-         has.maxRenderScale >= needs.maxRenderScale && within(needs.formats, has.formats) &&
-         within(needs.orders, has.orders) && within(needs.blends, has.blends) &&
+         has.maxRenderScale >= needs.maxRenderScale && largestScale(has) >= largestScale(needs) &&
+         within(needs.formats, has.formats) && within(needs.orders, has.orders) && within(needs.blends, has.blends) &&
          within(needs.compositions, has.compositions) && has.gatherCandidates >= needs.gatherCandidates &&
          has.gatherColours == needs.gatherColours && has.gatherLayers == needs.gatherLayers &&
          has.voteScale >= needs.voteScale;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/check.h"
 #include "base/file.h"
 #include "ibr/error.h"
 #include "shared/json/json_text.h"
@@ -34,7 +35,8 @@ ScaleCache::ScaleCache(const fs::path& file, LogCallback log) : file_(file), log
   try {
     const std::vector<std::byte> bytes = readFile(file_, kMaxFileBytes);
     const auto* text = reinterpret_cast<const char*>(bytes.data());
-    const nlohmann::ordered_json cached = parsedJson({text, bytes.size()});
+    const nlohmann::ordered_json cached = jsonOrDiscarded({text, bytes.size()});
+    check(!cached.is_discarded(), ErrorCode::invalidInput, "{}: is not JSON", file_.string());
     for (const auto& [scene, scale] : cached.at("scales").items())
       if (scale.is_number() && isScale(scale.get<double>())) scales_[scene] = scale.get<double>();
   } catch (const std::exception& e) {

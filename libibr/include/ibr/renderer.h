@@ -58,10 +58,10 @@ struct RendererOptions {
   std::vector<BlendMode> blends{BlendMode::blend};
   std::vector<Composition> compositions{Composition::cells};
   std::uint32_t gatherCandidates = 12;                // maximum K of all plans
-  std::uint32_t gatherColours = 4, gatherLayers = 2;  // of all plans
+  std::uint32_t gatherColours = 4, gatherLayers = 2;  // of each plan that gathers: exactly these
   double voteScale = 0.5;                             // largest RenderSettings::voteScale
   bool dissolve = true;       // opacities below 1; false only with fadeShare 0 and switchSeconds 0
-  double maxRenderScale = 0;  // 0: all is drawn at the target's size
+  double maxRenderScale = 0;  // of all plans; 0: each is drawn at the target's size
   /// By view: triangles (three corners each, of any orientation) that cover pixels nobody sees, in tangents: x right, y
   /// up at z = −1 of the camera (OpenXR's XR_KHR_visibility_mask). Nothing is drawn or filled there: colour is the
   /// background, alpha is as in a hole, depth is far. Other pixels are unchanged, except that nothing is filled or

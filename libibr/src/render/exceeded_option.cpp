@@ -39,8 +39,8 @@ const char* exceededOption(const FramePlan& plan, const RendererOptions& options
   if (!contains(options.blends, settings.blend)) return "blends";
   if (settings.composition != Composition::cells && !contains(options.compositions, settings.composition))
     return "compositions";
+  if (plan.photographs.size() > options.gatherCandidates) return "gatherCandidates";
   if (settings.composition != Composition::cells) {
-    if (plan.photographs.size() > options.gatherCandidates) return "gatherCandidates";
     if (settings.gatherColours != options.gatherColours) return "gatherColours";
     if (settings.gatherLayers != options.gatherLayers) return "gatherLayers";
     if (settings.voteScale > options.voteScale) return "voteScale";

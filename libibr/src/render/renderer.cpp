@@ -117,7 +117,7 @@ struct Renderer::State {
 
   // Extent of the view's image in the canvas.
   VkExtent2D drawn(const FramePlan& plan, VkExtent2D target) const {
-    return scaled(target, options.maxRenderScale > 0 ? std::min(plan.settings.renderScale, options.maxRenderScale) : 0);
+    return scaled(target, options.maxRenderScale > 0 ? plan.settings.renderScale : 0);
   }
   // Buffers are drawn at the size of their targets and use the canvas's depth image, so the canvas must be as large.
   static double canvasScale(const RendererOptions& o) {

@@ -38,6 +38,25 @@ TEST_CASE("the keyboard alone moves the view and changes a setting in the panel"
   CHECK(rotationOf(back) != rotationOf(begin));
 }
 
+TEST_CASE("a preset chosen after a smaller render scale is drawn at its own scale") {
+  if (!canView()) return;
+  const auto chosen = [](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{tinyScene(), "--size", "640x480"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    Image8 pixels;
+    const json report = whileViewing(arguments, [&](const std::string& window) {
+      pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"});
+      pixels = settledPixels(window);
+    });
+    return std::pair{report["documents"][0]["settings"], pixels};
+  };
+  const auto [settings, pixels] = chosen({});
+  const auto [settingsAfter, pixelsAfter] = chosen({"--render-scale", "0.5"});
+  REQUIRE(settings["renderScale"] == 1);
+  CHECK(settingsAfter == settings);
+  CHECK(sameBesidePanel(pixelsAfter, pixels));
+}
+
 TEST_CASE("values typed into a slider are clamped, and the scene stays open") {
   if (!canView()) return;
   const json report = whileViewing({tinyScene(), "--size", "500x400"}, [](const std::string& w) {

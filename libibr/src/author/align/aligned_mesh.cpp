@@ -2,6 +2,7 @@
 #include "author/align/aligned_mesh.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "author/geometry/mesh_signs.h"
 #include "author/mesh/uncertainty.h"
@@ -145,7 +146,7 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<do
   const double before = quality.ecc;
   if (covered > 0) quality.ecc = std::clamp(weighted / covered, -1.0, 1.0);
   if (before > 0) quality.score = std::min(quality.score * std::max(quality.ecc, 0.0) / before, 1.0);
-  if (!residuals.empty()) quality.residualPx = median(residuals);
+  if (!residuals.empty()) quality.residualPx = median(std::move(residuals));
   return quality;
 }
 

@@ -37,7 +37,8 @@ class MatchedSize {
 /// Aligns a mesh over pinhole images.
 class PictureAlignment {
  public:
-  /// Arguments must outlive the object. `fixed`: n flags or empty. `widened`: see RangeSolver. `frame`: matched size.
+  /// `views` and `mesh` must outlive the object. `fixed`: n flags or empty. `widened`: see RangeSolver. `frame`:
+  /// matched size.
   PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame, bool widened,
                    const std::vector<std::uint8_t>& fixed = {});
 

@@ -207,12 +207,12 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
 }
 
 double DepthMatcher::bytesToMatch() const {
-  double bytes = 0;
-  for (const ViewImages& small : sweptImages_)
-    bytes = std::max(bytes, kSweptBytesPerPixel * double(small.grey.values.size()));
-  for (const ViewImages& large : refinedImages_)  // after the sweep's memory is freed
-    bytes = std::max(bytes, kRefinedBytesPerPixel * double(large.grey.values.size()));
-  return bytes;
+  // Refinement follows the sweep, at up to kFineScale² its pixels, with copies of grey values and masks of all views.
+  constexpr double kCopiedBytesPerPixel = (sizeof(float) + 1) * (1 + kNearSources + kWideSources);
+  static_assert(kFineScale * kFineScale * (kRefinedBytesPerPixel + kCopiedBytesPerPixel) <= kSweptBytesPerPixel);
+  double maxPixels = 0;
+  for (const ViewImages& small : sweptImages_) maxPixels = std::max(maxPixels, double(small.grey.values.size()));
+  return kSweptBytesPerPixel * maxPixels;
 }
 
 }  // namespace ibr

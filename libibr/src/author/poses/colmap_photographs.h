@@ -21,7 +21,7 @@ struct ColmapPhotographs {
 };
 
 /// Lists the photographs of options.photographs without the excluded ones, and reads their sizes and orientations.
-/// Throws Error{invalidInput} if there are too few, or if some cannot be read (all are named).
+/// Throws Error: invalidInput if there are too few, or if some cannot be read (all are named); io.
 ColmapPhotographs colmapPhotographs(const PoseOptions& options);
 
 /// Returns one line for the options that change results, then one line per photograph with its size, time and mask.
@@ -36,8 +36,9 @@ std::filesystem::path colmapImageFolder(const PoseOptions& options, const Colmap
 void checkColmapPhotographs(const PoseOptions& options, const ColmapPhotographs& photographs,
                             std::span<const std::size_t> indices, const ProgressCallback& progress);
 
-/// Writes the masks of all photographs, upright, to the folder "masks" below options.folder, under the names that
-/// COLMAP expects. Returns false if there are none. Throws Error{io}.
+/// Writes the masks of all photographs, oriented as the photographs that COLMAP reads, to the folder "masks" below
+/// options.folder, under the names that COLMAP expects. Returns false if there are none. Throws Error: io; invalidInput
+/// or unsupported for a mask that cannot be decoded.
 bool writeColmapMasks(const PoseOptions& options, const ColmapPhotographs& photographs);
 
 /// True if all these photographs, once upright, have the same size.

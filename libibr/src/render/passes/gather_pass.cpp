@@ -71,8 +71,8 @@ DescriptorSetLayoutHandle makeViewLayout(const Device& device) {
 
 GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass canvasPass, VkExtent2D largest,
                        const RendererOptions& options, const Requirements& requirements)
-    : scene_(&stateOf(scene)), voteScale_(options.voteScale), viewLayout_(makeViewLayout(device)) {
-  const VkExtent2D voted = scaled(largest, voteScale_);
+    : scene_(&stateOf(scene)), viewLayout_(makeViewLayout(device)) {
+  const VkExtent2D voted = scaled(largest, options.voteScale);
   const std::uint32_t candidates = std::clamp(options.gatherCandidates, 1u, kMaxGatherCandidates);
   views_ = Buffer(device, options.maxViews * sizeof(shader::GatherView),
                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device,
@@ -152,7 +152,7 @@ GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass
 }
 
 VkExtent2D GatherPass::voteExtent(const FramePlan& plan, VkExtent2D extent) const noexcept {
-  const VkExtent2D wanted = scaled(extent, std::min(plan.settings.voteScale, voteScale_)), most = layers_->tile();
+  const VkExtent2D wanted = scaled(extent, plan.settings.voteScale), most = layers_->tile();
   return {std::min(wanted.width, most.width), std::min(wanted.height, most.height)};
 }
 

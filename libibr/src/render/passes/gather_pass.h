@@ -57,7 +57,6 @@ class GatherPass {
                                     std::uint32_t items) const noexcept;
 
   const GpuScene::State* scene_;
-  double voteScale_;  // largest of all plans
   Buffer views_;
   DescriptorSetLayoutHandle viewLayout_;
   DescriptorPoolHandle pool_;

@@ -37,7 +37,7 @@ void rasterise(const MorphMesh& mesh, std::size_t member, std::size_t triangleCo
     if (k.model == CameraModel::equirectangular && right - left > 0.5 * grid.columns) continue;
     forTrianglePixels(p[0], p[1], p[2], grid.columns, grid.rows, [&](int x, int y, const glm::dvec3& w) {
       hit(std::size_t(y) * std::size_t(grid.columns) + std::size_t(x),
-          float(w[0] * inverse[0] + w[1] * inverse[1] + w[2] * inverse[2]));
+          std::max(0.0f, float(w[0] * inverse[0] + w[1] * inverse[1] + w[2] * inverse[2])));
     });
   }
 }

@@ -10,6 +10,7 @@
 #include "ibr/error.h"
 #include "ibr/metrics.h"
 #include "ibr/texture.h"
+#include "scene/advice/advice_entry.h"
 
 namespace ibr {
 namespace {
@@ -45,14 +46,11 @@ std::vector<Advice> sharpnessAdvice(const Scene& scene, const std::vector<std::v
     for (const std::uint32_t m : neighbours[n]) theirs.push_back(sharp[m]);
     const double share = sharp[n] / std::max(1e-9, std::min(median(std::move(theirs)), typical));
     if (!(share < kBlur)) continue;
-    const auto named = [&](std::uint32_t m) -> const std::string& { return scene.nodes[m].name; };
-    advice.push_back({AdviceKind::blurred,
-                      Severity::warning,
-                      fmt::format("{} is much less sharp than its neighbours, for example {}.", named(n),
-                                  named(*std::ranges::min_element(neighbours[n], {}, named))),
-                      "Hold the camera still, or use a shorter exposure, and take it again.",
-                      {n},
-                      share});
+    const auto name = [&](std::uint32_t m) -> const std::string& { return nodeName(scene, m); };
+    advice.push_back(adviceEntry(scene, AdviceKind::blurred, Severity::warning, {n}, share,
+                                 fmt::format("{} is much less sharp than its neighbours, for example {}.", name(n),
+                                             name(*std::ranges::min_element(neighbours[n], {}, name))),
+                                 "Hold the camera still, or use a shorter exposure, and take it again."));
   }
   return advice;
 }

@@ -20,7 +20,7 @@ namespace ibr {
 /// or no cells; else empty. Other functions of this header require that the result is empty.
 std::vector<Advice> tooFewAdvice(const CaptureFacts& facts);
 
-/// AdviceKind::apart: one entry for each group of sites except the largest.
+/// AdviceKind::apart: one entry for each group of sites with photographs in cells, except the group with most of them.
 std::vector<Advice> apartAdvice(const CaptureFacts& facts);
 
 /// Photographs to take between two neighbouring sites.

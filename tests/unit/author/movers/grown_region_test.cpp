@@ -49,3 +49,8 @@ TEST_CASE("a region without unseen pixels beside it stays") {
   for (const cv::Rect& unseen : {cv::Rect(0, 0, 5, 5), cv::Rect(0, 90, 100, 10), cv::Rect(40, 50, 2, 2)})
     CHECK(cv::norm(grownRegion(region, picture(), maskOf(unseen), kOutlinePx), region, cv::NORM_INF) == 0);
 }
+
+TEST_CASE("a region stays where no seen background is left to compare with") {
+  const cv::Mat region = maskOf(kFound);
+  CHECK(cv::norm(grownRegion(region, picture(), maskOf({{}, kView}), kOutlinePx), region, cv::NORM_INF) == 0);
+}

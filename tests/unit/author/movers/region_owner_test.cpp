@@ -86,6 +86,16 @@ TEST_CASE("a region is unsure if it matches its surroundings in no photograph, o
   }
 }
 
+TEST_CASE("one matching photograph suffices, in any order of the others") {
+  const cv::Mat matching = wall(), differing = wallWith(kBox, kGreen);
+  for (const RegionEvidence& evidence : {evidenceOf(wallWith(kBox, kRed), {matching, differing}),
+                                         evidenceOf(wallWith(kBox, kRed), {differing, matching})}) {
+    const std::vector<OwnedPart> parts = partsOf(evidence);
+    REQUIRE(parts.size() == 1);
+    CHECK(parts[0].owner == RegionOwner::own);
+  }
+}
+
 TEST_CASE("the other owner is the photograph that agrees most around the region") {
   RegionEvidence evidence = evidenceOf(wall(), {wallWith(kBox), wallWith(kBox)});
   for (const std::size_t noisy : {std::size_t{0}, std::size_t{1}}) {

@@ -60,6 +60,9 @@ TEST_CASE("resampled depth has the values of the nearest pixels only") {
   CHECK(countOf(large, {0, 3, 2, 3}, 3) == 6);
   CHECK(countOf(large, {2, 3, 2, 3}, kUnknownDepth) == 6);
   CHECK(resampledDepth(large, 2, 2) == map);
+  ImageF row(3, 1, 1);
+  row.values = {1, 2, 3};
+  CHECK(resampledDepth(row, 2, 1).values == std::vector<float>{1, 3});  // centres at 0.75 and 2.25
 }
 
 TEST_CASE("depth is kept where another photograph looks alike at that depth, and dropped elsewhere") {
