@@ -104,7 +104,7 @@ Device Device::adopt(const DeviceHandles& handles) {
     description.missing.push_back(std::move(lack));
   // Vulkan cannot report enabled features, but a device created for an older version lacks this function.
   if (description.missing.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
-    description.missing.push_back("Vulkan 1.3 (created for an older version)");
+    description.missing.emplace_back("Vulkan 1.3 (created for an older version)");
   check(description.missing.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
         description.name, fmt::join(description.missing, ", "));
 
