@@ -24,6 +24,10 @@ std::vector<Finding> Findings::sorted() const {
   return all;
 }
 
+void Findings::fact(std::string text) {
+  facts_.push_back(std::move(text));
+}
+
 void Findings::print(const Context& context) const {
   for (const std::string& fact : facts_) context.print("{}\n", fact);
   if (!facts_.empty()) context.print("\n");

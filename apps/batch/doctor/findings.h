@@ -28,7 +28,7 @@ class Findings {
  public:
   void add(Finding finding) { list_.push_back(std::move(finding)); }
   /// Adds a short statement without a problem; printed before the findings.
-  void fact(std::string text) { facts_.push_back(std::move(text)); }
+  void fact(std::string text);
 
   /// Adds a Vulkan device, as Device::list describes it, to the report.
   void device(nlohmann::ordered_json device) { devices_.push_back(std::move(device)); }
