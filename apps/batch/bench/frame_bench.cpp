@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "base/check.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/offscreen.h"
 #include "ibr/scope_timer.h"
-#include "shared/draw/scene_renderer.h"
 
 namespace ibr::app {
 namespace {

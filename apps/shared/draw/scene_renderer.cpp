@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "base/check.h"
-#include "base/vulkan/submit.h"
 #include "shared/draw/graph_lines.h"
 
 namespace ibr::app {
@@ -25,17 +23,6 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 GpuSceneOptions withLog(GpuSceneOptions options, const Context& context) {
   options.log = context.log();
   return options;
-}
-
-void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame) {
-  if (!gpuScene.needsStreaming()) return;
-  GpuScene::StreamStatus streamed;
-  do {
-    const std::uint64_t completed = frame++;
-    submitAndWait(device,
-                  [&](VkCommandBuffer commands) { streamed = gpuScene.stream(commands, plan, frame, completed); });
-    check(streamed.failed == 0, ErrorCode::io, "{} photographs of this view could not be read", streamed.failed);
-  } while (streamed.waiting > 0);
 }
 
 SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,

@@ -16,10 +16,6 @@ namespace ibr::app {
 
 GpuSceneOptions withLog(GpuSceneOptions options, const Context& context);
 
-/// Streams until all photographs of the plan are on the device, as far as the budget allows. `frame` is the number of
-/// the last frame and is increased; all frames must have finished. Throws Error{io} if photographs cannot be read.
-void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame);
-
 class SceneRenderer {
  public:
   /// `views`: all views that will be rendered; the largest determines the renderer's maximum extent. The scene must

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "base/stopwatch.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/offscreen.h"
 #include "shared/draw/graph_lines.h"
-#include "shared/draw/scene_renderer.h"
 #include "shared/report/statistics.h"
 #include "viewer/open/item_on_device.h"
 #include "viewer/open/open_item_kinds.h"

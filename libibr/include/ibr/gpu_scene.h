@@ -116,4 +116,10 @@ class GpuScene {
   std::unique_ptr<State> state_;
 };
 
+/// Streams until all photographs of the plan are on the device, as far as the budget allows: for single images. Submits
+/// on the device's queue and waits. `frame`: number of the scene's last frame, 0 before the first one; is increased.
+/// All frames must have finished. No effect where needsStreaming() is false. Throws Error{io} if photographs cannot be
+/// read.
+void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
+
 }  // namespace ibr

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/check.h"
+#include "base/vulkan/submit.h"
+#include "ibr/gpu_scene.h"
+
+namespace ibr {
+
+void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame) {
+  if (!scene.needsStreaming()) return;
+  GpuScene::StreamStatus streamed;
+  do {
+    const std::uint64_t completed = frame++;
+    submitAndWait(device, [&](VkCommandBuffer commands) { streamed = scene.stream(commands, plan, frame, completed); });
+    check(streamed.failed == 0, ErrorCode::io, "{} photographs of this view could not be read", streamed.failed);
+  } while (streamed.waiting > 0);
+}
+
+}  // namespace ibr
