@@ -33,6 +33,10 @@ std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& 
 /// is none.
 std::optional<std::filesystem::path> findMaskFile(const std::filesystem::path& folder, const std::string& photograph);
 
+/// Reads a JPEG, PNG or TIFF file as 8-bit sRGB of three channels, as stored: EXIF's orientation is not applied, alpha
+/// is dropped. Throws Error (io, invalidInput, unsupported) that names the file.
+Image8 readPicture(const std::filesystem::path& file);
+
 /// Scales RGB down by area averaging.
 Image8 downscaled(const Image8& picture, int width, int height);
 

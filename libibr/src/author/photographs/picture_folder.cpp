@@ -115,6 +115,10 @@ PhotographFolder scanPhotographFolder(const fs::path& folder) {
   return found;
 }
 
+Image8 readPicture(const fs::path& file) {
+  return readImage(file);
+}
+
 std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& unreadable) {
   constexpr std::size_t kMaxListed = 3;
   std::map<std::string, std::vector<std::string>> byReason;

@@ -51,6 +51,17 @@ PosedImage posed(const std::string& name, int width, int height) {
 
 }  // namespace
 
+TEST_CASE("a picture is read as stored, with three channels") {
+  const test::TemporaryFolder folder;
+  const Image8 stored = storedAs(6, ramp(48, 32));
+  writeTurned(folder / "a.jpg", stored, 6);
+  const Image8 picture = readPicture(folder / "a.jpg");
+  CHECK(picture.width == stored.width);
+  CHECK(picture.channels == 3);
+  CHECK(meanDifference(picture, stored) < 4);
+  CHECK(test::errorOf([&] { readPicture(folder / "missing.jpg"); }).code() == ErrorCode::io);
+}
+
 TEST_CASE("each EXIF orientation fits a model of upright images and a model of stored images") {
   const test::TemporaryFolder folder;
   for (const glm::ivec2 size : {glm::ivec2(48, 32), {32, 48}, {40, 40}})
