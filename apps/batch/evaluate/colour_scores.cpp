@@ -1,29 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/evaluate/colour_scores.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
-#include <vector>
 
-#include "base/median.h"
-#include "base/srgb.h"
 #include "ibr/metrics.h"
+#include "ibr/view_scores.h"
 
 namespace ibr::app {
 namespace {
-
-double decoded(std::uint8_t level) {
-  return srgbToLinear(level / 255.0);
-}
-std::uint8_t encoded(double linear) {
-  return std::uint8_t(std::lround(255 * linearToSrgb(std::clamp(linear, 0.0, 1.0))));
-}
-
-bool isClipped(std::uint8_t level) {
-  return level < 4 || level > 250;
-}
 
 double step(const Image8& image, int x, int y, int dx, int dy) {
   double sum = 0;
@@ -51,25 +35,6 @@ SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& tr
     }
   if (count == 0) return {};
   return {levels / double(count), deltas / double(count)};
-}
-
-Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask) {
-  std::array<std::vector<double>, 3> ratios;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
-      for (std::size_t c = 0; mask.pixel(x, y)[0] && c < 3; ++c) {
-        const std::uint8_t p = picture.pixel(x, y)[c], t = truth.pixel(x, y)[c];
-        if (!isClipped(p) && !isClipped(t)) ratios[c].push_back(decoded(t) / decoded(p));
-      }
-  Image8 fitted(picture.width, picture.height, 3);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double gain = ratios[c].empty() ? 1.0 : median(std::move(ratios[c]));
-    std::array<std::uint8_t, 256> table;
-    for (int level = 0; level < 256; ++level) table[std::size_t(level)] = encoded(gain * decoded(std::uint8_t(level)));
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x) fitted.pixel(x, y)[c] = table[picture.pixel(x, y)[c]];
-  }
-  return fitted;
 }
 
 double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask) {

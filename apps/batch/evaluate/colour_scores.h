@@ -17,12 +17,7 @@ struct SeamStep {
 /// `surface`: FrameBuffers::surface of the image.
 SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
 
-/// Returns the image (RGB) with each channel multiplied, in linear light, by one gain: the median over the mask of
-/// truth over image, without clipped pixels. The gain removes the overall exposure, which is arbitrary, but keeps
-/// differences within the image.
-Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
-
-/// Returns the mean ΔE*ab over the mask after gainFitted.
+/// Returns the mean ΔE*ab over the mask after gainFitted (ibr/view_scores.h).
 double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask);
 
 }  // namespace ibr::app

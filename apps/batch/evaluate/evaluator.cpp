@@ -12,6 +12,7 @@
 #include "batch/evaluate/depth_scores.h"
 #include "batch/files/poses.h"
 #include "batch/files/truth.h"
+#include "ibr/view_scores.h"
 #include "io/image_file.h"
 #include "shared/cli/settings.h"
 #include "shared/draw/image_operations.h"

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/evaluate/scores.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "batch/evaluate/colour_scores.h"
-#include "ibr/metrics.h"
-#include "ibr/scene.h"
-#include "shared/draw/image_operations.h"
 #include "shared/report/table.h"
 
 namespace ibr::app {
@@ -57,85 +51,15 @@ bool isShown(const Figure& figure, bool withGain) {
   return figure.shown == Shown::always || (figure.shown == Shown::withGain && withGain);
 }
 
-// FLIP takes no mask: excluded pixels are made equal, and the mean is rescaled to the rest.
-double flipOfPart(const Image8& prediction, const Image8& truth, const Image8& used, double share) {
-  Image8 same = prediction;
-  for (int y = 0; y < used.height; ++y)
-    for (int x = 0; x < used.width; ++x)
-      if (!used.pixel(x, y)[0]) std::copy_n(truth.pixel(x, y).begin(), 3, same.pixel(x, y).begin());
-  return flip(same, truth) / share;
-}
-
-void scoreDetail(const Image8& prediction, const Image8& truth, const Image8& cover, Scores& scores) {
-  const Detail found = detail(prediction, truth, cover);
-  scores.detailEnergy = found.energy;
-  scores.detailCorrelation = found.correlation;
-}
-
-// Shares are relative to the pixels that count.
-Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used) {
-  Image8 cover = coverOf(prediction);
-  std::array<double, 4> tiers{};
-  double count = 0, covered = 0;
-  for (int y = 0; y < used.height; ++y)
-    for (int x = 0; x < used.width; ++x) {
-      std::uint8_t& here = cover.pixel(x, y)[0];
-      if (!used.pixel(x, y)[0]) {
-        here = 0;
-        continue;
-      }
-      ++count;
-      if (!here) continue;
-      ++covered;
-      ++tiers[std::size_t((255 - prediction.pixel(x, y)[3]) / 64)];
-    }
-  Scores scores;
-  if (count == 0) return scores;
-  scores.psnr = psnr(prediction, truth, used);
-  scores.ssim = ssim(prediction, truth, used);
-  scores.flip = flipOfPart(prediction, truth, used, count / double(used.values.size()));
-  scores.coverage = covered / count;
-  scores.coverageTier0 = tiers[kTierConsistent] / count;
-  scores.coverageTier2 = tiers[kTierCompleted] / count;
-  scores.psnrCovered = psnr(prediction, truth, cover);
-  scores.ssimCovered = ssim(prediction, truth, cover);
-  scoreDetail(prediction, truth, cover, scores);
-  if (fitGain) {
-    const Image8 fitted = gainFitted(prediction, truth, cover);
-    scores.psnrGain = psnr(fitted, truth, used);
-    scores.psnrCoveredGain = psnr(fitted, truth, cover);
-  }
-  return scores;
-}
-
 }  // namespace
 
-Scores::Scores() : worstTile{0, 0, -1} {
+Scores::Scores() {
   for (const Figure& figure : kFigures) this->*figure.value = std::nan("");
 }
 
 Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used) {
-  if (!used.empty()) return scoreOfPart(prediction, truth, fitGain, used);
-  const Image8 mask = coverOf(prediction);
-  const std::array<double, 4> tiers = tierShares(prediction);
   Scores scores;
-  scores.psnr = psnr(prediction, truth);
-  scores.ssim = ssim(prediction, truth);
-  scores.flip = flip(prediction, truth);
-  scores.coverage = double(std::ranges::count(mask.values, std::uint8_t(255))) / double(mask.values.size());
-  scores.coverageTier0 = tiers[kTierConsistent];
-  scores.coverageTier2 = tiers[kTierCompleted];
-  scores.psnrCovered = psnr(prediction, truth, mask);
-  scores.ssimCovered = ssim(prediction, truth, mask);
-  scores.msSsim = msSsim(prediction, truth);
-  scoreDetail(prediction, truth, mask, scores);
-  scores.tornTiles = tornTiles(prediction, truth);
-  scores.worstTile = worstTile(prediction, truth);
-  if (fitGain) {
-    const Image8 fitted = gainFitted(prediction, truth, mask);
-    scores.psnrGain = psnr(fitted, truth);
-    scores.psnrCoveredGain = psnr(fitted, truth, mask);
-  }
+  static_cast<ViewScores&>(scores) = scoreView(prediction, truth, fitGain, used);
   return scores;
 }
 

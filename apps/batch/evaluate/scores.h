@@ -7,17 +7,12 @@
 #include <vector>
 
 #include "ibr/image.h"
-#include "ibr/metrics.h"
+#include "ibr/view_scores.h"
 
 namespace ibr::app {
 
-struct Scores {
-  Scores();  // all NaN
-  double psnr, ssim, flip, coverage, coverageTier0, coverageTier2, psnrCovered, ssimCovered;
-  double psnrGain, psnrCoveredGain;             // after the best gain of each channel
-  double msSsim;                                // of the whole image; NaN if `used` is given
-  double detailEnergy, detailCorrelation;       // of covered pixels (ibr/metrics.h, Detail)
-  double tornTiles;                             // ibr/metrics.h
+struct Scores : ViewScores {
+  Scores();                                     // all NaN
   double guessed;                               // share of pixels with completed or filled depth, or empty
   double rightDepth, tooFar, tooNear;           // depth_scores.h
   double withinDeviation, withinTwoDeviations;  // depth_scores.h
@@ -26,12 +21,9 @@ struct Scores {
       misaligned95;  // px between cells that show the same point (render/plan/cell_alignment.h): median, 95 %
   double uncorrected, uncorrected95;  // the same without alignment of the cells
   double milliseconds;
-  WorstTile worstTile;  // of one view; meanSquared is −1 for means
 };
 
-/// `prediction`: RGBA, alpha of AlphaContent::tier, black holes. `fitGain`: also psnrGain and psnrCoveredGain. The
-/// caller sets the scores declared after these. Pixels of the truth with 0 in `used` do not count; `used` may be empty.
-/// Precondition: equal sizes.
+/// scoreView (ibr/view_scores.h). The caller sets the scores that Scores adds.
 Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used = {});
 
 /// Returns each score under its name.

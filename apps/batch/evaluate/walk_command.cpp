@@ -15,6 +15,7 @@
 #include "batch/evaluate/walk_figures.h"
 #include "batch/files/poses.h"
 #include "ibr/metrics.h"
+#include "ibr/view_scores.h"
 #include "io/image_file.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"

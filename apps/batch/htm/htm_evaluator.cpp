@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "ibr/metrics.h"
-#include "shared/draw/image_operations.h"
+#include "ibr/view_scores.h"
 
 namespace ibr::app {
 namespace {

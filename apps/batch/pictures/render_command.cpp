@@ -11,6 +11,7 @@
 #include "batch/files/poses.h"
 #include "batch/htm/htm_render_views.h"
 #include "ibr/error.h"
+#include "ibr/view_scores.h"
 #include "io/exr.h"
 #include "shared/camera/auto_path.h"
 #include "shared/camera/up.h"

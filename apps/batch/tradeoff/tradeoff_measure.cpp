@@ -9,7 +9,7 @@
 #include "base/check.h"
 #include "base/hash.h"
 #include "base/random.h"
-#include "shared/draw/image_operations.h"
+#include "ibr/view_scores.h"
 #include "shared/json/json_text.h"
 
 namespace ibr::app {

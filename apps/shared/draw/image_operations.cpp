@@ -2,7 +2,6 @@
 #include "shared/draw/image_operations.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 #include "base/srgb.h"
@@ -55,12 +54,6 @@ Image8 absoluteDifference(const Image8& a, const Image8& b, int gain) {
   return out;
 }
 
-Image8 coverOf(const Image8& image) {
-  Image8 cover(image.width, image.height, 1);
-  for (std::size_t i = 0; i < cover.values.size(); ++i) cover.values[i] = image.values[4 * i + 3] > 0 ? 255 : 0;
-  return cover;
-}
-
 Image8 sideBySide(const std::vector<Image8>& images) {
   int width = 0;
   for (const Image8& image : images) width += image.width;
@@ -71,16 +64,6 @@ Image8 sideBySide(const std::vector<Image8>& images) {
       for (int x = 0; x < image.width; ++x) std::ranges::copy(image.pixel(x, y), out.pixel(left++, y).begin());
   }
   return out;
-}
-
-std::array<double, 4> tierShares(const Image8& image) {
-  std::array<double, 4> shares{};
-  const double pixels = double(image.width) * image.height;
-  for (std::size_t at = 3; at < image.values.size(); at += 4)
-    if (const int alpha = image.values[at]; alpha > 0)
-      ++shares[std::size_t(std::clamp(int(std::lround((255 - alpha) / 64.0)), 0, 3))];
-  for (double& share : shares) share /= pixels;
-  return shares;
 }
 
 }  // namespace ibr::app

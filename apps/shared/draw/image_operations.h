@@ -2,7 +2,6 @@
 // Operations on images before they are written. All take and return 8-bit display-encoded values.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "ibr/image.h"
@@ -24,13 +23,7 @@ std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buf
 /// |a − b| by channel, times `gain`, for R, G, B. Precondition: equal sizes, at least 3 channels.
 Image8 absoluteDifference(const Image8& a, const Image8& b, int gain);
 
-/// Returns a mask: 255 where alpha is not 0, else 0; one channel.
-Image8 coverOf(const Image8& image);
-
 /// Joins images of equal height from left to right; 3 channels each.
 Image8 sideBySide(const std::vector<Image8>& images);
-
-/// Returns the shares of the pixels of tiers 0 to 3, for an image with AlphaContent::tier.
-std::array<double, 4> tierShares(const Image8& image);
 
 }  // namespace ibr::app

@@ -26,3 +26,4 @@
 #include "ibr/shader_reload.h"
 #include "ibr/target.h"
 #include "ibr/texture.h"
+#include "ibr/view_scores.h"

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scores of a rendered view against a photograph of the same view, as `ibr eval` reports them. All functions are pure.
+//
+// A rendered view is RGBA with AlphaContent::tier: alpha 0 marks holes, which are black. Metrics: ibr/metrics.h.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "ibr/image.h"
+#include "ibr/metrics.h"
+
+namespace ibr {
+
+/// NaN: undefined, or not measured. Shares: 0 to 1, of the pixels that count.
+struct ViewScores {
+  static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+
+  double psnr = kUndefined, ssim = kUndefined, flip = kUndefined;                        // of all pixels
+  double coverage = kUndefined, coverageTier0 = kUndefined, coverageTier2 = kUndefined;  // shares
+  double psnrCovered = kUndefined, ssimCovered = kUndefined;                             // without holes
+  double psnrGain = kUndefined, psnrCoveredGain = kUndefined;                            // after gainFitted
+  double msSsim = kUndefined;                                        // of the whole image; not measured with `used`
+  double detailEnergy = kUndefined, detailCorrelation = kUndefined;  // of covered pixels (Detail)
+  double tornTiles = kUndefined;                                     // share of the tiles; not measured with `used`
+  WorstTile worstTile{0, 0, -1};                                     // not measured with `used`
+};
+
+/// `fitGain`: also measures psnrGain and psnrCoveredGain. `used`: mask of the pixels that count, one channel; empty:
+/// all count. Throws Error{invalidInput} for other sizes or numbers of channels.
+ViewScores scoreView(const Image8& prediction, const Image8& truth, bool fitGain = false, const Image8& used = {});
+
+/// Returns a mask: 255 where alpha is not 0, else 0; one channel. Precondition: 4 channels.
+Image8 coverOf(const Image8& prediction);
+
+/// Returns the shares of the pixels of tiers 0 to 3. Precondition: 4 channels.
+std::array<double, 4> tierShares(const Image8& prediction);
+
+/// Returns the image (RGB) with each channel multiplied, in linear light, by one gain: the median over the mask of
+/// truth over image, without clipped pixels. The gain removes the overall exposure, which is arbitrary, but keeps
+/// differences within the image. Precondition: equal sizes.
+Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
+
+}  // namespace ibr
