@@ -7,7 +7,7 @@ column names, in backquotes, rooms and guarded libraries that the room's files m
 
 Exit code 1 if
   - an include or a link is not allowed
-  - a program's row names a room that is internal to the library
+  - a row of a program or of the Python packages names a room that is internal to the library
   - a room has no row, or a row has no room
   - rows form a cycle
   - a folder has too many sources
@@ -18,10 +18,11 @@ import re
 import sys
 
 PAGE = "libibr/ARCHITECTURE.md"
-INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "apps", "shaders")  # in the order of the compiler's search
-GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui")
+INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "libibr/python", "apps", "shaders")  # in the order of the search
+GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui", "pybind11")
 SINGLE_ROOM_LIBRARY = "<CGAL>"  # only one room may include it: binaries that link CGAL are under the GPL
 PROGRAM_ROOMS = ("ibr", "ibr/author", "base", "base/vulkan", "io", "shaders")  # library rooms that programs may include
+PYTHON_ROOMS = ("ibr", "ibr/author")  # library rooms that the Python packages may include
 MAX_SOURCES = 45  # files per folder
 SUFFIXES = (".h", ".cpp", ".c")
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
@@ -30,12 +31,12 @@ HEADER = "| room | holds | may include | papers |"
 
 
 def room_of(path):
-    """Returns a file's room: author/match for `libibr/src/author/match/match.h`, apps/window for
-    `apps/window/window.h`."""
+    """Returns a file's room: author/match for `libibr/src/author/match/match.h`, python/runtime for
+    `libibr/python/runtime/bind.h`, apps/window for `apps/window/window.h`."""
     if path.startswith("shaders/"):
         return "shaders"
     folder = path.rpartition("/")[0]
-    for prefix in ("libibr/src/", "libibr/include/"):
+    for prefix in ("libibr/src/", "libibr/include/", "libibr/"):
         folder = folder.removeprefix(prefix)
     return folder
 
@@ -131,6 +132,10 @@ def check(root):
         for other in sorted(includes):
             if other not in allowed and other.strip("<>") not in GUARDED:
                 faults.append(f"{PAGE}: the row of {room} names {other}, which is neither a room nor a guarded library")
+        if room.startswith("python/"):
+            for other in sorted(includes):
+                if other in allowed and not other.startswith("python/") and other not in PYTHON_ROOMS:
+                    faults.append(f"{PAGE}: the row of {room} names {other}; the Python packages use the public headers")
         if room.startswith("apps/"):
             for other in sorted(includes):
                 if other in allowed and not other.startswith("apps/") and other not in PROGRAM_ROOMS and not (

@@ -19,7 +19,7 @@ class ForbiddenIncludes(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
-        for name in ("libibr/src", "libibr/include", "apps", "shaders"):
+        for name in ("libibr/src", "libibr/include", "libibr/python", "apps", "shaders"):
             shutil.copytree(ROOT / name, self.root / name)
         shutil.copy(ROOT / PAGE, self.root / PAGE)
 
@@ -70,6 +70,19 @@ class ForbiddenIncludes(unittest.TestCase):
         code, faults = self.check()
         self.assertEqual(code, 1)
         self.assertIn(f"apps/viewer/control/viewer.cpp:{line}: apps/viewer/control may not include author/poses", faults)
+
+    def test_python_row_names_internal_room(self):
+        row = next(l for l in (self.root / PAGE).read_text(encoding="utf-8").splitlines() if "`python/runtime` |" in l)
+        self.edit(PAGE, row, row.replace("`ibr`, ", "`ibr`, `io`, ", 1))
+        code, faults = self.check()
+        self.assertEqual(code, 1)
+        self.assertIn(f"{PAGE}: the row of python/runtime names io; the Python packages use the public headers", faults)
+
+    def test_python_includes_internal_room(self):
+        line = self.plant("libibr/python/runtime/module.cpp", '"base/check.h"')
+        code, faults = self.check()
+        self.assertEqual(code, 1)
+        self.assertIn(f"libibr/python/runtime/module.cpp:{line}: python/runtime may not include base", faults)
 
     def test_link_that_the_row_does_not_name(self):
         name = "libibr/src/author/match/CMakeLists.txt"
