@@ -9,11 +9,14 @@ IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-
   libopenxr-dev mesa-vulkan-drivers"
 # Programs for the demo's contact sheets and videos, and for pose estimation of your own photographs.
 IBR_PACKAGES_DEMO="ffmpeg colmap"
+# Packages to build the Python packages ibr and ibr.author, and to use them.
+IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
 # Packages to build and run the tests. nodejs runs the Khronos glTF validator (npm package gltf-validator, not in
 # Debian) if tests/run.sh finds it. python3-jsonschema checks scenes against our schema. xdotool drives the viewer in an
-# Xvfb display that openbox manages; libx11 reads the viewer's window.
+# Xvfb display that openbox manages; libx11 reads the viewer's window. mypy checks the types of the Python packages, and
+# python3-matplotlib draws the plot of their example.
 IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
-  openbox libx11-dev"
+  openbox libx11-dev mypy python3-matplotlib"
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.

@@ -20,7 +20,7 @@ part() {
 }
 . examples/packages.sh
 # shellcheck disable=SC2086 # lists of words
-install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_TEST
+install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_PYTHON $IBR_PACKAGES_TEST
 part packages
 
 # shellcheck disable=SC2086 # a list of words
