@@ -20,6 +20,11 @@ IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers 
 IBR_PACKAGES_XR="g++ cmake ninja-build pkg-config python3 glslang-tools xz-utils libvulkan-dev libeigen3-dev
   libxcb-randr0-dev libx11-xcb-dev mesa-vulkan-drivers"
 
+# Packages for the Python modules.
+IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
+# Packages to build and try Debian packages (cmake/debian).
+IBR_PACKAGES_DEBIAN="git dpkg-dev debhelper dh-python lintian fakeroot mmdebstrap"
+
 # missing_packages PACKAGE…: prints the names of packages that are not installed.
 missing_packages() {
   for package in "$@"; do

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a project of tests/consumers against libibr and checks the picture that its program draws.
+
+run.py CONSUMER --build DIR --scene SCENE --expected PROGRAM
+
+DIR: the repository's build folder. Its libraries are installed into a temporary prefix, which is then moved. SCENE: the
+scene to draw. PROGRAM: draws the expected picture (the example 01_offscreen). The consumer `fetch_content` builds the
+repository's sources instead, `author` builds a scene of its own.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+# The runtime must not need these. OpenCV and CGAL are the author's, JSON has header files alone.
+AUTHOR_LIBRARIES = re.compile(r"opencv|cgal|gmp|mpfr|ceres|jpeg|png|tiff|lcms|openexr", re.I)
+
+
+def run(*command, env=None, cwd=None):
+    print("+", *command, flush=True)
+    return subprocess.run([str(word) for word in command], check=True, text=True, cwd=cwd,
+                          env={**os.environ, **(env or {})}, stdout=subprocess.PIPE).stdout
+
+
+def fail(text):
+    sys.exit(f"run.py: {text}")
+
+
+def install(build, folder):
+    """Installs the build and returns the prefix, moved after the installation."""
+    run("cmake", "--install", build, "--prefix", folder / "installed")
+    prefix = folder / "moved" / "prefix"
+    prefix.parent.mkdir()
+    (folder / "installed").rename(prefix)
+    for path in sorted(prefix.rglob("*")):
+        if path.suffix in (".cmake", ".pc", ".h"):
+            for name in (str(folder / "installed"), str(build), str(ROOT)):
+                if name in path.read_text(encoding="utf-8"):
+                    fail(f"{path.relative_to(prefix)} names {name}")
+    return prefix
+
+
+def configure_and_build(consumer, build, *options):
+    run("cmake", "-S", HERE / consumer, "-B", build, "-G", "Ninja", *options)
+    run("cmake", "--build", build)
+    return build / "consumer"
+
+
+def needed(program):
+    return re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-d", program))
+
+
+def check_runtime_library(prefix):
+    library = next(prefix.rglob("libibr.so.0"), None) or fail("libibr.so.0 is not installed")
+    for name in needed(library):
+        if AUTHOR_LIBRARIES.search(name):
+            fail(f"libibr.so.0 needs {name}")
+    if "[libibr.so.0]" not in run("readelf", "-d", library):
+        fail("libibr.so.0 has no SONAME libibr.so.0")
+    for header in prefix.glob("include/ibr/*.h"):
+        for include in re.findall(r"#include <([^>]+)>", header.read_text(encoding="utf-8")):
+            if re.match(r"opencv2|CGAL|nlohmann|ceres|fmt", include):
+                fail(f"{header.name} includes {include}")
+    return library
+
+
+def build_shared(folder, prefix):
+    program = configure_and_build("shared", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
+    check_runtime_library(prefix)
+    if "libibr.so.0" not in needed(program):
+        fail("the program does not link libibr.so.0")
+    return program, {}
+
+
+def build_pkg_config(folder, prefix):
+    library = check_runtime_library(prefix)
+    run("make", "-C", HERE / "pkg_config", f"OUT={folder}",
+        env={"PKG_CONFIG_PATH": str(library.parent / "pkgconfig")})
+    return folder / "consumer", {"LD_LIBRARY_PATH": str(library.parent)}
+
+
+def build_fetch_content(folder, _):
+    return configure_and_build("fetch_content", folder / "build", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O2"), {}
+
+
+def check_author(folder, prefix):
+    """Both runtimes in one program are refused; the program builds a scene and draws it."""
+    program = configure_and_build("author", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
+    if any(name.startswith("libibr") for name in needed(program)):
+        fail("the program links a shared libibr beside the static author")
+    photographs = ROOT / "examples" / "photographs" / "cathedral"
+    model = next(path for path in (photographs / "sparse" / "0", photographs / "sparse", photographs / "model",
+                                   photographs) if any(path.glob("cameras.*")))
+    picture = folder / "picture.ppm"
+    run(program, photographs, model, folder / "scene", picture)
+    pixels = picture.read_bytes()[len(b"P6\n320 240\n255\n"):]
+    # The view of a photograph is filled by it: no hole, and the brightness of a sunlit building.
+    if len(pixels) != 320 * 240 * 3:
+        fail(f"the picture has {len(pixels)} bytes of pixels")
+    mean = sum(pixels) / len(pixels)
+    black = sum(1 for i in range(0, len(pixels), 3) if pixels[i:i + 3] == b"\0\0\0") / (320 * 240)
+    if not 60 < mean < 200 or black > 0.02:
+        fail(f"mean level {mean:.1f}, share of black pixels {black:.3f}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("consumer", choices=("shared", "pkg_config", "author", "fetch_content"))
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--scene", type=pathlib.Path, required=True)
+    parser.add_argument("--expected", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="ibr-consumer-") as name:
+        folder = pathlib.Path(name)
+        prefix = None if arguments.consumer == "fetch_content" else install(arguments.build.resolve(), folder)
+        if arguments.consumer == "author":
+            check_author(folder, prefix)
+            return
+        program, environment = globals()[f"build_{arguments.consumer}"](folder, prefix)
+        run(program, arguments.scene, folder / "picture.ppm", env=environment)
+        run(arguments.expected, arguments.scene, folder / "expected.ppm")
+        if (folder / "picture.ppm").read_bytes() != (folder / "expected.ppm").read_bytes():
+            shutil.copy(folder / "picture.ppm", f"consumer_{arguments.consumer}.ppm")
+            fail(f"the picture differs from that of {arguments.expected.name}: consumer_{arguments.consumer}.ppm")
+
+
+if __name__ == "__main__":
+    main()
