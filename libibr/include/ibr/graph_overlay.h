@@ -16,6 +16,7 @@
 
 #include "ibr/camera.h"
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/target.h"
 
 namespace ibr {
@@ -26,7 +27,7 @@ struct ImageGraph {
   std::vector<Camera> photographs;                // pinholes and panoramas
   std::vector<std::vector<std::uint32_t>> cells;  // indices into `photographs`, by cell; empty: photographs alone
 };
-ImageGraph imageGraph(const Scene& scene);
+IBR_API ImageGraph imageGraph(const Scene& scene);
 
 struct GraphOverlayOptions {
   double frustumDepth = 1;  // length of a frustum's side edges, diameter of a panorama's globe; world units, > 0
@@ -36,7 +37,7 @@ struct GraphOverlayOptions {
 
 /// Records lines over the caller's image. One thread at a time uses it. Commands that it recorded must have finished
 /// before it is destroyed. The device must outlive it; the graph need not.
-class GraphOverlay {
+class IBR_API GraphOverlay {
  public:
   /// Submits an upload and waits. Throws Error{invalidInput} where a cell's index is out of range, a position is not
   /// finite or frustumDepth is not positive; Error (outOfMemory, unsupported).
@@ -55,7 +56,7 @@ class GraphOverlay {
               const Target& target) const noexcept;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

@@ -8,13 +8,14 @@
 #include <memory>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/image.h"
 #include "ibr/target.h"
 
 namespace ibr {
 
 /// An offscreen image. The device must outlive it. One thread at a time uses it.
-class Offscreen {
+class IBR_API Offscreen {
  public:
   /// Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB; others throw Error{unsupported}. Throws
   /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
@@ -33,7 +34,7 @@ class Offscreen {
   Image8 render(const std::function<void(VkCommandBuffer)>& record);
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 
@@ -45,7 +46,7 @@ struct FrameBuffers {
 };
 
 /// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
-class OffscreenBuffers {
+class IBR_API OffscreenBuffers {
  public:
   /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
@@ -60,7 +61,7 @@ class OffscreenBuffers {
   FrameBuffers render(const std::function<void(VkCommandBuffer)>& record);
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

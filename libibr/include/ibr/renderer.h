@@ -15,13 +15,14 @@
 
 #include <array>
 #include <cstdint>
-#include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "ibr/conventions.h"
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/frame_plan.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/scene.h"
@@ -72,12 +73,12 @@ struct RendererOptions {
 };
 
 /// The options that plans with these settings need, and no more. Pure.
-RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
-                           VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
+IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
+                                   VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
 
 /// Records frames. The GpuScene must outlive the renderer. Commands that it recorded must have finished before it is
 /// destroyed.
-class Renderer {
+class IBR_API Renderer {
  public:
   /// Allocates working images and builds pipelines. Throws Error (invalidInput, unsupported, outOfMemory, deviceLost).
   Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
@@ -124,7 +125,7 @@ class Renderer {
   static bool supports(VkFormat format) noexcept;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 
