@@ -31,8 +31,7 @@ IBR_API ImageGraph imageGraph(const Scene& scene);
 
 struct GraphOverlayOptions {
   double frustumDepth = 1;  // length of a frustum's side edges, diameter of a panorama's globe; world units, > 0
-  // Formats of targets: 8-bit RGBA or BGRA, UNORM or SRGB.
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
 };
 
 /// Records lines over the caller's image. One thread at a time uses it. Commands that it recorded must have finished
@@ -47,7 +46,8 @@ class IBR_API GraphOverlay {
   ~GraphOverlay();
 
   /// Draws over the target's contents, outside a render pass; alpha is kept. The target goes from `initialUse` to
-  /// `finalUse`. Preconditions: `view` is a pinhole of the target's extent; the options name the target's format.
+  /// `finalUse`. Preconditions: `view` is a pinhole of the target's extent; the options name the target's format
+  /// and encoding.
   /// `best`: cells by rank, main cell first. These cells and their photographs have their rank's colour, as in
   /// Overlay::wireframe; all others are grey. Lines are not depth-tested; they fade where they are nearer to the eye
   /// than frustumDepth. Submits, waits for and allocates nothing. Bound pipelines, viewport and scissor are undefined

@@ -139,16 +139,15 @@ class IBR_API GpuHtmModel {
 };
 
 struct HtmRendererOptions {
-  VkExtent2D maxExtent{0, 0};  // of an image
-  // Formats of targets: 8-bit RGBA or BGRA, UNORM or SRGB; others throw Error{unsupported}.
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};
+  VkExtent2D maxExtent{0, 0};                                   // of an image
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
 };
 
 /// Records frames. Model and device must outlive it. Commands that it recorded must have finished before it is
 /// destroyed.
 class IBR_API HtmRenderer {
  public:
-  /// Throws Error{unsupported} for formats that HtmRendererOptions does not allow, and for models with too many
+  /// Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models with too many
   /// vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
   HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options);
   HtmRenderer(HtmRenderer&&) noexcept;
