@@ -7,6 +7,8 @@
 #include <map>
 #include <mutex>
 
+#include "ibr/export.h"
+
 namespace ibr::test {
 namespace {
 
@@ -71,7 +73,8 @@ void resetMost() {
 
 using namespace ibr::test;
 
-#define IBR_FUNCTION(name, parameters) extern "C" VKAPI_ATTR VkResult VKAPI_CALL name parameters
+// Exported, so that calls of shared libraries are counted, too.
+#define IBR_FUNCTION(name, parameters) extern "C" IBR_API VKAPI_ATTR VkResult VKAPI_CALL name parameters
 #define IBR_MAY_FAIL(name, parameters, arguments)            \
   IBR_FUNCTION(name, parameters) {                           \
     static const auto real = next<PFN_##name>(#name);        \
@@ -162,8 +165,8 @@ IBR_FUNCTION(vkAllocateMemory, (VkDevice device, const VkMemoryAllocateInfo* inf
   return result;
 }
 
-extern "C" VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDeviceMemory freed,
-                                                   const VkAllocationCallbacks* allocation) {
+extern "C" IBR_API VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDeviceMemory freed,
+                                                           const VkAllocationCallbacks* allocation) {
   static const auto real = next<PFN_vkFreeMemory>("vkFreeMemory");
   {
     const std::lock_guard lock(memoryMutex);

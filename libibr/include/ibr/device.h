@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "ibr/device_kind.h"
+#include "ibr/export.h"
 #include "ibr/log.h"
 
 namespace ibr {
@@ -31,7 +32,7 @@ struct DeviceFeatures {
 
   /// Chains core → 1.1 → 1.2 → 1.3 → next and returns the head, for VkDeviceCreateInfo::pNext. The chain is valid while
   /// *this lives and is not moved.
-  const VkPhysicalDeviceFeatures2* link(void* next = nullptr);
+  IBR_API const VkPhysicalDeviceFeatures2* link(void* next = nullptr);
 };
 
 /// Requirements on an adopted device, as data to merge into the caller's own create-infos.
@@ -89,7 +90,7 @@ struct DeviceDescription {
   std::optional<std::uint32_t> queueFamily;  // first one that meets the requirements
 };
 
-class Device {
+class IBR_API Device {
  public:
   /// Creates an instance and a device. Throws Error{unsupported}, which names for each physical device the reason for
   /// its rejection; Error{invalidInput} as DeviceOptions::disabledFeatures says.
@@ -152,7 +153,7 @@ class Device {
   /// their pipelines; objects made afterwards use the new shaders.
   std::uint64_t shaderGeneration() const noexcept;
 
-  struct State;
+  struct IBR_LOCAL State;
 
  private:
   friend State& stateOf(const Device& device) noexcept;

@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/optimiser.h"
 
 namespace ibr {
@@ -34,7 +35,7 @@ struct EccStar {
 
 /// Records moves and evaluations of one mesh. Move-only; the device must outlive it. One thread at a time uses it, with
 /// at most one submission in flight.
-class EccPass {
+class IBR_API EccPass {
  public:
   /// Uploads mesh, pictures and positions: submits to the device's queue and waits. Uses the options instances,
   /// definition, varianceFloor, rigidity, prune and scaledInstances. The alignment need not outlive the call. Throws
@@ -62,7 +63,7 @@ class EccPass {
   std::vector<std::vector<EccStar>> stars() const;         // picture × point
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

@@ -28,6 +28,7 @@
 #include <memory>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
@@ -73,7 +74,7 @@ struct GpuSceneOptions {
 
 /// Construction submits uploads on the device's queue and waits for them. Photographs that no mesh shows are left out.
 /// Throws Error (io, invalidInput, …); Error{outOfMemory} names the smallest possible budget where it is too small.
-class GpuScene {
+class IBR_API GpuScene {
  public:
   /// The device must outlive the GpuScene; with a budget, so must the scene.
   GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options = {});
@@ -109,7 +110,7 @@ class GpuScene {
   };
   Memory memory() const noexcept;
 
-  struct State;
+  struct IBR_LOCAL State;
 
  private:
   friend const State& stateOf(const GpuScene& scene) noexcept;

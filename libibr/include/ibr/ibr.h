@@ -10,6 +10,7 @@
 #include "ibr/device.h"
 #include "ibr/ecc_pass.h"
 #include "ibr/error.h"
+#include "ibr/export.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/graph_overlay.h"
 #include "ibr/htm.h"
@@ -26,3 +27,4 @@
 #include "ibr/shader_reload.h"
 #include "ibr/target.h"
 #include "ibr/texture.h"
+#include "ibr/version.h"

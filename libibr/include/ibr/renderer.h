@@ -15,13 +15,14 @@
 
 #include <array>
 #include <cstdint>
-#include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "ibr/conventions.h"
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/frame_plan.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/scene.h"
@@ -52,8 +53,8 @@ struct RendererOptions {
   bool floor = false;
   const Scene* bufferScene = nullptr;       // the GpuScene's scene, for recordBuffers; read by the constructor alone
   const Scene* uncertaintyScene = nullptr;  // likewise, for Overlay::confidence
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
-                                VK_FORMAT_B8G8R8A8_SRGB};
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
+                                    VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours};
   std::vector<BlendMode> blends{BlendMode::blend};
   std::vector<Composition> compositions{Composition::cells};
@@ -72,12 +73,12 @@ struct RendererOptions {
 };
 
 /// The options that plans with these settings need, and no more. Pure.
-RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
-                           VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
+IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
+                                   TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
 
 /// Records frames. The GpuScene must outlive the renderer. Commands that it recorded must have finished before it is
 /// destroyed.
-class Renderer {
+class IBR_API Renderer {
  public:
   /// Allocates working images and builds pipelines. Throws Error (invalidInput, unsupported, outOfMemory, deviceLost).
   Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
@@ -106,6 +107,9 @@ class Renderer {
   /// exceeds, for people; untouched where the plan is supported. Does not allocate without `why`.
   bool supports(const FramePlan& plan, std::string* why = nullptr) const;
 
+  /// Returns true if the options declare the target's format, encoding and depth. `why` as above.
+  bool supports(const Target& target, std::string* why = nullptr) const;
+
   /// Cost of a plan. Exact.
   struct Counters {
     std::uint32_t pipelines = 0;                          // of this renderer
@@ -120,11 +124,11 @@ class Renderer {
   };
   Counters count(const FramePlan& plan) const noexcept;
 
-  /// Returns true if a target may have this format.
-  static bool supports(VkFormat format) noexcept;
+  /// Returns true if RendererOptions::formats may name this combination. `why` gets the reason where it may not.
+  static bool supports(TargetFormat format, std::string* why = nullptr);
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

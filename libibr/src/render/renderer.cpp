@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/submit.h"
+#include "base/vulkan/target_format.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/multiview.h"
 #include "ibr/renderer.h"
@@ -30,6 +31,15 @@
 #include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
+namespace {
+
+// Returns true if no field is exceeded; else names the field in `why`.
+bool isWithin(const char* exceeded, std::string* why) {
+  if (exceeded && why) *why = std::string("RendererOptions::") + exceeded;
+  return !exceeded;
+}
+
+}  // namespace
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
@@ -153,14 +163,18 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
-bool Renderer::supports(VkFormat format) noexcept {
-  return CompositePass::supports(format);
+bool Renderer::supports(TargetFormat format, std::string* why) {
+  const char* fault = targetFormatFault(format);
+  if (fault && why) *why = fault;
+  return !fault;
 }
 
 bool Renderer::supports(const FramePlan& plan, std::string* why) const {
-  const char* exceeded = exceededOption(plan, state_->options);
-  if (exceeded && why) *why = std::string("RendererOptions::") + exceeded;
-  return !exceeded;
+  return isWithin(exceededOption(plan, state_->options), why);
+}
+
+bool Renderer::supports(const Target& target, std::string* why) const {
+  return isWithin(exceededOption(target, state_->options), why);
 }
 
 void Renderer::State::draw(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view, VkExtent2D extent,
@@ -218,7 +232,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
                       ScopeTimer* timer) const noexcept {
   const State& s = *state_;
   const bool areTargetsDeclared =
-      std::ranges::none_of(targets, [&](const Target& target) { return exceededOption(target, s.options) != nullptr; });
+      std::ranges::none_of(targets, [&](const Target& target) { return !supports(target); });
   if (!supports(plan) || !areTargetsDeclared) {
     for (const Target& target : targets) clearTarget(commandBuffer, target, plan.settings.background);
     return;
