@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 #include "gpu/device/device_choice.h"
 #include "ibr/error.h"

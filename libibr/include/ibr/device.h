@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Vulkan device: created by libibr, or adopted from the caller (an engine, an OpenXR runtime).
 //
-// No global state: a process may use several devices. One thread at a time uses a Device. Objects made from a Device
-// must be destroyed before it. The caller synchronises the queue of an adopted device externally, or passes a mutex.
-// With a mutex, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
+// A process may use several devices. Its only state is the table of Vulkan functions (Device::loadFunctions) with the
+// number of devices. One thread at a time uses a Device. Objects made from a Device must be destroyed before it.
+// The caller synchronises the queue of an adopted device externally, or passes a mutex. With a mutex, several threads
+// may each adopt the same handles: one makes a GpuScene while another renders frames.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -91,8 +92,19 @@ struct DeviceDescription {
 
 class Device {
  public:
+  /// Makes libibr call the caller's Vulkan functions, as getInstanceProcAddr(instance, name) returns them. Without this
+  /// call, they are loaded from libvulkan.so.1 when first needed. libibr references no symbol of the loader, so that a
+  /// program may define pointers with the names of its functions (volk). The functions must serve all instances and
+  /// devices of the process, as those of the loader do. `instance` VK_NULL_HANDLE: loads only what creates an instance;
+  /// create(), list() and adopt() then load the rest from their first instance.
+  ///
+  /// Call while no Device exists and no other thread uses libibr. Throws Error{invalidInput} if a Device exists or the
+  /// function is null; Error{unsupported}, which names the first missing function. The functions then stay as they
+  /// were.
+  static void loadFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance = VK_NULL_HANDLE);
+
   /// Creates an instance and a device. Throws Error{unsupported}, which names for each physical device the reason for
-  /// its rejection; Error{invalidInput} as DeviceOptions::disabledFeatures says.
+  /// its rejection, or the missing loader; Error{invalidInput} as DeviceOptions::disabledFeatures says.
   static Device create(const DeviceOptions& options = {});
 
   /// Borrows the handles and never destroys them. Features that IBR_DISABLE_FEATURES names are not used. Throws
@@ -100,7 +112,8 @@ class Device {
   static Device adopt(const DeviceHandles& handles);
 
   static DeviceRequirements requirements();
-  static std::vector<DeviceDescription> list();  // empty where no driver is installed
+  static std::vector<DeviceDescription> list();  // empty where no driver or no loader is installed
+  /// describe() and featuresFor() throw Error{invalidInput} if loadFunctions() had no instance and none has been used.
   static DeviceDescription describe(VkPhysicalDevice device);
   /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
   /// IBR_DISABLE_FEATURES does not name.

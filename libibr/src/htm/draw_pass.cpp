@@ -9,6 +9,7 @@
 #include "base/srgb.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "htm/coordinates_pass.h"

@@ -5,6 +5,7 @@
 
 #include "base/srgb.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/rendering.h"
 
 namespace ibr {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline_cache.h"
 #include "base/vulkan/shader_replacements.h"
 #include "base/vulkan/vulkan.h"
@@ -14,6 +15,27 @@
 #include "gpu/device/instance.h"
 
 namespace ibr {
+namespace {
+
+std::atomic<int> deviceCount = 0;  // devices of the process: the functions must not change while there are any
+
+struct Counted {
+  Counted() { ++deviceCount; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  ~Counted() { --deviceCount; }
+};
+
+void checkHandles(const DeviceHandles& handles) {
+  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
+        "the device cannot be adopted: handle '{}' is null",
+        !handles.instance         ? "instance"
+        : !handles.physicalDevice ? "physicalDevice"
+        : !handles.device         ? "device"
+                                  : "queue");
+}
+
+}  // namespace
 
 struct Device::State {
   explicit State(LogCallback log) : messages(std::move(log)) {}
@@ -35,6 +57,7 @@ struct Device::State {
     name = fmt::format("{}, {}", description.name, description.driver);
   }
 
+  Counted counted;
   Messages messages;
   Instance owned;  // null if the instance is borrowed
   VkInstance instance = VK_NULL_HANDLE;
@@ -53,6 +76,11 @@ struct Device::State {
   ShaderReplacements shaders;
   std::atomic<bool> lost = false;
 };
+
+void Device::loadFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance) {
+  check(deviceCount == 0, ErrorCode::invalidInput, "Vulkan's functions cannot change while a device exists");
+  ibr::loadFunctions(getInstanceProcAddr, instance);
+}
 
 Device Device::create(const DeviceOptions& options) {
   DeviceRequirements requirements = Device::requirements();
@@ -93,12 +121,8 @@ Device Device::create(const DeviceOptions& options) {
 }
 
 Device Device::adopt(const DeviceHandles& handles) {
-  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
-        "the device cannot be adopted: handle '{}' is null",
-        !handles.instance         ? "instance"
-        : !handles.physicalDevice ? "physicalDevice"
-        : !handles.device         ? "device"
-                                  : "queue");
+  checkHandles(handles);
+  ensureFunctions(handles.instance);
   DeviceDescription description = ibr::describe(handles.physicalDevice);
   for (std::string& lack : missingQueueCapabilities(handles.physicalDevice, handles.queueFamily))
     description.missing.push_back(std::move(lack));

@@ -15,6 +15,7 @@
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "gpu/transfer/upload.h"
