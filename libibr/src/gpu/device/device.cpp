@@ -33,6 +33,10 @@ void checkHandles(const DeviceHandles& handles) {
         : !handles.physicalDevice ? "physicalDevice"
         : !handles.device         ? "device"
                                   : "queue");
+  check(!handles.lockQueue == !handles.unlockQueue, ErrorCode::invalidInput,
+        "the device cannot be adopted: lockQueue and unlockQueue must be set together");
+  check(!handles.lockQueue || !handles.queueMutex, ErrorCode::invalidInput,
+        "the device cannot be adopted: queueMutex and lockQueue are both set");
 }
 
 }  // namespace
@@ -65,7 +69,7 @@ struct Device::State {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t queueFamily = 0;
-  std::mutex* queueMutex = nullptr;
+  std::function<void()> lockQueue, unlockQueue;                                           // both or none
   const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
   std::optional<PipelineCache> ownedCache;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // owned or borrowed
@@ -138,7 +142,12 @@ Device Device::adopt(const DeviceHandles& handles) {
   state->device = handles.device;
   state->queue = handles.queue;
   state->queueFamily = handles.queueFamily;
-  state->queueMutex = handles.queueMutex;
+  state->lockQueue = handles.lockQueue;
+  state->unlockQueue = handles.unlockQueue;
+  if (std::mutex* mutex = handles.queueMutex) {
+    state->lockQueue = [mutex] { mutex->lock(); };
+    state->unlockQueue = [mutex] { mutex->unlock(); };
+  }
   if (handles.validationMessages) state->validationMessages = handles.validationMessages;
   state->pipelineCache = handles.pipelineCache;
   state->features = handles.optionalFeatures;
@@ -191,8 +200,11 @@ VkQueue Device::queue() const noexcept {
 std::uint32_t Device::queueFamily() const noexcept {
   return state_->queueFamily;
 }
-std::mutex* Device::queueMutex() const noexcept {
-  return state_->queueMutex;
+void Device::lockQueue() const {
+  if (state_->lockQueue) state_->lockQueue();
+}
+void Device::unlockQueue() const {
+  if (state_->unlockQueue) state_->unlockQueue();
 }
 VkPipelineCache Device::pipelineCache() const noexcept {
   return state_->pipelineCache;
