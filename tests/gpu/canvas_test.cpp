@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/submit.h"
 #include "command_buffers.h"

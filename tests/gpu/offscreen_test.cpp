@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "command_buffers.h"
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/upload.h"

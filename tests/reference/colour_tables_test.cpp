@@ -9,6 +9,7 @@
 #include <random>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
 #include "reference/stored_colours.h"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
 #include "ibr/memory_demand.h"

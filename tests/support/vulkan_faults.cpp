@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "ibr/export.h"
+#include "ibr/device.h"
 
 namespace ibr::test {
 namespace {
@@ -39,10 +42,27 @@ bool isLost(const char* call) {
   return faults.lost;
 }
 
-template <class Function>
-Function next(const char* name) {
-  return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
+std::function<void(const char*)> queueWatch;
+
+void watched(const char* call) {
+  if (queueWatch) queueWatch(call);
 }
+
+/// A function of this file that libibr calls instead of the loader's.
+struct Replacement {
+  const char* name;
+  PFN_vkVoidFunction function;
+  void (*setReal)(PFN_vkVoidFunction);
+};
+
+std::vector<Replacement>& replacements() {
+  static std::vector<Replacement> all;
+  return all;
+}
+
+struct Replaced {
+  explicit Replaced(const Replacement& replacement) { replacements().push_back(replacement); }
+};
 
 }  // namespace
 
@@ -69,23 +89,28 @@ void resetMost() {
   memory.most = memory.bytes;
 }
 
-}  // namespace ibr::test
+void watchQueue(std::function<void(const char* call)> watch) {
+  queueWatch = std::move(watch);
+}
 
-using namespace ibr::test;
+namespace {
 
-// Exported, so that calls of shared libraries are counted, too.
-#define IBR_FUNCTION(name, parameters) extern "C" IBR_API VKAPI_ATTR VkResult VKAPI_CALL name parameters
-#define IBR_MAY_FAIL(name, parameters, arguments)            \
-  IBR_FUNCTION(name, parameters) {                           \
-    static const auto real = next<PFN_##name>(#name);        \
-    return failsNow(#name) ? faults.result : real arguments; \
+// Defines the function that replaces `name`; real_NAME is the loader's.
+#define IBR_REPLACE(Result, name, parameters)                                                                          \
+  PFN_##name real_##name = nullptr;                                                                                    \
+  VKAPI_ATTR Result VKAPI_CALL my_##name parameters;                                                                   \
+  const Replaced replaced_##name({#name, reinterpret_cast<PFN_vkVoidFunction>(&my_##name),                             \
+                                  [](PFN_vkVoidFunction real) { real_##name = reinterpret_cast<PFN_##name>(real); }}); \
+  VKAPI_ATTR Result VKAPI_CALL my_##name parameters
+#define IBR_MAY_FAIL(name, parameters, arguments)                   \
+  IBR_REPLACE(VkResult, name, parameters) {                         \
+    return failsNow(#name) ? faults.result : real_##name arguments; \
   }
 // A simulated loss leaves the real device running: all other calls, e.g. vkDeviceWaitIdle, are forwarded.
-#define IBR_MAY_TELL_OF_LOSS(name, parameters, arguments)         \
-  IBR_FUNCTION(name, parameters) {                                \
-    static const auto real = next<PFN_##name>(#name);             \
-    if (failsNow(#name)) return faults.result;                    \
-    return isLost(#name) ? VK_ERROR_DEVICE_LOST : real arguments; \
+#define IBR_MAY_TELL_OF_LOSS(name, parameters, arguments)                \
+  IBR_REPLACE(VkResult, name, parameters) {                              \
+    if (failsNow(#name)) return faults.result;                           \
+    return isLost(#name) ? VK_ERROR_DEVICE_LOST : real_##name arguments; \
   }
 #define IBR_CREATE_MAY_FAIL(name, Info, Object)                                                                    \
   IBR_MAY_FAIL(name, (VkDevice device, const Info* info, const VkAllocationCallbacks* allocation, Object* object), \
@@ -140,8 +165,6 @@ IBR_MAY_FAIL(vkMapMemory,
 IBR_MAY_FAIL(vkResetCommandPool, (VkDevice device, VkCommandPool pool, VkCommandPoolResetFlags flags),
              (device, pool, flags))
 IBR_MAY_FAIL(vkResetFences, (VkDevice device, std::uint32_t count, const VkFence* fences), (device, count, fences))
-IBR_MAY_TELL_OF_LOSS(vkQueueSubmit2, (VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence),
-                     (queue, count, infos, fence))
 IBR_MAY_TELL_OF_LOSS(vkWaitForFences,
                      (VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all, std::uint64_t timeout),
                      (device, count, fences, all, timeout))
@@ -150,11 +173,27 @@ IBR_MAY_TELL_OF_LOSS(vkGetQueryPoolResults,
                       void* data, VkDeviceSize stride, VkQueryResultFlags flags),
                      (device, pool, first, count, size, data, stride, flags))
 
-IBR_FUNCTION(vkAllocateMemory, (VkDevice device, const VkMemoryAllocateInfo* info,
-                                const VkAllocationCallbacks* allocation, VkDeviceMemory* made)) {
-  static const auto real = next<PFN_vkAllocateMemory>("vkAllocateMemory");
+IBR_REPLACE(VkResult, vkQueueSubmit2, (VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence)) {
+  watched("vkQueueSubmit2");
+  if (failsNow("vkQueueSubmit2")) return faults.result;
+  return isLost("vkQueueSubmit2") ? VK_ERROR_DEVICE_LOST : real_vkQueueSubmit2(queue, count, infos, fence);
+}
+
+IBR_REPLACE(VkResult, vkQueueWaitIdle, (VkQueue queue)) {
+  watched("vkQueueWaitIdle");
+  return real_vkQueueWaitIdle(queue);
+}
+
+IBR_REPLACE(VkResult, vkDeviceWaitIdle, (VkDevice device)) {
+  watched("vkDeviceWaitIdle");
+  return real_vkDeviceWaitIdle(device);
+}
+
+IBR_REPLACE(VkResult, vkAllocateMemory,
+            (VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocation,
+             VkDeviceMemory* made)) {
   if (failsNow("vkAllocateMemory")) return faults.result;
-  const VkResult result = real(device, info, allocation, made);
+  const VkResult result = real_vkAllocateMemory(device, info, allocation, made);
   if (result == VK_SUCCESS) {
     const std::lock_guard lock(memoryMutex);
     allocations[*made] = info->allocationSize;
@@ -165,9 +204,7 @@ IBR_FUNCTION(vkAllocateMemory, (VkDevice device, const VkMemoryAllocateInfo* inf
   return result;
 }
 
-extern "C" IBR_API VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDeviceMemory freed,
-                                                           const VkAllocationCallbacks* allocation) {
-  static const auto real = next<PFN_vkFreeMemory>("vkFreeMemory");
+IBR_REPLACE(void, vkFreeMemory, (VkDevice device, VkDeviceMemory freed, const VkAllocationCallbacks* allocation)) {
   {
     const std::lock_guard lock(memoryMutex);
     if (const auto found = allocations.find(freed); found != allocations.end()) {
@@ -176,5 +213,36 @@ extern "C" IBR_API VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDe
       allocations.erase(found);
     }
   }
-  real(device, freed, allocation);
+  real_vkFreeMemory(device, freed, allocation);
 }
+
+/// The loader's vkGetInstanceProcAddr; null if no loader is installed.
+PFN_vkGetInstanceProcAddr loaderFunction() {
+  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  return library ? reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr")) : nullptr;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddr(VkInstance instance, const char* name) {
+  const PFN_vkGetInstanceProcAddr loader = loaderFunction();
+  const PFN_vkVoidFunction real = loader ? loader(instance, name) : nullptr;
+  if (!real) return nullptr;
+  for (const Replacement& replacement : replacements()) {
+    if (std::string_view(replacement.name) != name) continue;
+    replacement.setReal(real);
+    return replacement.function;
+  }
+  return real;
+}
+
+// Before main(), which creates the first device. Must follow all replacements.
+const bool installed = [] {
+  try {
+    Device::loadFunctions(getInstanceProcAddr);
+    return true;
+  } catch (const Error&) {
+    return false;  // no loader: the creation of a device reports that
+  }
+}();
+
+}  // namespace
+}  // namespace ibr::test

@@ -10,6 +10,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "shaders/shapes_frag.h"

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "base/vulkan/submit.h"

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "gpu/transfer/upload.h"
 #include "htm/projection.h"
 #include "ibr/texture.h"

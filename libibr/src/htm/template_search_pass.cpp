@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/transfer/upload.h"

@@ -2,6 +2,7 @@
 #include "optimise/alignment_pass.h"
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "shaders/ecc_judge_comp.h"
 #include "shaders/ecc_move_comp.h"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/rendering.h"
 #include "base/vulkan/target_format.h"
 

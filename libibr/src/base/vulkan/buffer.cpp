@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {

@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "base/vulkan/debug.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/memory.h"
 
 namespace ibr {

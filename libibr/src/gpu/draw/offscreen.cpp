@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/submit.h"
 #include "base/vulkan/target_format.h"

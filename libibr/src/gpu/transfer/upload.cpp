@@ -8,6 +8,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {

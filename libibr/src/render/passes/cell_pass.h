@@ -10,6 +10,7 @@
 #include <map>
 
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/handle.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/transfer/upload.h"

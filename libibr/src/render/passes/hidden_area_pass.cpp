@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "gpu/transfer/upload.h"
