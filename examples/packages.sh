@@ -13,7 +13,7 @@ IBR_PACKAGES_DEMO="ffmpeg colmap"
 # Debian) if tests/run.sh finds it. python3-jsonschema checks scenes against our schema. xdotool drives the viewer in an
 # Xvfb display that openbox manages; libx11 reads the viewer's window.
 IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
-  openbox libx11-dev libvulkan-volk-dev"
+  openbox libx11-dev libvulkan-volk-dev pkg-config"
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.

@@ -81,8 +81,8 @@ def build_shared(folder, prefix):
 
 def build_pkg_config(folder, prefix):
     library = check_runtime_library(prefix)
-    run("make", "-C", HERE / "pkg_config", f"OUT={folder}",
-        env={"PKG_CONFIG_PATH": str(library.parent / "pkgconfig")})
+    flags = run("pkg-config", "--cflags", "--libs", "ibr", env={"PKG_CONFIG_PATH": str(library.parent / "pkgconfig")})
+    run("g++", "-std=c++20", ROOT / "examples/01_offscreen.cpp", "-o", folder / "consumer", *flags.split())
     return folder / "consumer", {"LD_LIBRARY_PATH": str(library.parent)}
 
 
@@ -90,16 +90,32 @@ def build_fetch_content(folder, _):
     return configure_and_build("fetch_content", folder / "build", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O2"), {}
 
 
+def check_mixed_linkage(folder, prefix):
+    """A program that links a shared and a static libibr is refused."""
+    (folder / "mixed").mkdir()
+    (folder / "mixed/CMakeLists.txt").write_text("""cmake_minimum_required(VERSION 3.25)
+project(mixed LANGUAGES CXX)
+find_package(ibr REQUIRED COMPONENTS runtime)
+find_package(ibr REQUIRED COMPONENTS author)
+add_executable(mixed mixed.cpp)
+target_link_libraries(mixed PRIVATE ibr::runtime ibr::author)
+""", encoding="utf-8")
+    (folder / "mixed/mixed.cpp").write_text("int main() {}\n", encoding="utf-8")
+    outcome = subprocess.run(["cmake", "-S", folder / "mixed", "-B", folder / "mixed/build", "-G", "Ninja",
+                              f"-DCMAKE_PREFIX_PATH={prefix}"], text=True, capture_output=True)
+    if outcome.returncode == 0 or "IBR_LINKAGE" not in outcome.stderr:
+        fail(f"a program with a shared and a static libibr is not refused:\n{outcome.stderr}")
+
+
 def check_author(folder, prefix):
-    """Both runtimes in one program are refused; the program builds a scene and draws it."""
+    """Builds a scene and draws it."""
+    check_mixed_linkage(folder, prefix)
     program = configure_and_build("author", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
     if any(name.startswith("libibr") for name in needed(program)):
         fail("the program links a shared libibr beside the static author")
     photographs = ROOT / "examples" / "photographs" / "cathedral"
-    model = next(path for path in (photographs / "sparse" / "0", photographs / "sparse", photographs / "model",
-                                   photographs) if any(path.glob("cameras.*")))
     picture = folder / "picture.ppm"
-    run(program, photographs, model, folder / "scene", picture)
+    run(program, photographs, photographs / "sparse", folder / "scene", picture)
     pixels = picture.read_bytes()[len(b"P6\n320 240\n255\n"):]
     # The view of a photograph is filled by it: no hole, and the brightness of a sunlit building.
     if len(pixels) != 320 * 240 * 3:
