@@ -2,7 +2,8 @@
 // A Vulkan device: created by libibr, or adopted from the caller (an engine, an OpenXR runtime).
 //
 // No global state: a process may use several devices. One thread at a time uses a Device. Objects made from a Device
-// must be destroyed before it. The caller synchronises the queue of an adopted device externally, or passes a mutex.
+// must be destroyed before it. Constructors that upload submit on its queue and wait, unless they get Uploads
+// (ibr/uploads.h). The caller synchronises the queue of an adopted device externally, or passes a mutex.
 // With a mutex, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
 #pragma once
 
@@ -21,6 +22,8 @@
 #include "ibr/log.h"
 
 namespace ibr {
+
+class DeviceAllocator;  // ibr/device_memory.h
 
 /// Vulkan's feature structures. Call link() on the object that is passed to Vulkan; copying does not chain the copy.
 struct DeviceFeatures {
@@ -58,6 +61,7 @@ struct DeviceOptions {
   /// Device::optionalFeatureNames(), separated by commas; "" = IBR_DISABLE_FEATURES. Throws Error{invalidInput} for an
   /// unknown name.
   std::string disabledFeatures;
+  DeviceAllocator* allocator = nullptr;  // of all device memory; null: vkAllocateMemory for each buffer and image
 };
 
 /// Borrowed handles; the caller keeps ownership. The device must have been created with all of Device::requirements().
@@ -72,6 +76,7 @@ struct DeviceHandles {
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // optional; pipelines are created with it
   std::mutex* queueMutex = nullptr;                // held while the queue is used; null: one thread uses the queue
   const std::atomic<std::uint64_t>* validationMessages = nullptr;  // optional; counted by the caller's messenger
+  DeviceAllocator* allocator = nullptr;                            // as DeviceOptions::allocator
 };
 
 constexpr DeviceKind deviceKindOf(VkPhysicalDeviceType type) noexcept {
@@ -126,6 +131,8 @@ class Device {
   std::mutex* queueMutex() const noexcept;
   /// The cache that all pipelines are created with; VK_NULL_HANDLE where an adopted device came without one.
   VkPipelineCache pipelineCache() const noexcept;
+  /// DeviceOptions::allocator or DeviceHandles::allocator; may be null.
+  DeviceAllocator* allocator() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
   /// BC1 and BC7 textures can be sampled: the optional feature textureCompressionBC.
