@@ -16,8 +16,9 @@ namespace ibr {
 /// An offscreen image. The device must outlive it. One thread at a time uses it.
 class Offscreen {
  public:
-  /// Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB; others throw Error{unsupported}. Throws
-  /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
+  /// Submits nothing. Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB; others throw
+  /// Error{unsupported}. Throws Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that
+  /// the device cannot provide.
   Offscreen(const Device& device, VkExtent2D extent, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
@@ -47,7 +48,8 @@ struct FrameBuffers {
 /// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
 class OffscreenBuffers {
  public:
-  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device cannot provide.
+  /// Submits nothing. Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device
+  /// cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;
