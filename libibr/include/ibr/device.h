@@ -3,6 +3,7 @@
 //
 // A process may use several devices. Its only state is the table of Vulkan functions (Device::loadFunctions) with the
 // number of devices. One thread at a time uses a Device. Objects made from a Device must be destroyed before it.
+// Constructors that upload submit on its queue and wait, unless they get Uploads (ibr/uploads.h).
 //
 // The queue of an adopted device: the caller synchronises its use externally, or passes a lock (DeviceHandles). With a
 // lock, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
@@ -25,6 +26,8 @@
 #include "ibr/log.h"
 
 namespace ibr {
+
+class DeviceAllocator;  // ibr/device_memory.h
 
 /// Vulkan's feature structures. Call link() on the object that is passed to Vulkan; copying does not chain the copy.
 struct DeviceFeatures {
@@ -62,6 +65,7 @@ struct DeviceOptions {
   /// Device::optionalFeatureNames(), separated by commas; "" = IBR_DISABLE_FEATURES. Throws Error{invalidInput} for an
   /// unknown name.
   std::string disabledFeatures;
+  DeviceAllocator* allocator = nullptr;  // of all device memory; null: vkAllocateMemory for each buffer and image
 };
 
 /// Borrowed handles; the caller keeps ownership. The device must have been created with all of Device::requirements().
@@ -84,6 +88,7 @@ struct DeviceHandles {
   std::mutex* queueMutex = nullptr;                                // null and no callbacks: one thread uses the queue
   std::function<void()> lockQueue, unlockQueue;                    // both or none; not together with queueMutex
   const std::atomic<std::uint64_t>* validationMessages = nullptr;  // optional; counted by the caller's messenger
+  DeviceAllocator* allocator = nullptr;                            // as DeviceOptions::allocator
 };
 
 constexpr DeviceKind deviceKindOf(VkPhysicalDeviceType type) noexcept {
@@ -152,6 +157,8 @@ class IBR_API Device {
   void unlockQueue() const;
   /// The cache that all pipelines are created with; VK_NULL_HANDLE where an adopted device came without one.
   VkPipelineCache pipelineCache() const noexcept;
+  /// DeviceOptions::allocator or DeviceHandles::allocator; may be null.
+  DeviceAllocator* allocator() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
   /// BC1 and BC7 textures can be sampled: the optional feature textureCompressionBC.

@@ -18,6 +18,7 @@
 #include "ibr/device.h"
 #include "ibr/export.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -32,14 +33,16 @@ IBR_API ImageGraph imageGraph(const Scene& scene);
 struct GraphOverlayOptions {
   double frustumDepth = 1;  // length of a frustum's side edges, diameter of a panorama's globe; world units, > 0
   std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
+  Uploads* uploads = nullptr;  // collects the upload of the constructor instead of submitting and waiting
 };
 
 /// Records lines over the caller's image. One thread at a time uses it. Commands that it recorded must have finished
 /// before it is destroyed. The device must outlive it; the graph need not.
 class IBR_API GraphOverlay {
  public:
-  /// Submits an upload and waits. Throws Error{invalidInput} where a cell's index is out of range, a position is not
-  /// finite or frustumDepth is not positive; Error (outOfMemory, unsupported).
+  /// Submits an upload on the device's queue and waits; with GraphOverlayOptions::uploads, neither. Throws
+  /// Error{invalidInput} where a cell's index is out of range, a position is not finite or frustumDepth is not
+  /// positive; Error (outOfMemory, unsupported).
   GraphOverlay(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options);
   GraphOverlay(GraphOverlay&&) noexcept;
   GraphOverlay& operator=(GraphOverlay&&) noexcept;

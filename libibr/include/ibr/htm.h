@@ -24,6 +24,7 @@
 #include "ibr/image.h"
 #include "ibr/scope_timer.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -104,15 +105,17 @@ IBR_API HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmI
 
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // interpolates between mip levels; default: on GPUs, not on software devices
+  Uploads* uploads = nullptr;     // collects the uploads of the constructor instead of submitting and waiting
 };
 
 /// The model on a device: photographs with visibility as alpha, a depth map of the mesh for each camera, the mesh and
-/// complements. Construction calls the source for each camera in turn, submits on the device's queue and waits. The
-/// device must outlive it; the model need not. Throws what the source throws; Error{invalidInput} if validate() finds a
-/// fault or a picture does not fit its camera; Error{unsupported} if complements (8 bytes × cameras² × vertices) exceed
-/// the device's maxStorageBufferRange; Error{outOfMemory}.
+/// complements. The device must outlive it; the model need not.
 class IBR_API GpuHtmModel {
  public:
+  /// Calls the source for each camera in turn, submits on the device's queue and waits; with
+  /// GpuHtmModelOptions::uploads, neither submits nor waits. Throws what the source throws; Error{invalidInput} if
+  /// validate() finds a fault or a picture does not fit its camera; Error{unsupported} if complements (8 bytes ×
+  /// cameras² × vertices) exceed the device's maxStorageBufferRange; Error{outOfMemory}.
   GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
               const GpuHtmModelOptions& options = {});
   GpuHtmModel(GpuHtmModel&&) noexcept;
@@ -121,9 +124,10 @@ class IBR_API GpuHtmModel {
 
   /// Replaces the model by another one, as for the next frame of 3D video. Keeps pipelines, and images and buffers that
   /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that read the
-  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again. Throws
-  /// what the constructor throws; afterwards only replace() and destruction are allowed.
-  void replace(const HtmModel& model, const HtmImageSource& source);
+  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again.
+  /// Submits and waits, unless `uploads` collect the uploads; uploads of the previous model must not be recorded
+  /// afterwards. Throws what the constructor throws; afterwards only replace() and destruction are allowed.
+  void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads = nullptr);
 
   struct Memory {
     std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
@@ -147,8 +151,8 @@ struct HtmRendererOptions {
 /// destroyed.
 class IBR_API HtmRenderer {
  public:
-  /// Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models with too many
-  /// vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
+  /// Submits nothing. Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models
+  /// with too many vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
   HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options);
   HtmRenderer(HtmRenderer&&) noexcept;
   HtmRenderer& operator=(HtmRenderer&&) noexcept;

@@ -8,6 +8,7 @@
 #include "ibr/capture.h"
 #include "ibr/conventions.h"
 #include "ibr/device.h"
+#include "ibr/device_memory.h"
 #include "ibr/ecc_pass.h"
 #include "ibr/error.h"
 #include "ibr/export.h"
@@ -27,4 +28,5 @@
 #include "ibr/shader_reload.h"
 #include "ibr/target.h"
 #include "ibr/texture.h"
+#include "ibr/uploads.h"
 #include "ibr/version.h"

@@ -17,8 +17,8 @@ namespace ibr {
 /// An offscreen image. The device must outlive it. One thread at a time uses it.
 class IBR_API Offscreen {
  public:
-  /// Throws Error{unsupported} for a format that is no combination of TargetFormat, Error{invalidInput} for an extent
-  /// of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
+  /// Submits nothing. Throws Error{unsupported} for a format that is no combination of TargetFormat,
+  /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
   Offscreen(const Device& device, VkExtent2D extent, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
@@ -53,7 +53,8 @@ struct FrameBuffers {
 /// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
 class IBR_API OffscreenBuffers {
  public:
-  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device cannot provide.
+  /// Submits nothing. Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device
+  /// cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;

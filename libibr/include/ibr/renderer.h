@@ -28,6 +28,7 @@
 #include "ibr/scene.h"
 #include "ibr/scope_timer.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -47,8 +48,9 @@ struct RendererOptions {
   bool fill = true;             // tier 3; without it holes show the background
   bool depth = false;           // targets with a DepthTarget
   ColourSupport colour = ColourSupport::off;
-  bool multiview = true;  // both views of a plan in one render pass, where they have one size and a probe shows that
-                          // the device does it right; the pixels are the same
+  /// Both views of a plan in one render pass, where they have one size and Renderer::probeMultiview() is true; the
+  /// pixels are the same. With `uploads` the constructor does not run the probe: multiview then needs an earlier probe.
+  bool multiview = true;
   std::vector<Overlay> overlays;
   bool floor = false;
   const Scene* bufferScene = nullptr;       // the GpuScene's scene, for recordBuffers; read by the constructor alone
@@ -70,6 +72,7 @@ struct RendererOptions {
   /// and the counting of colours. The constructor throws Error{invalidInput} for a number of corners that is not a
   /// multiple of three, and for corners that are not finite or beyond 10⁶.
   std::array<std::vector<glm::vec2>, 2> hiddenArea;
+  Uploads* uploads = nullptr;  // collects the uploads of the constructor instead of submitting and waiting
 };
 
 /// The options that plans with these settings need, and no more. Pure.
@@ -80,7 +83,9 @@ IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D ma
 /// destroyed.
 class IBR_API Renderer {
  public:
-  /// Allocates working images and builds pipelines. Throws Error (invalidInput, unsupported, outOfMemory, deviceLost).
+  /// Allocates working images and builds pipelines. Submits uploads and layout transitions on the device's queue and
+  /// waits for them; with RendererOptions::uploads, neither. Throws Error (invalidInput, unsupported, outOfMemory,
+  /// deviceLost).
   Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -123,6 +128,10 @@ class IBR_API Renderer {
     } bytes;
   };
   Counters count(const FramePlan& plan) const noexcept;
+
+  /// Tests if the device draws both views of a pass correctly, as some drivers do not. The first call for a Device
+  /// submits and waits, and so does the first renderer that needs the answer; later ones use this answer. Throws Error.
+  static bool probeMultiview(const Device& device);
 
   /// Returns true if RendererOptions::formats may name this combination. `why` gets the reason where it may not.
   static bool supports(TargetFormat format, std::string* why = nullptr);

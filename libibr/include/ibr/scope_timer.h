@@ -25,7 +25,8 @@ struct ScopeTime {
 /// live until read(). The device must outlive the timer. One thread at a time uses a timer.
 class IBR_API ScopeTimer {
  public:
-  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Throws Error.
+  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Submits nothing.
+  /// Throws Error.
   ScopeTimer(const Device& device, std::uint32_t maxScopes);
   ScopeTimer(ScopeTimer&&) noexcept;
   ScopeTimer& operator=(ScopeTimer&&) noexcept;

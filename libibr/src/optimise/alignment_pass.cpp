@@ -10,8 +10,8 @@
 namespace ibr {
 
 AlignmentPass::AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
-                             const Positions& starts, const AlignmentOptions& options)
-    : buffers_(device, mesh, pictures, starts),
+                             const Positions& starts, const AlignmentOptions& options, Uploader& uploader)
+    : buffers_(device, mesh, pictures, starts, uploader),
       members_(std::uint32_t(mesh.memberCount())),
       points_(std::uint32_t(mesh.vertexCount())),
       firstOfClass_(mesh.colours.first),

@@ -50,7 +50,6 @@ using FenceHandle = Handle<VkFence, &vkDestroyFence>;
 using FramebufferHandle = Handle<VkFramebuffer, &vkDestroyFramebuffer>;
 using ImageHandle = Handle<VkImage, &vkDestroyImage>;
 using ImageViewHandle = Handle<VkImageView, &vkDestroyImageView>;
-using MemoryHandle = Handle<VkDeviceMemory, &vkFreeMemory>;
 using PipelineHandle = Handle<VkPipeline, &vkDestroyPipeline>;
 using PipelineLayoutHandle = Handle<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using QueryPoolHandle = Handle<VkQueryPool, &vkDestroyQueryPool>;

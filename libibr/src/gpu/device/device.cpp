@@ -13,6 +13,7 @@
 #include "base/vulkan/vulkan.h"
 #include "gpu/device/device_choice.h"
 #include "gpu/device/instance.h"
+#include "gpu/device/multiview_answer.h"
 
 namespace ibr {
 namespace {
@@ -73,6 +74,8 @@ struct Device::State {
   const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
   std::optional<PipelineCache> ownedCache;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // owned or borrowed
+  DeviceAllocator* allocator = nullptr;
+  std::optional<bool> multiviewWorks;  // probed by gpu/draw/multiview.h
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceFeatures features;  // enabled features, as far as known for an adopted device
@@ -120,6 +123,7 @@ Device Device::create(const DeviceOptions& options) {
   vkGetDeviceQueue(state->device, state->queueFamily, 0, &state->queue);
   state->ownedCache.emplace(state->device, state->properties, options.pipelineCache, state->messages);
   state->pipelineCache = state->ownedCache->get();
+  state->allocator = options.allocator;
   state->messages.send(LogLevel::info, fmt::format("Vulkan device: {}", state->name));
   return Device(std::move(state));
 }
@@ -150,6 +154,7 @@ Device Device::adopt(const DeviceHandles& handles) {
   }
   if (handles.validationMessages) state->validationMessages = handles.validationMessages;
   state->pipelineCache = handles.pipelineCache;
+  state->allocator = handles.allocator;
   state->features = handles.optionalFeatures;
   removeFeatures(state->features);
   state->describeDevice();
@@ -209,6 +214,9 @@ void Device::unlockQueue() const {
 VkPipelineCache Device::pipelineCache() const noexcept {
   return state_->pipelineCache;
 }
+DeviceAllocator* Device::allocator() const noexcept {
+  return state_->allocator;
+}
 const VkPhysicalDeviceProperties& Device::properties() const noexcept {
   return state_->properties;
 }
@@ -250,6 +258,10 @@ std::uint64_t Device::shaderGeneration() const noexcept {
 
 Device::State& stateOf(const Device& device) noexcept {
   return *device.state_;
+}
+
+std::optional<bool>& multiviewAnswer(const Device& device) noexcept {
+  return stateOf(device).multiviewWorks;
 }
 
 ShaderReplacements& shaderReplacements(Device& device) noexcept {

@@ -151,8 +151,10 @@ GraphOverlay::State::State(Device& device, const ImageGraph& graph, const GraphO
   const auto bytes = std::as_bytes(std::span(all.all));
   lines = Buffer(device, std::max<VkDeviceSize>(bytes.size(), sizeof(Line)),
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "graph");
-  if (!bytes.empty()) uploadBuffer(device, lines, 0, bytes);
   makePipelines(device, options.formats);
+  Uploader uploader(device, options.uploads, kSmallStagingBytes);
+  uploader.buffer(lines, 0, bytes);
+  uploader.flush();
 }
 
 void GraphOverlay::State::makePipelines(const Device& device, const std::vector<TargetFormat>& formats) {
