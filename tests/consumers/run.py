@@ -6,7 +6,7 @@ run.py CONSUMER --build DIR --scene SCENE --expected PROGRAM
 
 DIR: the repository's build folder. Its libraries are installed into a temporary prefix, which is then moved. SCENE: the
 scene to draw. PROGRAM: draws the expected picture (the example 01_offscreen). The consumer `fetch_content` builds the
-repository's sources instead, `author` builds a scene of its own.
+repository's sources instead, `author` builds a scene of its own, `examples` is the folder of examples.
 """
 import argparse
 import os
@@ -25,8 +25,11 @@ AUTHOR_LIBRARIES = re.compile(r"opencv|cgal|gmp|mpfr|ceres|jpeg|png|tiff|lcms|op
 
 def run(*command, env=None, cwd=None):
     print("+", *command, flush=True)
-    return subprocess.run([str(word) for word in command], check=True, text=True, cwd=cwd,
-                          env={**os.environ, **(env or {})}, stdout=subprocess.PIPE).stdout
+    outcome = subprocess.run([str(word) for word in command], text=True, cwd=cwd, env={**os.environ, **(env or {})},
+                             stdout=subprocess.PIPE)
+    if outcome.returncode != 0:
+        fail(f"{command[0]} ended with {outcome.returncode}:\n{outcome.stdout}")
+    return outcome.stdout
 
 
 def fail(text):
@@ -126,9 +129,18 @@ def check_author(folder, prefix):
         fail(f"mean level {mean:.1f}, share of black pixels {black:.3f}")
 
 
+def check_examples(folder, prefix):
+    """All examples are built alone; the installed program ibr makes their scenes, and CTest checks their pictures."""
+    build = folder / "examples"
+    run("cmake", "-S", ROOT / "examples", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+        f"-DIBR_PROGRAM={prefix / 'bin/ibr'}")
+    run("cmake", "--build", build)
+    print(run("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error"))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("consumer", choices=("shared", "pkg_config", "author", "fetch_content"))
+    parser.add_argument("consumer", choices=("shared", "pkg_config", "author", "examples", "fetch_content"))
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--scene", type=pathlib.Path, required=True)
     parser.add_argument("--expected", type=pathlib.Path, required=True)
@@ -136,8 +148,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="ibr-consumer-") as name:
         folder = pathlib.Path(name)
         prefix = None if arguments.consumer == "fetch_content" else install(arguments.build.resolve(), folder)
-        if arguments.consumer == "author":
-            check_author(folder, prefix)
+        if arguments.consumer in ("author", "examples"):
+            globals()[f"check_{arguments.consumer}"](folder, prefix)
             return
         program, environment = globals()[f"build_{arguments.consumer}"](folder, prefix)
         run(program, arguments.scene, folder / "picture.ppm", env=environment)
