@@ -330,6 +330,7 @@ TEST_CASE("streaming lowers its budget where the allocator is full") {
   const Renderer renderer(device, scene, optionsFor({}, {48, 36}));
   Offscreen offscreen(device, {48, 36});
   const FramePlan plan = place.plan({});
+  REQUIRE(scene.needsStreaming());
   const std::uint64_t standIns = scene.memory().sum();
   allocator.isFull = true;
   for (std::uint64_t frame = 1; frame < 4; ++frame)
