@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/vulkan_faults.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <map>
 #include <mutex>
-#include <string_view>
 #include <utility>
-#include <vector>
 
-#include "ibr/device.h"
+#include "support/vulkan_replacement.h"
 
 namespace ibr::test {
 namespace {
@@ -48,22 +44,6 @@ void watched(const char* call) {
   if (queueWatch) queueWatch(call);
 }
 
-/// A function of this file that libibr calls instead of the loader's.
-struct Replacement {
-  const char* name;
-  PFN_vkVoidFunction function;
-  void (*setReal)(PFN_vkVoidFunction);
-};
-
-std::vector<Replacement>& replacements() {
-  static std::vector<Replacement> all;
-  return all;
-}
-
-struct Replaced {
-  explicit Replaced(const Replacement& replacement) { replacements().push_back(replacement); }
-};
-
 }  // namespace
 
 void failCall(int n, VkResult result) {
@@ -95,13 +75,6 @@ void watchQueue(std::function<void(const char* call)> watch) {
 
 namespace {
 
-// Defines the function that replaces `name`; real_NAME is the loader's.
-#define IBR_REPLACE(Result, name, parameters)                                                                          \
-  PFN_##name real_##name = nullptr;                                                                                    \
-  VKAPI_ATTR Result VKAPI_CALL my_##name parameters;                                                                   \
-  const Replaced replaced_##name({#name, reinterpret_cast<PFN_vkVoidFunction>(&my_##name),                             \
-                                  [](PFN_vkVoidFunction real) { real_##name = reinterpret_cast<PFN_##name>(real); }}); \
-  VKAPI_ATTR Result VKAPI_CALL my_##name parameters
 #define IBR_MAY_FAIL(name, parameters, arguments)                   \
   IBR_REPLACE(VkResult, name, parameters) {                         \
     return failsNow(#name) ? faults.result : real_##name arguments; \
@@ -216,33 +189,8 @@ IBR_REPLACE(void, vkFreeMemory, (VkDevice device, VkDeviceMemory freed, const Vk
   real_vkFreeMemory(device, freed, allocation);
 }
 
-/// The loader's vkGetInstanceProcAddr; null if no loader is installed.
-PFN_vkGetInstanceProcAddr loaderFunction() {
-  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-  return library ? reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr")) : nullptr;
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddr(VkInstance instance, const char* name) {
-  const PFN_vkGetInstanceProcAddr loader = loaderFunction();
-  const PFN_vkVoidFunction real = loader ? loader(instance, name) : nullptr;
-  if (!real) return nullptr;
-  for (const Replacement& replacement : replacements()) {
-    if (std::string_view(replacement.name) != name) continue;
-    replacement.setReal(real);
-    return replacement.function;
-  }
-  return real;
-}
-
-// Before main(), which creates the first device. Must follow all replacements.
-const bool installed = [] {
-  try {
-    Device::loadFunctions(getInstanceProcAddr);
-    return true;
-  } catch (const Error&) {
-    return false;  // no loader: the creation of a device reports that
-  }
-}();
+// Must follow all replacements.
+const bool installed = installVulkanReplacements();
 
 }  // namespace
 }  // namespace ibr::test

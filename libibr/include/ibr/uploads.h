@@ -25,7 +25,9 @@ namespace ibr {
 ///
 /// Objects whose construction used the Uploads may be used by commands after record() in the same command buffer, and
 /// by later submissions to the same queue; before that their contents are undefined. They must live until the recorded
-/// commands have finished, or until clear() where nothing was recorded. A constructor that throws adds no uploads.
+/// commands have finished. Where one of them is destroyed before record(), call clear() instead, which leaves the
+/// others without contents. A constructor that throws adds no uploads. Constructors throw
+/// Error{invalidInput} for Uploads of another VkDevice.
 class IBR_API Uploads {
  public:
   explicit Uploads(const Device& device);

@@ -52,8 +52,8 @@ class Uploader {
   /// for the image instead of one for each level of each layer.
   void beginImage(const GpuImage& to);
   void buffer(const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes);
-  /// Adds commands that come after all uploads so far. `record` must not throw; it may own objects, which live as long
-  /// as staging memory.
+  /// Adds commands that come after all uploads so far, but before images of beginImage() can be read. `record` must not
+  /// throw; it may own objects, which live as long as staging memory.
   void commands(std::function<void(VkCommandBuffer)> record);
   void flush();
 
