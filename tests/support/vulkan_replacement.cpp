@@ -7,6 +7,7 @@
 #include <string>
 
 #include "ibr/device.h"
+#include "ibr/error.h"
 
 namespace ibr::test {
 namespace {
