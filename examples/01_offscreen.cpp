@@ -1,43 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// Minimal example: creates a device, loads a scene, plans a frame, records it and writes the image.
+// The shortest way to a picture: creates a device, loads a scene, plans a frame, records it and writes the image.
 //
 //   01_offscreen SCENE PICTURE.ppm
 #include <ibr/ibr.h>
 
 #include <cstdio>
-#include <fstream>
 #include <numbers>
+
+#include "vulkan_helpers.h"
 
 int main(int argc, char** argv) try {
   if (argc != 3) {
     std::fputs("usage: 01_offscreen SCENE PICTURE.ppm\n", stderr);
     return 1;
   }
+  constexpr VkExtent2D kSize{960, 540};
   ibr::Device device = ibr::Device::create();
   const ibr::Scene scene = ibr::loadScene(argv[1]);
-  const ibr::GpuScene gpuScene(device, scene);
+  ibr::GpuScene gpuScene(device, scene);
   const ibr::RenderSettings settings = ibr::preset(ibr::Preset::balanced, device.kind());
-  const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, {960, 540}));
-  ibr::Offscreen offscreen(device, {960, 540});
+  const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, kSize));
+  ibr::Offscreen offscreen(device, kSize);
 
-  // Put the camera in the middle of the first cell, looking as its first photograph does.
-  ibr::Camera view;
-  view.intrinsics = ibr::pinholeFromFov(960, 540, std::numbers::pi / 4);
-  const ibr::Cell& cell = scene.cells.at(0);
-  for (const std::uint32_t member : cell.members)
-    view.pose.position += scene.nodes[member].camera.pose.position / double(cell.members.size());
-  view.pose.rotation = scene.nodes[cell.members[0]].camera.pose.rotation;
+  // The camera stands halfway between the first two photographs of the first cell, and looks as the first one does.
+  const std::vector<std::uint32_t>& members = scene.cells.at(0).members;
+  ibr::Camera view = scene.nodes[members[0]].camera;
+  view.pose.position = (view.pose.position + scene.nodes[members[1]].camera.pose.position) / 2.0;
+  view.intrinsics = ibr::pinholeFromFov(int(kSize.width), int(kSize.height), std::numbers::pi / 4);
 
+  // A plan is plain data. An application makes one for each frame, and passes the previous plan's `next` along.
   const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, settings});
-  const ibr::Image8 picture =
-      offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  const ibr::Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
+    if (gpuScene.needsStreaming()) gpuScene.stream(commands, plan, 1, 0);  // large scenes load over several frames
+    renderer.record(commands, plan, offscreen.target());
+  });
 
-  std::ofstream file(argv[2], std::ios::binary);
-  file << "P6\n" << picture.width << ' ' << picture.height << "\n255\n";
-  for (std::size_t i = 0; i < picture.values.size(); i += 4)
-    file.write(reinterpret_cast<const char*>(&picture.values[i]), 3);
-  if (!file.flush()) throw ibr::Error(ibr::ErrorCode::io, std::string(argv[2]) + ": cannot be written");
-  std::printf("%s: %zu cells drawn on %s\n", argv[2], plan.cells.size(), device.name().c_str());
+  helpers::writePpm(argv[2], picture.values.data(), kSize.width, kSize.height);
+  std::printf("%s: %zu cells and %zu photographs drawn on %s\n", argv[2], plan.cells.size(), plan.photographs.size(),
+              device.name().c_str());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "01_offscreen: %s\n", error.what());
   return 2;

@@ -16,12 +16,16 @@ IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
 # Xvfb display that openbox manages; libx11 reads the viewer's window. mypy checks the types of the Python packages, and
 # python3-matplotlib draws the plot of their example.
 IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
-  openbox libx11-dev mypy python3-matplotlib"
+  openbox libx11-dev libvulkan-volk-dev pkg-config mypy
+  python3-matplotlib"
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.
 IBR_PACKAGES_XR="g++ cmake ninja-build pkg-config python3 glslang-tools xz-utils libvulkan-dev libeigen3-dev
   libxcb-randr0-dev libx11-xcb-dev mesa-vulkan-drivers"
+
+# Packages to build and try Debian packages (cmake/debian).
+IBR_PACKAGES_DEBIAN="git dpkg-dev debhelper dh-python lintian fakeroot mmdebstrap"
 
 # missing_packages PACKAGE…: prints the names of packages that are not installed.
 missing_packages() {

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "base/vulkan/submit.h"
 #include "shared/camera/view_text.h"
 #include "viewer/control/job_plans.h"
 #include "viewer/control/screenshot.h"
@@ -79,7 +80,7 @@ void ViewerSession::startVideoJob() {
 void ViewerSession::takeScreenshot(const fs::path& file) {
   OpenItem* item = viewer_.item();
   check(item && sceneImage_, ErrorCode::invalidInput, "{}: no screenshot: no scene is open", file.string());
-  vkDeviceWaitIdle(device_.handle());
+  waitIdle(device_);
   const VkExtent2D extent = sceneImage_->target().extent;
   const Image8 image = currentItemOnDevice()->picture(extent, frame_);
   writeScreenshot(file, image, *item, extent, options_.gpuScene);

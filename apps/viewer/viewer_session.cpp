@@ -11,6 +11,8 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
+#include "base/vulkan/submit.h"
 #include "viewer/control/controls.h"
 
 namespace ibr::app {
@@ -56,7 +58,7 @@ ViewerSession::ViewerSession(Window& window, Interface& interface, Viewer& viewe
 }
 
 ViewerSession::~ViewerSession() {
-  vkDeviceWaitIdle(device_.handle());
+  waitIdle(device_);
 }
 
 double ViewerSession::pause() const {
@@ -135,7 +137,7 @@ void ViewerSession::releaseClosedItems() {
   std::erase_if(itemsOnDevice_, [&](const auto& entry) {
     const bool closed =
         std::ranges::none_of(viewer_.items, [&](const auto& item) { return item->number == entry.first; });
-    if (closed) vkDeviceWaitIdle(device_.handle());
+    if (closed) waitIdle(device_);
     return closed;
   });
   viewer_.onDevice = itemsOnDevice_.size();
@@ -144,7 +146,7 @@ void ViewerSession::releaseClosedItems() {
 void ViewerSession::recordImage(const Swapchain::Frame& frame, double seconds) {
   if (!sceneImage_ || sceneImage_->target().extent.width != frame.extent.width ||
       sceneImage_->target().extent.height != frame.extent.height) {
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     sceneImage_ = std::make_unique<Offscreen>(device_, frame.extent);
     imageOutdated_ = true;
   }
@@ -172,7 +174,7 @@ void ViewerSession::updateInterfaceScale() {
   const double scale = options_.interfaceScale > 0 ? options_.interfaceScale : double(window_.scale());
   const bool isNew = interface_.setScale(float(scale) * viewer_.interfaceScale);
   if (drawer_ && !isNew) return;
-  vkDeviceWaitIdle(device_.handle());
+  waitIdle(device_);
   drawer_.reset();  // ImGui supports one Vulkan backend at a time
   drawer_.emplace(device_, swapchain_.format(), kFramesInFlight);
   viewer_.resetLayout |= isNew;
@@ -240,7 +242,7 @@ bool ViewerSession::draw() {
     if (e.code() == ErrorCode::deviceLost || !viewer_.item()) throw;
     // Close a scene that cannot be drawn; the others stay open.
     viewer_.logMessage(LogLevel::error, fmt::format("{}: {}", viewer_.item()->name, e.what()));
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     viewer_.closeCurrent();
     redraws_ = 3;
     imageOutdated_ = true;
@@ -249,7 +251,7 @@ bool ViewerSession::draw() {
   if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
   const OpenItem* shown = viewer_.item();
   if (shown && !viewer_.firstPicture) {
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     viewer_.firstPicture = std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.begun).count();
   }
   window_.setTitle(shown ? shown->name + " - ibr" : "ibr");

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 
 namespace ibr::app {

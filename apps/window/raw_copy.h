@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "base/vulkan/functions.h"
+
 namespace ibr::app {
 
 /// Returns the UNORM format with the same bits: the format itself if UNORM, its counterpart if SRGB.

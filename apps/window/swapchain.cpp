@@ -265,7 +265,7 @@ void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) con
                                  .pCommandBufferInfos = &commands,
                                  .signalSemaphoreInfoCount = index ? 1u : 0u,
                                  .pSignalSemaphoreInfos = &signal};
-  const auto held = lockQueue(device_.queueMutex());
+  const QueueLock lock(device_);
   vk(device_, vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 
@@ -285,7 +285,7 @@ bool Swapchain::end(const Frame& frame) {
                                  .swapchainCount = 1,
                                  .pSwapchains = &swapchain_,
                                  .pImageIndices = &*index};
-  const auto held = lockQueue(device_.queueMutex());
+  const QueueLock lock(device_);
   if (!handleSurfaceResult(vkQueuePresentKHR(device_.queue(), &present), "vkQueuePresentKHR")) return false;
   losses_ = 0;
   return true;

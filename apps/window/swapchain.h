@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/vulkan/frame_slot.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/handle.h"
 #include "ibr/device.h"
@@ -25,7 +26,7 @@
 
 namespace ibr::app {
 
-using SemaphoreHandle = Handle<VkSemaphore, vkDestroySemaphore>;
+using SemaphoreHandle = Handle<VkSemaphore, &vkDestroySemaphore>;
 
 inline constexpr std::uint32_t kFramesInFlight = 2;
 

@@ -1,13 +1,14 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // Composes the canvas into the target: background and floor where nothing is drawn, and the transfer function for the
-// target's format. Constants disable unused inputs: some devices (lavapipe) execute both sides of every branch.
+// target's format and encoding. Constants disable unused inputs: some devices (lavapipe) execute both sides of every
+// branch.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/floor.h"
 #include "shared/hidden_area.h"
 
-layout(constant_id = 0) const bool kEncodedByTarget = false;  // an SRGB format
+layout(constant_id = 0) const bool kLinear = false;  // the target takes linear light, also to encode it itself
 layout(constant_id = 1) const bool kPrevious = false;           // two draw orders are cross-faded
 layout(constant_id = 2) const bool kFill = false;
 layout(constant_id = 3) const bool kScaled = false;  // the image in the canvas has another size than the target
@@ -82,5 +83,5 @@ vec4 picture(vec2 at, vec4 back) {
 void main() {
   const vec2 at = kScaled ? gl_FragCoord.xy * (canvasExtent / targetExtent) : gl_FragCoord.xy;
   const vec4 shown = picture(at, behind(at));
-  outColour = vec4(kEncodedByTarget ? decode(shown.rgb) : shown.rgb, keepTier != 0 ? shown.a : 1.0);
+  outColour = vec4(kLinear ? decode(shown.rgb) : shown.rgb, keepTier != 0 ? shown.a : 1.0);
 }

@@ -3,8 +3,10 @@
 // leaks when the device is destroyed.
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <optional>
 
 #include "base/vulkan/submit.h"
+#include "gpu/draw/multiview.h"
 #include "ibr/htm.h"
 #include "ibr/optimiser.h"
 #include "ibr/template_search_pass.h"
@@ -90,6 +92,51 @@ TEST_CASE("a scene can be opened and rendered after a failure of any Vulkan call
   const WalkedFaults walked = outOfMemory(
       "open and show", [&] { expectSame(show(), expected); }, false, 3);
   CHECK(walked.failures > 60);
+}
+
+TEST_CASE("a scene made with uploads can be opened after a failure of any Vulkan call, which leaves no uploads",
+          "[P10]") {
+  const SmallScene place;
+  Device device = newDevice();
+  const FramePlan plan = place.plan({});
+  const Image8 expected = place.pictures(device, place.open(device), plan)[0];
+  const auto show = [&] {
+    Uploads uploads(device);
+    std::optional<GpuScene> scene;
+    try {
+      scene.emplace(place.open(device, {.uploads = &uploads}));
+    } catch (const Error&) {
+      CHECK(uploads.empty());
+      CHECK(uploads.bytes() == 0);
+      throw;
+    }
+    RendererOptions options = optionsFor(plan.settings, {48, 36});
+    options.uploads = &uploads;
+    const std::uint64_t bytes = uploads.bytes();
+    std::optional<Renderer> renderer;
+    try {
+      renderer.emplace(device, *scene, options);
+    } catch (const Error&) {
+      CHECK(uploads.bytes() == bytes);
+      throw;
+    }
+    Offscreen offscreen(device, {48, 36});
+    return offscreen.render([&](VkCommandBuffer commands) {
+      uploads.record(commands);
+      renderer->record(commands, plan, offscreen.target());
+    });
+  };
+  const WalkedFaults walked = outOfMemory(
+      "open with uploads", [&] { expectSame(show(), expected); }, false, 5);
+  CHECK(walked.failures > 20);
+}
+
+TEST_CASE("multiview can be probed after a failure of any Vulkan call", "[P10]") {
+  const Device device = newDevice();
+  if (!device.supportsMultiview()) return;
+  const bool works = probeMultiview(device);
+  const WalkedFaults walked = outOfMemory("multiview probe", [&] { expectSame(probeMultiview(device), works); });
+  CHECK(walked.failures > 10);
 }
 
 TEST_CASE("every pass can be created and drawn after a failure of any Vulkan call") {

@@ -7,16 +7,17 @@
 #include <numeric>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/submit.h"
 #include "command_buffers.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/upload.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_scale_comp.h"
 #include "support/gpu.h"
+#include "support/upload_buffer.h"
 #include "test_picture.h"
 
 using namespace ibr;
@@ -162,7 +163,7 @@ TEST_CASE("a compute pass reads and writes a buffer") {
       testDevice(), values.size() * 4,
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
       MemoryKind::device, "values");
-  uploadBuffer(testDevice(), buffer, 0, std::as_bytes(std::span(values)));
+  test::uploadBuffer(testDevice(), buffer, 0, std::as_bytes(std::span(values)));
 
   const VkDescriptorSetLayoutBinding bindings[]{
       {0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr}};

@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/handle.h"
 #include "ibr/device.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "base/vulkan/functions.h"
 #include "support/gpu.h"
 #include "support/handmade_device.h"
 #include "support/temporary_folder.h"

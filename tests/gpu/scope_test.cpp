@@ -5,6 +5,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 #include "support/gpu.h"
 #include "support/skipped.h"

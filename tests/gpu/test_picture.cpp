@@ -4,15 +4,16 @@
 #include <span>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/upload.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_coloured_frag.h"
 #include "shaders/test_coloured_vert.h"
 #include "shaders/test_copy_frag.h"
 #include "shaders/test_screen_vert.h"
+#include "support/upload_buffer.h"
 
 namespace ibr::test {
 namespace {

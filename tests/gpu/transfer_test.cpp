@@ -2,14 +2,19 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "command_buffers.h"
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/upload.h"
+#include "support/error_of.h"
 #include "support/gpu.h"
+#include "support/handmade_device.h"
+#include "support/upload_buffer.h"
 
 using namespace ibr;
 using test::testDevice;
@@ -78,11 +83,11 @@ TEST_CASE("host buffers are mapped and keep written bytes, device buffers are no
 TEST_CASE("replacing a part of a buffer keeps the rest") {
   const Buffer buffer = deviceBuffer(1000);
   Bytes expected = pattern(1000, 1);
-  uploadBuffer(testDevice(), buffer, 0, expected);
+  test::uploadBuffer(testDevice(), buffer, 0, expected);
   const Bytes part = pattern(333, 2);
-  uploadBuffer(testDevice(), buffer, 77, part);
+  test::uploadBuffer(testDevice(), buffer, 77, part);
   std::copy(part.begin(), part.end(), expected.begin() + 77);
-  uploadBuffer(testDevice(), buffer, 1000, {});
+  test::uploadBuffer(testDevice(), buffer, 1000, {});
   CHECK(readBuffer(testDevice(), buffer) == expected);
 }
 
@@ -92,7 +97,7 @@ TEST_CASE("uploads larger than the staging buffer arrive completely") {
   const VkExtent2D extent{701, 1001};  // 2.7 MiB: three pieces, none of a divisor's size
   const Bytes pixels = pattern(std::size_t(4) * extent.width * extent.height, 4);
   const GpuImage image = texture(VK_FORMAT_R8G8B8A8_UNORM, extent);
-  Uploader uploader(testDevice(), 1);  // raised to the minimum
+  Uploader uploader(testDevice(), nullptr, 1);  // raised to the minimum
   uploader.buffer(buffer, 0, bytes);
   uploader.image(image, 0, 0, extent, pixels);
   uploader.flush();
@@ -205,10 +210,137 @@ TEST_CASE("an empty upload is allowed") {
   uploader.flush();
 }
 
+TEST_CASE("levels and layers of an image announced as a whole are uploaded in pieces, in any order") {
+  const VkExtent2D extent{600, 301};  // 0.7 MiB: several staging buffers
+  const GpuImage image = texture(VK_FORMAT_R8G8B8A8_UNORM, extent, 3, 10);
+  const auto levelExtent = [&](std::uint32_t level) {
+    return VkExtent2D{std::max(1u, extent.width >> level), std::max(1u, extent.height >> level)};
+  };
+  const auto levelBytes = [&](std::uint32_t layer, std::uint32_t level) {
+    return pattern(std::size_t(4) * levelExtent(level).width * levelExtent(level).height, 10 * layer + level);
+  };
+  const bool collected = GENERATE(false, true);
+  CAPTURE(collected);
+  Uploads uploads(testDevice());
+  Uploader uploader(testDevice(), collected ? &uploads : nullptr, 1);
+  uploader.beginImage(image);
+  for (std::uint32_t layer = 3; layer-- > 0;)
+    for (std::uint32_t level = 0; level < 10; ++level)
+      uploader.image(image, layer, level, levelExtent(level), levelBytes(layer, level));
+  uploader.flush();
+  if (collected) submitAndWait(testDevice(), [&](VkCommandBuffer commands) { uploads.record(commands); });
+  for (std::uint32_t layer = 0; layer < 3; ++layer)
+    for (std::uint32_t level = 0; level < 10; ++level)
+      CHECK(read(image, levelExtent(level), 4, layer, level) == levelBytes(layer, level));
+}
+
+TEST_CASE("block-compressed levels of any size are uploaded", "[bc]") {
+  if (!testDevice().supportsBlockCompression()) return;
+  const VkExtent2D extent{13, 6};
+  const GpuImage image = texture(VK_FORMAT_BC7_UNORM_BLOCK, extent, 1, 4);
+  Uploader uploader(testDevice());
+  std::vector<Bytes> levels;
+  for (std::uint32_t level = 0; level < 4; ++level) {
+    const VkExtent2D size{std::max(1u, extent.width >> level), std::max(1u, extent.height >> level)};
+    levels.push_back(pattern(std::size_t(16) * ((size.width + 3) / 4) * ((size.height + 3) / 4), level));
+    uploader.image(image, 0, level, size, levels.back());
+  }
+  uploader.flush();
+  const Buffer blocks = deviceBuffer(levels[0].size());
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+    transition(commands, image.get(), use::kSampled, use::kTransferSource);
+    const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                   .imageExtent = {extent.width, extent.height, 1}};
+    vkCmdCopyImageToBuffer(commands, image.get(), use::kTransferSource.layout, blocks.get(), 1, &region);
+  });
+  CHECK(readBuffer(testDevice(), blocks) == levels[0]);
+}
+
+TEST_CASE("collected uploads are recorded in order, more than once, and dropped") {
+  const Buffer buffer = deviceBuffer(64), large = deviceBuffer((VkDeviceSize(5) << 20) + 13);
+  const GpuImage image = texture(VK_FORMAT_R8_UNORM, {64, 64});
+  Bytes expected = pattern(64, 1);
+  const Bytes part = pattern(40, 2), bytes = pattern(large.size(), 3), pixels = pattern(4096, 4);
+  Uploads uploads(testDevice());
+  CHECK(uploads.empty());
+  CHECK(uploads.bytes() == 0);
+  {
+    Uploader uploader(testDevice(), &uploads);
+    uploader.buffer(buffer, 0, expected);
+    uploader.image(image, 0, 0, {64, 64}, pattern(4096, 5));
+    uploader.buffer(buffer, 8, part);  // overlaps the first one
+    uploader.image(image, 0, 0, {64, 64}, pixels);
+    uploader.buffer(large, 0, bytes);
+    CHECK(uploads.empty());
+    uploader.flush();
+  }
+  std::copy(part.begin(), part.end(), expected.begin() + 8);
+  CHECK_FALSE(uploads.empty());
+  CHECK(uploads.bytes() >= bytes.size());
+
+  int records = 0;
+  {
+    Uploader uploader(testDevice(), &uploads);
+    const auto zeros =
+        std::make_shared<Buffer>(testDevice(), 4, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload, "zeros");
+    std::ranges::fill(zeros->mapped(), std::byte(0));
+    uploader.commands([&, zeros](VkCommandBuffer commands) {
+      ++records;
+      const VkBufferCopy region{0, 60, 4};
+      vkCmdCopyBuffer(commands, zeros->get(), buffer.get(), 1, &region);
+      bufferBarrier(commands, use::kTransferWrite, use::kAllCommands);
+    });
+    uploader.flush();
+  }
+  std::fill(expected.begin() + 60, expected.end(), std::byte(0));
+  const auto expectUploaded = [&] {
+    CHECK(readBuffer(testDevice(), buffer) == expected);
+    CHECK(readBuffer(testDevice(), large) == bytes);
+    CHECK(read(image, {64, 64}, 1) == pixels);
+  };
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+    uploads.record(commands);
+    uploads.record(commands);
+  });
+  CHECK(records == 2);
+  expectUploaded();
+  test::uploadBuffer(testDevice(), buffer, 0, pattern(64, 9));
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) { uploads.record(commands); });
+  expectUploaded();
+
+  uploads.clear();
+  CHECK(uploads.empty());
+  CHECK(uploads.bytes() == 0);
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) { uploads.record(commands); });
+  CHECK(records == 3);
+}
+
+TEST_CASE("uploads that were not flushed are dropped, with and without Uploads") {
+  const Buffer buffer = deviceBuffer(64);
+  const Bytes expected = pattern(64, 1);
+  test::uploadBuffer(testDevice(), buffer, 0, expected);
+  Uploads uploads(testDevice());
+  for (Uploads* into : {static_cast<Uploads*>(nullptr), &uploads})
+    Uploader(testDevice(), into).buffer(buffer, 0, pattern(64, 2));
+  CHECK(uploads.empty());
+  CHECK(uploads.bytes() == 0);
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) { uploads.record(commands); });
+  CHECK(readBuffer(testDevice(), buffer) == expected);
+}
+
+TEST_CASE("uploads of another device are refused") {
+  const test::HandmadeDevice handmade;
+  const Device other = Device::adopt(handmade.handles());
+  Uploads uploads(other);
+  const Error error = test::errorOf([&] { Uploader(testDevice(), &uploads); });
+  CHECK(error.code() == ErrorCode::invalidInput);
+  CHECK_THAT(error.what(), Catch::Contains("another device"));
+}
+
 TEST_CASE("buffers and images can be moved") {
   const Bytes bytes = pattern(64, 7);
   Buffer a = deviceBuffer(64);
-  uploadBuffer(testDevice(), a, 0, bytes);
+  test::uploadBuffer(testDevice(), a, 0, bytes);
   const VkBuffer handle = a.get();
   Buffer b = std::move(a);
   CHECK(a.get() == VK_NULL_HANDLE);

@@ -7,6 +7,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 #include "command_buffers.h"
 #include "support/gpu.h"

@@ -63,15 +63,18 @@ const RendererOptions kOptions{.colour = ColourSupport::all, .blends = {BlendMod
 // The passes alone, with a canvas that holds one full-size tile a cell.
 class Passes {
  public:
-  Passes(const SyntheticScene& place, std::uint32_t capacity = 0)
+  Passes(const SyntheticScene& place, std::uint32_t capacity = 0) : Passes(place, capacity, Uploader(testDevice())) {}
+  Passes(const SyntheticScene& place, std::uint32_t capacity, Uploader&& uploader)
       : place_(place),
         bounds_(sceneBounds(place_.scene)),
         scene_(testDevice(), place_.scene, {.source = photographsOf(place_)}),
         canvas_(testDevice(), {640, 480}, ColourMapPass::canvasUse(ColourSupport::all)),
-        tables_(testDevice(), capacity ? capacity : std::uint32_t(place_.scene.cells.size())),
-        cells_(testDevice(), scene_, canvas_.renderPass(), kOptions, requirementsOf(place_.scene, kOptions),
+        tables_(testDevice(), capacity ? capacity : std::uint32_t(place_.scene.cells.size()), uploader),
+        cells_(testDevice(), scene_, canvas_.renderPass(), kOptions, requirementsOf(place_.scene, kOptions), uploader,
                tables_.tables()),
-        pass_(testDevice(), tables_, cells_, canvas_, kOptions) {}
+        pass_(testDevice(), tables_, cells_, canvas_, kOptions) {
+    uploader.flush();
+  }
 
   FramePlan plan(const Camera& view, const RenderSettings& settings) const {
     return planFrame(place_.scene, bounds_, {{view}, settings});

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
@@ -70,15 +71,18 @@ shader::ColourFrame frameOf(std::uint32_t count) {
 
 class Bench {
  public:
-  explicit Bench(std::uint32_t cells)
-      : tables_(testDevice(), cells),
+  explicit Bench(std::uint32_t cells) : Bench(cells, Uploader(testDevice())) {}
+  Bench(std::uint32_t cells, Uploader&& uploader)
+      : tables_(testDevice(), cells, uploader),
         rows_(int((cells + kColumns - 1) / kColumns)),
         proxy_(testDevice(),
                {.format = VK_FORMAT_R8G8B8A8_UNORM,
                 .extent = {kColumns * kWidth, std::uint32_t(rows_ * kHeight)},
                 .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
                "proxy"),
-        set_(tables_.makeSet(testDevice(), proxy_.view(), VK_NULL_HANDLE)) {}
+        set_(tables_.makeSet(testDevice(), proxy_.view(), VK_NULL_HANDLE)) {
+    uploader.flush();
+  }
 
   std::vector<reference::CellTable> run(const std::vector<Image8>& pictures, const shader::ColourFrame& frame) {
     Image8 atlas(kColumns * kWidth, rows_ * kHeight, 4);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/vulkan/functions.h"
 #include "reference/cell_pass_reference.h"
 #include "reference/stage.h"
 #include "support/gpu.h"

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
+#include "reference/stored_colours.h"
 #include "shared/overlay.h"
 #include "support/gpu.h"
 
@@ -32,12 +35,16 @@ ImageGraph graph() {
   return all;
 }
 
-Image8 drawn(const ImageGraph& all, const Camera& view, const std::vector<std::uint32_t>& best,
-             VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) {
+template <class T>
+using Picture = Image<T> (Offscreen::*)(const std::function<void(VkCommandBuffer)>&);
+
+template <class T>
+Image<T> drawn(const ImageGraph& all, const Camera& view, const std::vector<std::uint32_t>& best, TargetFormat format,
+               Picture<T> picture) {
   const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
   const GraphOverlay overlay(testDevice(), all, {.frustumDepth = kDepth, .formats = {format}});
   Offscreen offscreen(testDevice(), extent, format);
-  return offscreen.render([&](VkCommandBuffer commands) {
+  return (offscreen.*picture)([&](VkCommandBuffer commands) {
     Target target = offscreen.target();
     transition(commands, target.image, use::kUndefined, use::kTransferDestination);
     const VkClearColorValue blue{.float32 = {0, 0, kBlue / 255.0f, kAlpha / 255.0f}};
@@ -46,6 +53,11 @@ Image8 drawn(const ImageGraph& all, const Camera& view, const std::vector<std::u
     target.initialUse = use::kTransferDestination;
     overlay.record(commands, view, best, target);
   });
+}
+
+Image8 drawn(const ImageGraph& all, const Camera& view, const std::vector<std::uint32_t>& best,
+             VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) {
+  return drawn(all, view, best, format, &Offscreen::render);
 }
 
 struct Segment {
@@ -183,6 +195,25 @@ TEST_CASE("lines are the same after moving the world and in each format") {
   CHECK(on > 100);
 }
 
+TEST_CASE("wide formats show the lines of the 8-bit format that blends the same values") {
+  const ImageGraph all = graph();
+  const Camera view = cameraAt({0.1, 0.05, 0.3}, 0.05);
+  struct Row {
+    TargetFormat wide;
+    VkFormat likewise;  // 8-bit format that blends display-encoded values, or linear light
+  };
+  for (const Row& row : {Row{VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM},
+                         Row{VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_R8G8B8A8_UNORM},
+                         Row{{VK_FORMAT_R16G16B16A16_SFLOAT, Encoding::linear}, VK_FORMAT_R8G8B8A8_SRGB}}) {
+    CAPTURE(row.wide.format, int(row.wide.encoding));
+    const Image8 picture = drawn(all, view, {0}, row.likewise);
+    const ImageF seen = drawn(all, view, {0}, row.wide, &Offscreen::renderFloat);
+    // Each of several lines over a pixel rounds the 8-bit value once more.
+    CHECK(wrongChannels(seen, picture, row.wide, 3) < picture.values.size() / 1000);
+    CHECK(wrongChannels(seen, Image8(picture.width, picture.height, 4), row.wide, 3) > picture.values.size() / 10);
+  }
+}
+
 TEST_CASE("lines through the eye or behind it do not fill the image") {
   const ImageGraph all = graph();
   Camera behind = cameraAt({0, 0, -9});
@@ -226,7 +257,9 @@ TEST_CASE("invalid graphs are refused by field and index") {
   const auto made = [&](GraphOverlayOptions options = {}) { GraphOverlay(testDevice(), all, options); };
   CHECK_NOTHROW(made());
   CHECK_THROWS_WITH(made({.frustumDepth = 0}), Catch::Contains("frustumDepth"));
-  CHECK_THROWS_WITH(made({.formats = {VK_FORMAT_R16G16B16A16_SFLOAT}}), Catch::Contains("VkFormat"));
+  CHECK_THROWS_WITH(made({.formats = {VK_FORMAT_R32G32B32A32_SFLOAT}}), Catch::Contains("VkFormat"));
+  CHECK_THROWS_WITH(made({.formats = {{VK_FORMAT_R8G8B8A8_SRGB, Encoding::linear}}}),
+                    Catch::Contains("display-encoded"));
   all.cells = {{0, 1}, {2, 4}};
   CHECK_THROWS_WITH(made(), Catch::Contains("cells[1]") && Catch::Contains("4"));
   all = graph();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"

@@ -74,7 +74,7 @@ class Stage {
     return planFrame(place_.scene, bounds_, {{view}, settings});
   }
   /// Renders an RGBA image. `plan.settings.alpha` selects the content of alpha.
-  Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+  Image8 render(const FramePlan& plan, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
     RendererOptions options = optionsFor(plan.settings, extent, format);

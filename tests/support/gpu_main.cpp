@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "ibr/error.h"
+#include "ibr/export.h"
 #include "support/gpu_session.h"
 #include "support/locale.h"
 #include "support/skipped.h"
@@ -12,7 +13,8 @@
 #ifdef __SANITIZE_ADDRESS__
 // Synchronisation validation of layer 1.3.239 leaks every command buffer's state through a reference cycle.
 // The leak suppressions are safe: the layer itself reports Vulkan objects that the library fails to destroy.
-extern "C" const char* __lsan_default_suppressions() {
+// Exported, since the sanitizer is a shared library.
+extern "C" IBR_API const char* __lsan_default_suppressions() {
   return "leak:libVkLayer_khronos_validation\n";
 }
 #endif

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/vulkan/functions.h"
 #include "support/gpu.h"
 
 namespace ibr::test {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/vulkan_faults.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <utility>
+
+#include "support/vulkan_replacement.h"
 
 namespace ibr::test {
 namespace {
@@ -37,9 +38,10 @@ bool isLost(const char* call) {
   return faults.lost;
 }
 
-template <class Function>
-Function next(const char* name) {
-  return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
+std::function<void(const char*)> queueWatch;
+
+void watched(const char* call) {
+  if (queueWatch) queueWatch(call);
 }
 
 }  // namespace
@@ -67,22 +69,21 @@ void resetMost() {
   memory.most = memory.bytes;
 }
 
-}  // namespace ibr::test
+void watchQueue(std::function<void(const char* call)> watch) {
+  queueWatch = std::move(watch);
+}
 
-using namespace ibr::test;
+namespace {
 
-#define IBR_FUNCTION(name, parameters) extern "C" VKAPI_ATTR VkResult VKAPI_CALL name parameters
-#define IBR_MAY_FAIL(name, parameters, arguments)            \
-  IBR_FUNCTION(name, parameters) {                           \
-    static const auto real = next<PFN_##name>(#name);        \
-    return failsNow(#name) ? faults.result : real arguments; \
+#define IBR_MAY_FAIL(name, parameters, arguments)                   \
+  IBR_REPLACE(VkResult, name, parameters) {                         \
+    return failsNow(#name) ? faults.result : real_##name arguments; \
   }
 // A simulated loss leaves the real device running: all other calls, e.g. vkDeviceWaitIdle, are forwarded.
-#define IBR_MAY_TELL_OF_LOSS(name, parameters, arguments)         \
-  IBR_FUNCTION(name, parameters) {                                \
-    static const auto real = next<PFN_##name>(#name);             \
-    if (failsNow(#name)) return faults.result;                    \
-    return isLost(#name) ? VK_ERROR_DEVICE_LOST : real arguments; \
+#define IBR_MAY_TELL_OF_LOSS(name, parameters, arguments)                \
+  IBR_REPLACE(VkResult, name, parameters) {                              \
+    if (failsNow(#name)) return faults.result;                           \
+    return isLost(#name) ? VK_ERROR_DEVICE_LOST : real_##name arguments; \
   }
 #define IBR_CREATE_MAY_FAIL(name, Info, Object)                                                                    \
   IBR_MAY_FAIL(name, (VkDevice device, const Info* info, const VkAllocationCallbacks* allocation, Object* object), \
@@ -137,8 +138,6 @@ IBR_MAY_FAIL(vkMapMemory,
 IBR_MAY_FAIL(vkResetCommandPool, (VkDevice device, VkCommandPool pool, VkCommandPoolResetFlags flags),
              (device, pool, flags))
 IBR_MAY_FAIL(vkResetFences, (VkDevice device, std::uint32_t count, const VkFence* fences), (device, count, fences))
-IBR_MAY_TELL_OF_LOSS(vkQueueSubmit2, (VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence),
-                     (queue, count, infos, fence))
 IBR_MAY_TELL_OF_LOSS(vkWaitForFences,
                      (VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all, std::uint64_t timeout),
                      (device, count, fences, all, timeout))
@@ -147,11 +146,27 @@ IBR_MAY_TELL_OF_LOSS(vkGetQueryPoolResults,
                       void* data, VkDeviceSize stride, VkQueryResultFlags flags),
                      (device, pool, first, count, size, data, stride, flags))
 
-IBR_FUNCTION(vkAllocateMemory, (VkDevice device, const VkMemoryAllocateInfo* info,
-                                const VkAllocationCallbacks* allocation, VkDeviceMemory* made)) {
-  static const auto real = next<PFN_vkAllocateMemory>("vkAllocateMemory");
+IBR_REPLACE(VkResult, vkQueueSubmit2, (VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence)) {
+  watched("vkQueueSubmit2");
+  if (failsNow("vkQueueSubmit2")) return faults.result;
+  return isLost("vkQueueSubmit2") ? VK_ERROR_DEVICE_LOST : real_vkQueueSubmit2(queue, count, infos, fence);
+}
+
+IBR_REPLACE(VkResult, vkQueueWaitIdle, (VkQueue queue)) {
+  watched("vkQueueWaitIdle");
+  return real_vkQueueWaitIdle(queue);
+}
+
+IBR_REPLACE(VkResult, vkDeviceWaitIdle, (VkDevice device)) {
+  watched("vkDeviceWaitIdle");
+  return real_vkDeviceWaitIdle(device);
+}
+
+IBR_REPLACE(VkResult, vkAllocateMemory,
+            (VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocation,
+             VkDeviceMemory* made)) {
   if (failsNow("vkAllocateMemory")) return faults.result;
-  const VkResult result = real(device, info, allocation, made);
+  const VkResult result = real_vkAllocateMemory(device, info, allocation, made);
   if (result == VK_SUCCESS) {
     const std::lock_guard lock(memoryMutex);
     allocations[*made] = info->allocationSize;
@@ -162,9 +177,7 @@ IBR_FUNCTION(vkAllocateMemory, (VkDevice device, const VkMemoryAllocateInfo* inf
   return result;
 }
 
-extern "C" VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDeviceMemory freed,
-                                                   const VkAllocationCallbacks* allocation) {
-  static const auto real = next<PFN_vkFreeMemory>("vkFreeMemory");
+IBR_REPLACE(void, vkFreeMemory, (VkDevice device, VkDeviceMemory freed, const VkAllocationCallbacks* allocation)) {
   {
     const std::lock_guard lock(memoryMutex);
     if (const auto found = allocations.find(freed); found != allocations.end()) {
@@ -173,5 +186,11 @@ extern "C" VKAPI_ATTR void VKAPI_CALL vkFreeMemory(VkDevice device, VkDeviceMemo
       allocations.erase(found);
     }
   }
-  real(device, freed, allocation);
+  real_vkFreeMemory(device, freed, allocation);
 }
+
+// Must follow all replacements.
+const bool installed = installVulkanReplacements();
+
+}  // namespace
+}  // namespace ibr::test

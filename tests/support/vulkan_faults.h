@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Injects faults into Vulkan. A program linked with vulkan_faults.cpp calls the loader through that file's functions of
-// the same names. They forward each call until the selected one fails. The library itself needs no support for this.
+// Injects faults into Vulkan. A program linked with vulkan_faults.cpp passes that file's functions to
+// Device::loadFunctions before main(). They forward each call to the loader until the selected one fails.
 //
 // Call from one thread only: the N-th call must be deterministic.
 #pragma once
@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -35,6 +36,10 @@ struct DeviceMemory {
 };
 DeviceMemory deviceMemory();
 void resetMost();
+
+/// Calls `watch` with the function's name before each vkQueueSubmit2, vkQueueWaitIdle and vkDeviceWaitIdle; empty: no
+/// call. Any thread may call these functions.
+void watchQueue(std::function<void(const char* call)> watch);
 
 /// Number of failed calls, and number of failures from which the code recovered without an Error.
 struct WalkedFaults {

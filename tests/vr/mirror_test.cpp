@@ -9,6 +9,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"

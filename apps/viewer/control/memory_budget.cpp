@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr::app {

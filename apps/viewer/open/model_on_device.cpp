@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/vulkan/submit.h"
 #include "ibr/offscreen.h"
 #include "shared/camera/mesh_pick.h"
 #include "shared/draw/graph_lines.h"
@@ -58,7 +59,7 @@ class ModelOnDevice final : public ItemOnDevice {
   }
 
   void rebuildPipelines() override {
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     graph_.reset();
     if (!renderer_) return;
     HtmRenderer fresh(device_, *gpuModel_, {.maxExtent = largest_, .formats = {format_}});
@@ -90,7 +91,7 @@ class ModelOnDevice final : public ItemOnDevice {
     if (model == model_) return;
     if (gpuModel_) {
       state_ = transferHtmState(*model, *model_, state_);
-      vkDeviceWaitIdle(device_.handle());
+      waitIdle(device_);
       gpuModel_->replace(*model, source);
       if (renderer_) renderer_->setModel(*gpuModel_);
     } else {
@@ -103,7 +104,7 @@ class ModelOnDevice final : public ItemOnDevice {
   void prepare(const Target& target) {
     const VkExtent2D& e = target.extent;
     if (renderer_ && largest_.width >= e.width && largest_.height >= e.height) return;
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     largest_ = {std::max(largest_.width, e.width), std::max(largest_.height, e.height)};
     format_ = target.format;
     renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.maxExtent = largest_, .formats = {target.format}});

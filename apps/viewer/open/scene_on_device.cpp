@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "base/stopwatch.h"
+#include "base/vulkan/submit.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/offscreen.h"
 #include "shared/draw/graph_lines.h"
@@ -111,7 +112,7 @@ class SceneOnDevice final : public ItemOnDevice {
   }
 
   void rebuildPipelines() override {
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     graph_.reset();
     probe_.reset();
     if (!renderer_) return;
@@ -143,7 +144,7 @@ class SceneOnDevice final : public ItemOnDevice {
   void prepare(const Target& target) {
     const RendererOptions needed = optionsNeeded(item_.settings, target.extent, target.format);
     if (renderer_ && canDraw(options_, needed)) return;
-    vkDeviceWaitIdle(device_.handle());
+    waitIdle(device_);
     renderer_.reset();  // release first, so that two renderers never hold memory at once
     options_ = needed;
     renderer_.emplace(device_, gpuScene_, options_);

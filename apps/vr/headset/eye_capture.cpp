@@ -2,6 +2,7 @@
 #include "vr/headset/eye_capture.h"
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr::app {
 

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr::app {
 namespace {

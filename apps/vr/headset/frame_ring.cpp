@@ -2,10 +2,10 @@
 #include "vr/headset/frame_ring.h"
 
 #include <limits>
-#include <mutex>
 #include <vector>
 
-#include "base/vulkan/vulkan.h"
+#include "base/vulkan/functions.h"
+#include "base/vulkan/submit.h"
 
 namespace ibr::app {
 namespace {
@@ -23,8 +23,7 @@ FrameRing::FrameRing(const Device& device) : device_(device) {
 }
 
 FrameRing::~FrameRing() {
-  const std::lock_guard lock(*device_.queueMutex());
-  vkDeviceWaitIdle(device_.handle());  // a lost device counts as idle
+  waitIdle(device_);  // a lost device counts as idle
 }
 
 void FrameRing::wait() const {
@@ -58,7 +57,7 @@ void FrameRing::submit(const Frame& frame) {
                                            .commandBuffer = frame.commands};
   const VkSubmitInfo2 submission{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commands};
-  const std::lock_guard lock(*device_.queueMutex());
+  const QueueLock lock(device_);
   vk(device_, vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 

@@ -16,7 +16,6 @@ class FrameRing {
  public:
   static constexpr std::uint32_t kSlots = 2;
 
-  /// The device must have a queueMutex.
   explicit FrameRing(const Device& device);
   FrameRing(const FrameRing&) = delete;
   FrameRing& operator=(const FrameRing&) = delete;

@@ -119,6 +119,7 @@ void Headset::makeVulkanInstance(const HeadsetOptions& options) {
 
   std::vector<std::string> names = needs.instanceExtensions;
   names.insert(names.end(), options.instanceExtensions.begin(), options.instanceExtensions.end());
+  ensureGlobalFunctions();
   std::optional<Validation> validation;
   if (options.validation) {
     validation.emplace(messages_);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline_cache.h"
 #include "base/vulkan/validation.h"
 #include "ibr/device.h"

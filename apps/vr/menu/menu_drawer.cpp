@@ -3,6 +3,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "vr/menu/menu_canvas.h"
 #include "window/raw_copy.h"
 

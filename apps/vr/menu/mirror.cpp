@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "window/raw_copy.h"
 
 namespace ibr::app {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 #include <span>
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "shaders/shapes_frag.h"
@@ -25,24 +25,6 @@ struct Constants {
   float strength;
 };
 constexpr std::uint32_t kConstantBytes = sizeof(glm::mat4) + sizeof(float);
-
-// Projects camera axes to clip space: pixels as in conventions.h, depth from 0 at `near` to 1 at `far` along −z.
-glm::dmat4 projection(const Intrinsics& k, double near, double far) {
-  const double offset = far / (far - near);
-  glm::dmat4 m(0.0);
-  m[0] = {2 * k.fx / k.width, 0, 0, 0};
-  m[1] = {0, -2 * k.fy / k.height, 0, 0};
-  m[2] = {1 - 2 * k.cx / k.width, 1 - 2 * k.cy / k.height, -offset, -1};
-  m[3] = {0, 0, -near * offset, 0};
-  return m;
-}
-
-glm::dmat4 toCamera(const Pose& pose) {
-  const glm::dquat back = glm::conjugate(pose.rotation);
-  glm::dmat4 m = glm::mat4_cast(back);
-  m[3] = glm::dvec4(-(back * pose.position), 1);
-  return m;
-}
 
 }  // namespace
 
@@ -99,7 +81,7 @@ void ShapesPass::record(VkCommandBuffer commands, std::uint32_t slot, const Came
   const VkBuffer buffer = s.vertices.get();
   const VkDeviceSize start = 0;
   vkCmdBindVertexBuffers(commands, 0, 1, &buffer, &start);
-  const glm::dmat4 lens = projection(eye.intrinsics, nearPlane, farPlane);
+  const glm::dmat4 lens = clipFromCamera(eye.intrinsics, nearPlane, farPlane);
   const auto draw = [&](const PipelineHandle& pipeline, const glm::dmat4& toClip, float strength, std::uint32_t first,
                         std::uint32_t count) {
     if (count == 0) return;
@@ -108,7 +90,7 @@ void ShapesPass::record(VkCommandBuffer commands, std::uint32_t slot, const Came
     vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, kConstantBytes, &constants);
     vkCmdDraw(commands, count, 1, first, 0);
   };
-  const glm::dmat4 space = lens * toCamera(eye.pose);
+  const glm::dmat4 space = lens * cameraFromWorld(eye.pose);
   draw(untested_, space, kOccludedOpacity, 0, s.inSpace);
   draw(tested_, space, 1, 0, s.inSpace);
   draw(untested_, lens, 1, s.inSpace, s.onView);

@@ -2,6 +2,7 @@
 // VrApp: draws both eyes' images, the runtime's layers and the mirror.
 #include "base/stopwatch.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/rendering.h"
 #include "ibr/error.h"
 #include "vr/show/vr_app.h"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/scene.h"
 
 namespace ibr {
@@ -27,14 +28,14 @@ enum class AdviceKind : std::uint8_t {
   row,        // all capture sites lie in one row
 };
 /// Returns the enumerator's name ("tooFew", "apart", …), for reports.
-const char* adviceKindName(AdviceKind kind) noexcept;
+IBR_API const char* adviceKindName(AdviceKind kind) noexcept;
 
 enum class Severity : std::uint8_t {
   hint,     // the scene could show more
   warning,  // image quality suffers
   serious,  // almost nothing can be shown, or not from everywhere
 };
-const char* severityName(Severity severity) noexcept;  // "hint", "warning", "serious"
+IBR_API const char* severityName(Severity severity) noexcept;  // "hint", "warning", "serious"
 
 struct Advice {
   AdviceKind kind;
@@ -70,6 +71,6 @@ struct AdviceOptions {
 /// Returns advice on a scene. Apart from indices, the result does not depend on the order of nodes and cells, nor on
 /// the world's position, rotation and scale. Textures that cannot be read are skipped. Throws Error{invalidInput} for a
 /// scene in which validate() finds a fault.
-CaptureAdvice adviseCapture(const Scene& scene, const AdviceOptions& options = {});
+IBR_API CaptureAdvice adviseCapture(const Scene& scene, const AdviceOptions& options = {});
 
 }  // namespace ibr

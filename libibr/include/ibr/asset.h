@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <optional>
 
+#include "ibr/export.h"
+
 namespace ibr {
 
 enum class AssetKind { scene, htmModel, htmSequence };
 
 /// Returns a folder's kind by the name of the file in it, and a file's kind by its JSON content. nullopt: no such kind,
 /// or not readable. Opens no other files.
-std::optional<AssetKind> assetKind(const std::filesystem::path& path) noexcept;
+IBR_API std::optional<AssetKind> assetKind(const std::filesystem::path& path) noexcept;
 
 }  // namespace ibr

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <limits>
 #include <optional>
 
 #include "ibr/conventions.h"
+#include "ibr/export.h"
 
 namespace ibr {
 
@@ -33,29 +36,39 @@ struct Camera {
 
 /// Returns a pinhole with square pixels and a centred principal point; fovYRadians is the vertical field of view.
 /// Throws Error{invalidInput} unless width, height >= 1 and 0 < fovYRadians < π.
-Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
+IBR_API Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
 
 /// Returns a pinhole from the tangents of its four edges, as headsets have them (OpenXR's XrFovf holds the angles): x
 /// right, y up on the plane z = −1. Left and down are negative where the viewing axis lies inside the image. Throws
 /// Error{invalidInput} unless width, height >= 1, left < right, down < up, and all edges are < 89.95° off the axis.
-Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down);
+IBR_API Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down);
 
 /// Returns the viewing direction of a pixel: unit, camera axes. The pixel may lie outside the image. Throws
 /// Error{invalidInput} where the pixel is not finite, or the intrinsics give no finite direction.
-glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);
+IBR_API glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
 /// Returns the pixel at which a direction of any length (camera axes) is seen; the pixel may lie outside the image.
 /// nullopt for directions that a pinhole does not face (z >= 0), zero or non-finite directions, and non-finite pixels.
-std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dvec3 direction);
+IBR_API std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dvec3 direction);
 
 /// Returns the camera's viewing axis in world axes; unit if the rotation is.
-glm::dvec3 viewAxis(const Pose& pose);
+IBR_API glm::dvec3 viewAxis(const Pose& pose);
+
+/// Matrices for a renderer of the caller: the model matrix of what stands in camera axes, and the view matrix.
+glm::dmat4 worldFromCamera(const Pose& pose);
+glm::dmat4 cameraFromWorld(const Pose& pose);
+
+/// Returns the projection matrix of a pinhole, from camera axes to Vulkan's clip space. Pixels are those of project();
+/// depth is 0 at nearPlane and 1 at farPlane, reversed 1 and 0, as in a DepthTarget (ibr/target.h). Throws
+/// Error{invalidInput} unless 0 < nearPlane < farPlane, and for intrinsics without a finite matrix.
+glm::dmat4 clipFromCamera(const Intrinsics& pinhole, double nearPlane,
+                          double farPlane = std::numeric_limits<double>::infinity(), bool reversed = false);
 
 /// Angle between two rotations, radians.
-double angleBetween(const glm::dquat& a, const glm::dquat& b);
+IBR_API double angleBetween(const glm::dquat& a, const glm::dquat& b);
 
 /// Returns the intrinsics for the image scaled to width × height, in the same pixel convention. Throws
 /// Error{invalidInput} unless all sizes are >= 1.
-Intrinsics resized(const Intrinsics& intrinsics, int width, int height);
+IBR_API Intrinsics resized(const Intrinsics& intrinsics, int width, int height);
 
 }  // namespace ibr

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A Vulkan device: created by libibr, or adopted from the caller (an engine, an OpenXR runtime).
 //
-// No global state: a process may use several devices. One thread at a time uses a Device. Objects made from a Device
-// must be destroyed before it. The caller synchronises the queue of an adopted device externally, or passes a mutex.
-// With a mutex, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
+// A process may use several devices. Its only state is the table of Vulkan functions (Device::loadFunctions) with the
+// number of devices. One thread at a time uses a Device. Objects made from a Device must be destroyed before it.
+// Constructors that upload submit on its queue and wait, unless they get Uploads (ibr/uploads.h).
+//
+// The queue of an adopted device: the caller synchronises its use externally, or passes a lock (DeviceHandles). With a
+// lock, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -11,6 +14,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,9 +22,12 @@
 #include <vector>
 
 #include "ibr/device_kind.h"
+#include "ibr/export.h"
 #include "ibr/log.h"
 
 namespace ibr {
+
+class DeviceAllocator;  // ibr/device_memory.h
 
 /// Vulkan's feature structures. Call link() on the object that is passed to Vulkan; copying does not chain the copy.
 struct DeviceFeatures {
@@ -31,7 +38,7 @@ struct DeviceFeatures {
 
   /// Chains core → 1.1 → 1.2 → 1.3 → next and returns the head, for VkDeviceCreateInfo::pNext. The chain is valid while
   /// *this lives and is not moved.
-  const VkPhysicalDeviceFeatures2* link(void* next = nullptr);
+  IBR_API const VkPhysicalDeviceFeatures2* link(void* next = nullptr);
 };
 
 /// Requirements on an adopted device, as data to merge into the caller's own create-infos.
@@ -58,9 +65,17 @@ struct DeviceOptions {
   /// Device::optionalFeatureNames(), separated by commas; "" = IBR_DISABLE_FEATURES. Throws Error{invalidInput} for an
   /// unknown name.
   std::string disabledFeatures;
+  DeviceAllocator* allocator = nullptr;  // of all device memory; null: vkAllocateMemory for each buffer and image
 };
 
 /// Borrowed handles; the caller keeps ownership. The device must have been created with all of Device::requirements().
+///
+/// The lock of the queue is either a mutex or a pair of callbacks. It is held while libibr submits to the queue, waits
+/// for the queue or waits for the device, and at no other time: not during recording, not while waiting for a fence.
+/// These calls submit or wait: constructors that upload (GpuScene, Renderer, GpuHtmModel, …), Offscreen::render,
+/// align() and other functions that return results of the device. Calls that only record never take the lock:
+/// Renderer::record, GpuScene::stream, ScopeTimer. The callbacks run in pairs on the calling thread. They must not
+/// throw or call libibr.
 struct DeviceHandles {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
@@ -69,9 +84,11 @@ struct DeviceHandles {
   std::uint32_t queueFamily = 0;
   DeviceFeatures optionalFeatures;  // VK_TRUE for those of requirements().optionalFeatures that were enabled
   LogCallback log;
-  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // optional; pipelines are created with it
-  std::mutex* queueMutex = nullptr;                // held while the queue is used; null: one thread uses the queue
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;                  // optional; pipelines are created with it
+  std::mutex* queueMutex = nullptr;                                // null and no callbacks: one thread uses the queue
+  std::function<void()> lockQueue, unlockQueue;                    // both or none; not together with queueMutex
   const std::atomic<std::uint64_t>* validationMessages = nullptr;  // optional; counted by the caller's messenger
+  DeviceAllocator* allocator = nullptr;                            // as DeviceOptions::allocator
 };
 
 constexpr DeviceKind deviceKindOf(VkPhysicalDeviceType type) noexcept {
@@ -89,18 +106,31 @@ struct DeviceDescription {
   std::optional<std::uint32_t> queueFamily;  // first one that meets the requirements
 };
 
-class Device {
+class IBR_API Device {
  public:
+  /// Makes libibr call the caller's Vulkan functions, as getInstanceProcAddr(instance, name) returns them. Without this
+  /// call, they are loaded from libvulkan.so.1 when first needed. libibr references no symbol of the loader, so that a
+  /// program may define pointers with the names of its functions (volk). The functions must serve all instances and
+  /// devices of the process, as those of the loader do. `instance` VK_NULL_HANDLE: loads only what creates an instance;
+  /// create(), list() and adopt() then load the rest from their first instance.
+  ///
+  /// Call while no Device exists and no other thread uses libibr. Throws Error{invalidInput} if a Device exists or the
+  /// function is null; Error{unsupported}, which names the first missing function. The functions then stay as they
+  /// were.
+  static void loadFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance = VK_NULL_HANDLE);
+
   /// Creates an instance and a device. Throws Error{unsupported}, which names for each physical device the reason for
-  /// its rejection; Error{invalidInput} as DeviceOptions::disabledFeatures says.
+  /// its rejection, or the missing loader; Error{invalidInput} as DeviceOptions::disabledFeatures says.
   static Device create(const DeviceOptions& options = {});
 
   /// Borrows the handles and never destroys them. Features that IBR_DISABLE_FEATURES names are not used. Throws
-  /// Error{unsupported} where the device is found to lack a requirement, Error{invalidInput} for a null handle.
+  /// Error{unsupported} where the device is found to lack a requirement, Error{invalidInput} for a null handle, half a
+  /// pair of callbacks, or a mutex beside them.
   static Device adopt(const DeviceHandles& handles);
 
   static DeviceRequirements requirements();
-  static std::vector<DeviceDescription> list();  // empty where no driver is installed
+  static std::vector<DeviceDescription> list();  // empty where no driver or no loader is installed
+  /// describe() and featuresFor() throw Error{invalidInput} if loadFunctions() had no instance and none has been used.
   static DeviceDescription describe(VkPhysicalDevice device);
   /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
   /// IBR_DISABLE_FEATURES does not name.
@@ -122,10 +152,13 @@ class Device {
   VkDevice handle() const noexcept;
   VkQueue queue() const noexcept;
   std::uint32_t queueFamily() const noexcept;
-  /// DeviceHandles::queueMutex of an adopted device; else null.
-  std::mutex* queueMutex() const noexcept;
+  /// The lock of DeviceHandles, for the caller's own use of queue(); no effect on a device without one. Not recursive.
+  void lockQueue() const;
+  void unlockQueue() const;
   /// The cache that all pipelines are created with; VK_NULL_HANDLE where an adopted device came without one.
   VkPipelineCache pipelineCache() const noexcept;
+  /// DeviceOptions::allocator or DeviceHandles::allocator; may be null.
+  DeviceAllocator* allocator() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
   /// BC1 and BC7 textures can be sampled: the optional feature textureCompressionBC.
@@ -152,7 +185,7 @@ class Device {
   /// their pipelines; objects made afterwards use the new shaders.
   std::uint64_t shaderGeneration() const noexcept;
 
-  struct State;
+  struct IBR_LOCAL State;
 
  private:
   friend State& stateOf(const Device& device) noexcept;

@@ -15,7 +15,9 @@
 #include <memory>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/optimiser.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -34,13 +36,15 @@ struct EccStar {
 
 /// Records moves and evaluations of one mesh. Move-only; the device must outlive it. One thread at a time uses it, with
 /// at most one submission in flight.
-class EccPass {
+class IBR_API EccPass {
  public:
-  /// Uploads mesh, pictures and positions: submits to the device's queue and waits. Uses the options instances,
+  /// Uploads mesh, pictures and positions: submits to the device's queue and waits, unless `uploads` collect the
+  /// uploads. Uses the options instances,
   /// definition, varianceFloor, rigidity, prune and scaledInstances. The alignment need not outlive the call. Throws
   /// Error: invalidInput as align(); unsupported without Device::supportsInt64, or where the pictures exceed the
   /// device's largest storage buffer; outOfMemory, deviceLost.
-  EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options = {});
+  EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options = {},
+          Uploads* uploads = nullptr);
   EccPass(EccPass&&) noexcept;
   EccPass& operator=(EccPass&&) noexcept;
   ~EccPass();
@@ -62,7 +66,7 @@ class EccPass {
   std::vector<std::vector<EccStar>> stars() const;         // picture × point
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "ibr/export.h"
+
 namespace ibr {
 
 enum class ErrorCode {
@@ -17,7 +19,7 @@ enum class ErrorCode {
   cancelled,     // a progress callback returned false
 };
 
-class Error : public std::runtime_error {
+class IBR_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
   ErrorCode code() const noexcept { return code_; }

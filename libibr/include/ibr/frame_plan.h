@@ -11,15 +11,13 @@
 
 #include <array>
 #include <cstdint>
-#include <glm/gtc/quaternion.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/conventions.h"
+#include "ibr/export.h"
 #include "ibr/render_settings.h"
 #include "ibr/scene.h"
 
@@ -68,7 +66,7 @@ struct SceneBounds {
   std::shared_ptr<Anchors> anchors;  // thread-safe
 };
 /// Precondition: validate(scene) is empty.
-SceneBounds sceneBounds(const Scene& scene);
+IBR_API SceneBounds sceneBounds(const Scene& scene);
 
 struct FrameInput {
   /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the
@@ -182,13 +180,13 @@ struct FramePlan {
 /// When the main cell changes, the previous draw order is cross-faded over switchSeconds, colours included; until then
 /// the main cell stays. Cells that change their rank behind the main cell fade one by one, also cells that are muted or
 /// drawn alone.
-FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
-                    const PlanState& state = {});
+IBR_API FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
+                            const PlanState& state = {});
 
 /// Distances in pixels of a view between common anchors of the plan's cells. One value for each pair of cells and each
 /// common anchor that both show inside the image. `corrected`: with the plan's corrections, otherwise without. Points
 /// that other cells hide count too.
-std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
-                                    std::size_t view, bool corrected);
+IBR_API std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
+                                            std::size_t view, bool corrected);
 
 }  // namespace ibr

@@ -28,9 +28,11 @@
 #include <memory>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -69,13 +71,16 @@ struct GpuSceneOptions {
   BlockTextureMode blocks = BlockTextureMode::automatic;
   TextureFilter filter = TextureFilter::automatic;
   LogCallback log;  // every reduction of quality, with its reason
+  /// Collects the uploads of the constructor instead of submitting and waiting (ibr/uploads.h), stand-ins of streamed
+  /// photographs included. Takes as much host memory as there is to upload; stagingBytes limits one buffer.
+  Uploads* uploads = nullptr;
 };
 
-/// Construction submits uploads on the device's queue and waits for them. Photographs that no mesh shows are left out.
-/// Throws Error (io, invalidInput, …); Error{outOfMemory} names the smallest possible budget where it is too small.
-class GpuScene {
+class IBR_API GpuScene {
  public:
-  /// The device must outlive the GpuScene; with a budget, so must the scene.
+  /// Submits uploads on the device's queue and waits for them; with GpuSceneOptions::uploads, neither. Photographs that
+  /// no mesh shows are left out. Throws Error (io, invalidInput, …); Error{outOfMemory} names the smallest possible
+  /// budget where it is too small. The device must outlive the GpuScene; with a budget, so must the scene.
   GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options = {});
   GpuScene(GpuScene&&) noexcept;
   GpuScene& operator=(GpuScene&&) noexcept;
@@ -109,7 +114,7 @@ class GpuScene {
   };
   Memory memory() const noexcept;
 
-  struct State;
+  struct IBR_LOCAL State;
 
  private:
   friend const State& stateOf(const GpuScene& scene) noexcept;
@@ -120,6 +125,6 @@ class GpuScene {
 /// on the device's queue and waits. `frame`: number of the scene's last frame, 0 before the first one; is increased.
 /// All frames must have finished. No effect where needsStreaming() is false. Throws Error{io} if photographs cannot be
 /// read.
-void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
+IBR_API void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
 
 }  // namespace ibr

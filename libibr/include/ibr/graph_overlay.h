@@ -16,7 +16,9 @@
 
 #include "ibr/camera.h"
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -26,27 +28,29 @@ struct ImageGraph {
   std::vector<Camera> photographs;                // pinholes and panoramas
   std::vector<std::vector<std::uint32_t>> cells;  // indices into `photographs`, by cell; empty: photographs alone
 };
-ImageGraph imageGraph(const Scene& scene);
+IBR_API ImageGraph imageGraph(const Scene& scene);
 
 struct GraphOverlayOptions {
   double frustumDepth = 1;  // length of a frustum's side edges, diameter of a panorama's globe; world units, > 0
-  // Formats of targets: 8-bit RGBA or BGRA, UNORM or SRGB.
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
+  Uploads* uploads = nullptr;  // collects the upload of the constructor instead of submitting and waiting
 };
 
 /// Records lines over the caller's image. One thread at a time uses it. Commands that it recorded must have finished
 /// before it is destroyed. The device must outlive it; the graph need not.
-class GraphOverlay {
+class IBR_API GraphOverlay {
  public:
-  /// Submits an upload and waits. Throws Error{invalidInput} where a cell's index is out of range, a position is not
-  /// finite or frustumDepth is not positive; Error (outOfMemory, unsupported).
+  /// Submits an upload on the device's queue and waits; with GraphOverlayOptions::uploads, neither. Throws
+  /// Error{invalidInput} where a cell's index is out of range, a position is not finite or frustumDepth is not
+  /// positive; Error (outOfMemory, unsupported).
   GraphOverlay(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options);
   GraphOverlay(GraphOverlay&&) noexcept;
   GraphOverlay& operator=(GraphOverlay&&) noexcept;
   ~GraphOverlay();
 
   /// Draws over the target's contents, outside a render pass; alpha is kept. The target goes from `initialUse` to
-  /// `finalUse`. Preconditions: `view` is a pinhole of the target's extent; the options name the target's format.
+  /// `finalUse`. Preconditions: `view` is a pinhole of the target's extent; the options name the target's format
+  /// and encoding.
   /// `best`: cells by rank, main cell first. These cells and their photographs have their rank's colour, as in
   /// Overlay::wireframe; all others are grey. Lines are not depth-tested; they fade where they are nearer to the eye
   /// than frustumDepth. Submits, waits for and allocates nothing. Bound pipelines, viewport and scissor are undefined
@@ -55,7 +59,7 @@ class GraphOverlay {
               const Target& target) const noexcept;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

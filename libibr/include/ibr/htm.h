@@ -19,10 +19,12 @@
 #include <vector>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/htm_model.h"
 #include "ibr/image.h"
 #include "ibr/scope_timer.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -57,7 +59,7 @@ struct HtmBounds {
   glm::dvec3 middle{0.0};  // of the bounding box of all triangles, world
   double radius = 1;       // of the sphere around `middle` that contains all triangles, world units, > 0
 };
-HtmBounds htmBounds(const HtmModel& model);
+IBR_API HtmBounds htmBounds(const HtmModel& model);
 
 struct HtmPlanInput {
   Camera view;  // a pinhole
@@ -73,7 +75,7 @@ struct HtmPlanState {
 /// Carries a state from one model to the next: the last frame showed `before`, the next one shows `model`, as in 3D
 /// video. Cameras correspond by name; a new camera starts from the smallest weight. Returns {} if no name occurs in
 /// both, or if `state` has another number of cameras than `before`. Pure.
-HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state);
+IBR_API HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state);
 
 struct PlannedHtmCamera {
   std::uint32_t camera = 0;       // index into HtmModel::cameras
@@ -94,24 +96,26 @@ struct HtmFramePlan {
 /// Plans a frame by eq. 5. Pure. Precondition: validate(model) is empty. Throws Error{invalidInput} that names the
 /// field: the view is no valid pinhole, a setting is out of range, or time, bounds or weights of the state are not
 /// finite. `next` is always finite. A state of another number of cameras counts as {}.
-HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
-                          const HtmPlanState& state = {});
+IBR_API HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
+                                  const HtmPlanState& state = {});
 
 /// Prepares a camera's picture for upload to GpuHtmModel: builds its mip levels, which take a third more memory. Pure,
 /// so another thread can do it ahead of time. Throws Error{invalidInput} for a picture that does not fit its camera.
-HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture);
+IBR_API HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture);
 
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // interpolates between mip levels; default: on GPUs, not on software devices
+  Uploads* uploads = nullptr;     // collects the uploads of the constructor instead of submitting and waiting
 };
 
 /// The model on a device: photographs with visibility as alpha, a depth map of the mesh for each camera, the mesh and
-/// complements. Construction calls the source for each camera in turn, submits on the device's queue and waits. The
-/// device must outlive it; the model need not. Throws what the source throws; Error{invalidInput} if validate() finds a
-/// fault or a picture does not fit its camera; Error{unsupported} if complements (8 bytes × cameras² × vertices) exceed
-/// the device's maxStorageBufferRange; Error{outOfMemory}.
-class GpuHtmModel {
+/// complements. The device must outlive it; the model need not.
+class IBR_API GpuHtmModel {
  public:
+  /// Calls the source for each camera in turn, submits on the device's queue and waits; with
+  /// GpuHtmModelOptions::uploads, neither submits nor waits. Throws what the source throws; Error{invalidInput} if
+  /// validate() finds a fault or a picture does not fit its camera; Error{unsupported} if complements (8 bytes ×
+  /// cameras² × vertices) exceed the device's maxStorageBufferRange; Error{outOfMemory}.
   GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
               const GpuHtmModelOptions& options = {});
   GpuHtmModel(GpuHtmModel&&) noexcept;
@@ -120,9 +124,10 @@ class GpuHtmModel {
 
   /// Replaces the model by another one, as for the next frame of 3D video. Keeps pipelines, and images and buffers that
   /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that read the
-  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again. Throws
-  /// what the constructor throws; afterwards only replace() and destruction are allowed.
-  void replace(const HtmModel& model, const HtmImageSource& source);
+  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again.
+  /// Submits and waits, unless `uploads` collect the uploads; uploads of the previous model must not be recorded
+  /// afterwards. Throws what the constructor throws; afterwards only replace() and destruction are allowed.
+  void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads = nullptr);
 
   struct Memory {
     std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
@@ -130,7 +135,7 @@ class GpuHtmModel {
   };
   Memory memory() const noexcept;
 
-  struct State;
+  struct IBR_LOCAL State;
 
  private:
   friend const State& stateOf(const GpuHtmModel& model) noexcept;
@@ -138,17 +143,16 @@ class GpuHtmModel {
 };
 
 struct HtmRendererOptions {
-  VkExtent2D maxExtent{0, 0};  // of an image
-  // Formats of targets: 8-bit RGBA or BGRA, UNORM or SRGB; others throw Error{unsupported}.
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};
+  VkExtent2D maxExtent{0, 0};                                   // of an image
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
 };
 
 /// Records frames. Model and device must outlive it. Commands that it recorded must have finished before it is
 /// destroyed.
-class HtmRenderer {
+class IBR_API HtmRenderer {
  public:
-  /// Throws Error{unsupported} for formats that HtmRendererOptions does not allow, and for models with too many
-  /// vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
+  /// Submits nothing. Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models
+  /// with too many vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
   HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options);
   HtmRenderer(HtmRenderer&&) noexcept;
   HtmRenderer& operator=(HtmRenderer&&) noexcept;
@@ -169,12 +173,12 @@ class HtmRenderer {
               ScopeTimer* timer = nullptr) const noexcept;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 
 /// The model before optimisation, for [H]'s comparison: `source` as its surface, the cameras as given, no complements.
 /// A model without a source keeps its surface. Pure.
-HtmModel unoptimisedModel(const HtmModel& model);
+IBR_API HtmModel unoptimisedModel(const HtmModel& model);
 
 }  // namespace ibr

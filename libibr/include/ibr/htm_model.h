@@ -18,6 +18,7 @@
 
 #include "ibr/camera.h"
 #include "ibr/conventions.h"
+#include "ibr/export.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
 
@@ -78,19 +79,19 @@ using HtmImageSource = std::function<HtmImage(const HtmModel& model, std::size_t
 /// Faults of a model's data, in order, at most `limit`. Empty if all preconditions of HtmRenderer hold: numbers of
 /// cameras, vertices and complements match, indices are in range, cameras are pinholes with different names, values are
 /// finite, members are cameras of the model. Does not check files.
-std::vector<Fault> validate(const HtmModel& model, std::size_t limit = 100);
+IBR_API std::vector<Fault> validate(const HtmModel& model, std::size_t limit = 100);
 
 /// Reads MODEL/model.gltf, or the .gltf itself (extension IBR_harmonised_texture), and its buffers, but no pictures.
 /// Throws Error{io}, or Error{invalidInput} with file and JSON pointer.
-HtmModel loadHtmModel(const std::filesystem::path& path);
+IBR_API HtmModel loadHtmModel(const std::filesystem::path& path);
 
 /// Writes FOLDER/model.gltf and FOLDER/meshes/*.bin; the caller stores the pictures. Positions are rounded to a grid of
 /// 2⁻²³ of the mesh's extent (rounded up to a power of two); other numbers are stored exactly. Removes buffers of an
 /// earlier model in the folder. Throws Error{invalidInput} where validate() finds a fault, a mesh has no triangle or a
 /// text is not UTF-8; Error{io}.
-void saveHtmModel(const HtmModel& model, const std::filesystem::path& folder);
+IBR_API void saveHtmModel(const HtmModel& model, const std::filesystem::path& folder);
 
 /// Faults of a model's files, at most `limit`; `field` is a JSON pointer.
-std::vector<Fault> validateHtmModelFiles(const std::filesystem::path& path, std::size_t limit = 100);
+IBR_API std::vector<Fault> validateHtmModelFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
 }  // namespace ibr

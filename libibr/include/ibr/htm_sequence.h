@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/htm_model.h"
 
 namespace ibr {
@@ -23,26 +24,26 @@ struct HtmSequenceIndex {
 
 /// Reads FOLDER/sequence.json or the file itself, but no models. Throws Error{io}, or Error{invalidInput} with file and
 /// JSON pointer.
-HtmSequenceIndex loadHtmSequence(const std::filesystem::path& path);
+IBR_API HtmSequenceIndex loadHtmSequence(const std::filesystem::path& path);
 
 /// Writes FOLDER/sequence.json. Throws Error{invalidInput} for an index that loadHtmSequence would reject; Error{io}.
-void saveHtmSequence(const HtmSequenceIndex& index, const std::filesystem::path& folder);
+IBR_API void saveHtmSequence(const HtmSequenceIndex& index, const std::filesystem::path& folder);
 
 /// Faults of the index and of its models' files, at most `limit`. `field` is a JSON pointer into the index. For a
 /// model's fault it points to the frame; the message names the frame's folder and the fault's JSON pointer in the
 /// model.
-std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, std::size_t limit = 100);
+IBR_API std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
 struct HtmFrame {
   HtmModel model;
-  std::vector<HtmImage> pictures;  // by camera
-  double loadMilliseconds = 0;     // time that loading took
-  std::uint64_t bytes() const;     // of host memory, approximately
+  std::vector<HtmImage> pictures;       // by camera
+  double loadMilliseconds = 0;          // time that loading took
+  IBR_API std::uint64_t bytes() const;  // of host memory, approximately
 };
 
 /// Loads the model of a folder, and its pictures by calling `pictures`; without `pictures` they are left empty. Throws
 /// what loadHtmModel and `pictures` throw.
-HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmImageSource& pictures);
+IBR_API HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmImageSource& pictures);
 
 struct HtmSequenceOptions {
   std::size_t framesAhead = 8;  // frames after the current one that are loaded in the background
@@ -55,7 +56,7 @@ struct HtmSequenceOptions {
 
 /// Plays a sequence. A thread of its own loads models and calls `pictures`. Any thread may call; frame() and tryFrame()
 /// wait for each other. The destructor waits for the frame that is being loaded.
-class HtmSequence {
+class IBR_API HtmSequence {
  public:
   /// Reads the index. Throws what loadHtmSequence throws.
   HtmSequence(const std::filesystem::path& path, HtmImageSource pictures, const HtmSequenceOptions& options = {});
@@ -85,7 +86,7 @@ class HtmSequence {
   Counts counts() const;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

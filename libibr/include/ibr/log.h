@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Callbacks for messages and progress. libibr prints nothing and keeps no global state.
+// Callbacks for messages and progress. libibr prints nothing and has no global callback.
 #pragma once
 
 #include <cstddef>

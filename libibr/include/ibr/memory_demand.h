@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
 
@@ -24,12 +25,12 @@ struct MemoryDemand {
 /// `formats`: of the nodes' textures on the device. `depth`: bytes of the depth textures (depthTextureBytes), 0 if they
 /// are not loaded. Exact, except for the device's alignment of images and buffers, and for triangles that the renderer
 /// drops because their members look in opposite directions.
-MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats, std::uint64_t depth = 0);
+IBR_API MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats, std::uint64_t depth = 0);
 
 /// Formats of the nodes' texture files, one per node; RGBA8 for a node without one. Throws as probeKtx2.
-std::vector<TextureFormat> textureFormats(const Scene& scene);
+IBR_API std::vector<TextureFormat> textureFormats(const Scene& scene);
 
 /// Total of all nodes with a depth file. Throws as probeKtx2.
-std::uint64_t depthTextureBytes(const Scene& scene);
+IBR_API std::uint64_t depthTextureBytes(const Scene& scene);
 
 }  // namespace ibr

@@ -8,38 +8,39 @@
 #include <limits>
 #include <span>
 
+#include "ibr/export.h"
 #include "ibr/image.h"
 
 namespace ibr {
 
 /// Peak signal-to-noise ratio in dB over R, G, B of 8-bit display-encoded values, of the pixels that count. +infinity
 /// for equal images; NaN if no pixel counts.
-double psnr(const Image8& a, const Image8& b);
-double psnr(const Image8& a, const Image8& b, const Image8& mask);
+IBR_API double psnr(const Image8& a, const Image8& b);
+IBR_API double psnr(const Image8& a, const Image8& b, const Image8& mask);
 
 /// Structural similarity (Wang et al. 2004): luma (Rec. 601), Gaussian window 11×11 with σ 1.5, K1 .01, K2 .03, mean
 /// over all windows that lie inside the image and whose pixels all count. NaN if there is no such window.
-double ssim(const Image8& a, const Image8& b);
-double ssim(const Image8& a, const Image8& b, const Image8& mask);
+IBR_API double ssim(const Image8& a, const Image8& b);
+IBR_API double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
 /// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the previous one,
 /// with the paper's weights. 1 for equal images, 0 if a scale's mean similarity is negative. NaN if a side is shorter
 /// than 176 px (11 at the coarsest scale).
-double msSsim(const Image8& a, const Image8& b);
+IBR_API double msSsim(const Image8& a, const Image8& b);
 
 /// LDR-FLIP (Andersson et al. 2020): perceived difference of two images that alternate on a display, by pixel, 0 (none)
 /// to 1. pixelsPerDegree: of visual angle, 1 to 1000; 67: a display of 0.7 m and 3840 px width, seen from 0.7 m.
 /// Symmetric. The map has one channel. Throws Error{invalidInput} also for empty images and other pixelsPerDegree.
 inline constexpr double kFlipPixelsPerDegree = 67;
-ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
+IBR_API ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
 
 /// Mean of flipMap.
-double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
+IBR_API double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
 
 /// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count. NaN if no pixel counts.
-double deltaE(const Image8& a, const Image8& b, const Image8& mask);
+IBR_API double deltaE(const Image8& a, const Image8& b, const Image8& mask);
 /// Colour difference of two pixels. Precondition: 3 channels or more each.
-double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b);
+IBR_API double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b);
 
 /// Detail of an image compared with that of the truth, by luma differences d of neighbouring pixels that both count.
 /// NaN if no such pixels differ in the truth.
@@ -47,31 +48,31 @@ struct Detail {
   double energy;       // Σ d² of the image / Σ d² of the truth; below 1: blur, above 1: ghost edges
   double correlation;  // Σ dd' / √(Σ d² Σ d'²), d' of the truth, -1 to 1; 1: all edges are in place
 };
-Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
+IBR_API Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
 /// Share of an image's detail energy that remains when bilinear filtering samples the image between its pixels, mean
 /// over 4 × 4 subpixel offsets. Photographs of the image's resolution, filtered likewise, can keep no more of it in a
 /// view from elsewhere. NaN if no neighbouring pixels differ. Precondition: 3 channels or more.
-double sampledDetail(const Image8& picture);
+IBR_API double sampledDetail(const Image8& picture);
 
 /// Relative sharpness among images of the same subject: mean squared second difference, divided by the value of the
 /// same image at an eighth of its size (`eighth`). Uses the direction of the smallest ratio, since a moving hand blurs
 /// in one direction. The ratio falls with every blur of a pixel or more, and depends less on the subject than either
 /// value. Uses the green or only channel. NaN if `eighth` has less than 8 px on a side.
-double sharpness(const Image8& picture, const Image8& eighth);
+IBR_API double sharpness(const Image8& picture, const Image8& eighth);
 
 /// Share of torn tiles among the image's 32 × 32 px tiles (smaller at the right and lower edge). A tile is torn if its
 /// mean gradient energy exceeds three times the truth's by more than 4 (8-bit levels)². Gradient energy: squared luma
 /// differences to the right and lower neighbours. NaN for empty images.
 inline constexpr int kTileSidePx = 32;  // px
-double tornTiles(const Image8& picture, const Image8& truth);
+IBR_API double tornTiles(const Image8& picture, const Image8& truth);
 
 /// The tile with the largest mean squared error over R, G, B.
 struct WorstTile {
   int x = 0, y = 0;        // of its top-left corner, px
   double meanSquared = 0;  // the error, (8-bit levels)²; -1 for empty images
 };
-WorstTile worstTile(const Image8& picture, const Image8& truth);
+IBR_API WorstTile worstTile(const Image8& picture, const Image8& truth);
 
 /// Absolute differences of two images over R, G, B, as image comparison tools report them.
 struct Difference {
@@ -79,6 +80,6 @@ struct Difference {
   double meanAbsolute = 0;  // 8-bit levels, mean over pixels and channels
   double shareAbove = 0;    // of pixels whose largest channel difference exceeds `threshold`
 };
-Difference difference(const Image8& a, const Image8& b, int threshold);
+IBR_API Difference difference(const Image8& a, const Image8& b, int threshold);
 
 }  // namespace ibr

@@ -8,17 +8,18 @@
 #include <memory>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/image.h"
 #include "ibr/target.h"
 
 namespace ibr {
 
 /// An offscreen image. The device must outlive it. One thread at a time uses it.
-class Offscreen {
+class IBR_API Offscreen {
  public:
-  /// Formats: VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and both as SRGB; others throw Error{unsupported}. Throws
+  /// Submits nothing. Throws Error{unsupported} for a format that is no combination of TargetFormat,
   /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
-  Offscreen(const Device& device, VkExtent2D extent, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
+  Offscreen(const Device& device, VkExtent2D extent, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
   ~Offscreen();
@@ -28,12 +29,17 @@ class Offscreen {
   Target target() const noexcept;
 
   /// Calls `record` with a command buffer; `record` must write the target. Then submits on the device's queue, waits,
-  /// and returns height × width × RGBA: values as stored (display-encoded in all formats), red first in all formats.
-  /// Throws what `record` throws and Error (deviceLost, outOfMemory); render() may be called again after either.
+  /// and returns height × width × RGBA: values as stored (display-encoded), red first in all formats. Throws what
+  /// `record` throws and Error (deviceLost, outOfMemory); render() may be called again after either. Throws
+  /// Error{unsupported} for formats of more than 8 bits a channel, without calling `record`.
   Image8 render(const std::function<void(VkCommandBuffer)>& record);
 
+  /// As render(), for all formats. Values are as stored: in the target's encoding (SRGB formats: display-encoded),
+  /// UNORM values as shares of their maximum, 0 to 1.
+  ImageF renderFloat(const std::function<void(VkCommandBuffer)>& record);
+
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 
@@ -45,9 +51,10 @@ struct FrameBuffers {
 };
 
 /// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
-class OffscreenBuffers {
+class IBR_API OffscreenBuffers {
  public:
-  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device cannot provide.
+  /// Submits nothing. Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device
+  /// cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;
@@ -60,7 +67,7 @@ class OffscreenBuffers {
   FrameBuffers render(const std::function<void(VkCommandBuffer)>& record);
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

@@ -10,13 +10,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "ibr/conventions.h"
 #include "ibr/ecc.h"
+#include "ibr/export.h"
 #include "ibr/image.h"
 #include "ibr/log.h"
 
@@ -97,7 +97,7 @@ struct AlignmentOptions {
 };
 
 /// The first value out of range, for people; empty if there is none.
-std::string firstInvalidOption(const AlignmentOptions& options);
+IBR_API std::string firstInvalidOption(const AlignmentOptions& options);
 
 struct AlignmentCycle {
   double radiusPx = 0;          // R
@@ -136,7 +136,7 @@ struct AlignmentSummary {
 /// raster and compute need `device`, submit to its queue and wait. They need Device::supportsInt64, raster also
 /// Device::supportsInt64Atomics. Throws Error (invalidInput, unsupported, deviceLost, outOfMemory, cancelled by
 /// `progress`); then `alignment` is unchanged.
-AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, const Device* device = nullptr,
-                       const ProgressCallback& progress = {});
+IBR_API AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, const Device* device = nullptr,
+                               const ProgressCallback& progress = {});
 
 }  // namespace ibr

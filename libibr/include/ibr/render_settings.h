@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <optional>
 #include <vector>
 
+#include "ibr/conventions.h"
 #include "ibr/device_kind.h"
+#include "ibr/export.h"
 #include "ibr/scene.h"
 
 namespace ibr {
@@ -174,6 +175,6 @@ struct RenderSettings {
 /// Named settings, from the fastest to the most accurate. They differ by the kind of device. The programs' default is
 /// `balanced`.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
-RenderSettings preset(Preset preset, DeviceKind kind);
+IBR_API RenderSettings preset(Preset preset, DeviceKind kind);
 
 }  // namespace ibr

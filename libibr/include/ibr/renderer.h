@@ -15,18 +15,20 @@
 
 #include <array>
 #include <cstdint>
-#include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "ibr/conventions.h"
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/frame_plan.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/scene.h"
 #include "ibr/scope_timer.h"
 #include "ibr/target.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -46,14 +48,15 @@ struct RendererOptions {
   bool fill = true;             // tier 3; without it holes show the background
   bool depth = false;           // targets with a DepthTarget
   ColourSupport colour = ColourSupport::off;
-  bool multiview = true;  // both views of a plan in one render pass, where they have one size and a probe shows that
-                          // the device does it right; the pixels are the same
+  /// Both views of a plan in one render pass, where they have one size and Renderer::probeMultiview() is true; the
+  /// pixels are the same. With `uploads` the constructor does not run the probe: multiview then needs an earlier probe.
+  bool multiview = true;
   std::vector<Overlay> overlays;
   bool floor = false;
   const Scene* bufferScene = nullptr;       // the GpuScene's scene, for recordBuffers; read by the constructor alone
   const Scene* uncertaintyScene = nullptr;  // likewise, for Overlay::confidence
-  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
-                                VK_FORMAT_B8G8R8A8_SRGB};
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
+                                    VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours};
   std::vector<BlendMode> blends{BlendMode::blend};
   std::vector<Composition> compositions{Composition::cells};
@@ -69,17 +72,20 @@ struct RendererOptions {
   /// and the counting of colours. The constructor throws Error{invalidInput} for a number of corners that is not a
   /// multiple of three, and for corners that are not finite or beyond 10⁶.
   std::array<std::vector<glm::vec2>, 2> hiddenArea;
+  Uploads* uploads = nullptr;  // collects the uploads of the constructor instead of submitting and waiting
 };
 
 /// The options that plans with these settings need, and no more. Pure.
-RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
-                           VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
+IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
+                                   TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
 
 /// Records frames. The GpuScene must outlive the renderer. Commands that it recorded must have finished before it is
 /// destroyed.
-class Renderer {
+class IBR_API Renderer {
  public:
-  /// Allocates working images and builds pipelines. Throws Error (invalidInput, unsupported, outOfMemory, deviceLost).
+  /// Allocates working images and builds pipelines. Submits uploads and layout transitions on the device's queue and
+  /// waits for them; with RendererOptions::uploads, neither. Throws Error (invalidInput, unsupported, outOfMemory,
+  /// deviceLost).
   Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -106,6 +112,9 @@ class Renderer {
   /// exceeds, for people; untouched where the plan is supported. Does not allocate without `why`.
   bool supports(const FramePlan& plan, std::string* why = nullptr) const;
 
+  /// Returns true if the options declare the target's format, encoding and depth. `why` as above.
+  bool supports(const Target& target, std::string* why = nullptr) const;
+
   /// Cost of a plan. Exact.
   struct Counters {
     std::uint32_t pipelines = 0;                          // of this renderer
@@ -120,11 +129,15 @@ class Renderer {
   };
   Counters count(const FramePlan& plan) const noexcept;
 
-  /// Returns true if a target may have this format.
-  static bool supports(VkFormat format) noexcept;
+  /// Tests if the device draws both views of a pass correctly, as some drivers do not. The first call for a Device
+  /// submits and waits, and so does the first renderer that needs the answer; later ones use this answer. Throws Error.
+  static bool probeMultiview(const Device& device);
+
+  /// Returns true if RendererOptions::formats may name this combination. `why` gets the reason where it may not.
+  static bool supports(TargetFormat format, std::string* why = nullptr);
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

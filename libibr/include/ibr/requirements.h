@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/renderer.h"
 
 namespace ibr {
@@ -37,10 +38,10 @@ struct Requirements {
 };
 
 /// Pure. Precondition: validate(scene) is empty.
-Requirements requirementsOf(const Scene& scene, const RendererOptions& options);
+IBR_API Requirements requirementsOf(const Scene& scene, const RendererOptions& options);
 
 /// Replaces the part that depends on the options; keeps the part from the scene alone. Pure.
-Requirements withOptions(Requirements scene, const RendererOptions& options);
+IBR_API Requirements withOptions(Requirements scene, const RendererOptions& options);
 
 /// A part of the renderer, whether it runs, and why; for people.
 struct StageExplanation {
@@ -48,6 +49,6 @@ struct StageExplanation {
   bool runs;
   std::string why;
 };
-std::vector<StageExplanation> explain(const Requirements& requirements, const RendererOptions& options);
+IBR_API std::vector<StageExplanation> explain(const Requirements& requirements, const RendererOptions& options);
 
 }  // namespace ibr

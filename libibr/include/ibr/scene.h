@@ -17,6 +17,7 @@
 #include "ibr/camera.h"
 #include "ibr/capture.h"
 #include "ibr/conventions.h"
+#include "ibr/export.h"
 
 namespace ibr {
 
@@ -73,7 +74,7 @@ struct MorphMesh {
 
   std::size_t memberCount() const { return match.size(); }            // d
   std::size_t vertexCount() const { return inverseDistance.size(); }  // n
-  std::size_t tier0Count() const;                                     // number of triangles of tier 0
+  IBR_API std::size_t tier0Count() const;                             // number of triangles of tier 0
 };
 
 /// Quality of a cell, measured when the cell was built. NaN: not measured. A backdrop's coverage is the share of its
@@ -84,7 +85,7 @@ struct CellQuality {
   double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point, px
   double score;       // 0 to 1: shape of the simplex × lowest share of common points of two members × min(1, 0.15 /
                       // largest disparity spread of two members, in image widths) × coverage × max(ecc, 0)
-  CellQuality();
+  IBR_API CellQuality();
 };
 
 struct Cell {
@@ -127,31 +128,31 @@ struct Fault {
 /// Returns the faults of a scene's data, in order, at most `limit`. Empty: all preconditions of the renderer hold
 /// (unique names, different members, indices in range, consistent sizes, values finite and in range, rotations of unit
 /// length ± 1e-3). Opens no files.
-std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
+IBR_API std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
 
 /// Returns true if any member's photograph has a mask.
-bool isMasked(const Scene& scene, const Cell& cell);
+IBR_API bool isMasked(const Scene& scene, const Cell& cell);
 
 /// Returns the scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i, c_i the member's centre. nullopt
 /// where ρ = 0 or the mean is not finite.
-std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
+IBR_API std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
 
 /// Reads a scene from its folder or its scene.gltf; opens no photographs and textures. Throws Error (io, invalidInput)
 /// that names file and JSON pointer. A reference to a file outside the scene's folder is invalidInput.
-Scene loadScene(const std::filesystem::path& path);
+IBR_API Scene loadScene(const std::filesystem::path& path);
 
 /// Returns the faults of a scene's files, at most `limit`: those that loadScene throws, and photographs, masks and
 /// textures that are missing or do not match. A file that cannot be read is a fault, not an exception.
-std::vector<Fault> validateSceneFiles(const std::filesystem::path& path, std::size_t limit = 100);
+IBR_API std::vector<Fault> validateSceneFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
 /// Writes folder/scene.gltf and folder/cells/*.bin, each to a temporary file that is then renamed, and removes buffers
 /// of previous saves from folder/cells. Does not write photographs and textures. Throws Error{io}, and
 /// Error{invalidInput} unless validate(scene) is empty, texts are UTF-8, settings are JSON, and paths stay inside the
 /// folder.
-void saveScene(const Scene& scene, const std::filesystem::path& folder);
+IBR_API void saveScene(const Scene& scene, const std::filesystem::path& folder);
 
 /// Writes a scene to another folder than its own. Photographs, masks and textures become hard links, or copies if the
 /// file system has no links. Throws Error, as saveScene and Error{io} that names the file.
-void saveSceneWithLinks(const Scene& scene, const std::filesystem::path& folder);
+IBR_API void saveSceneWithLinks(const Scene& scene, const std::filesystem::path& folder);
 
 }  // namespace ibr

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 
 namespace ibr {
 
@@ -22,9 +23,10 @@ struct ScopeTime {
 
 /// Times the scopes of one command buffer. Each frame in flight needs its own timer. Names must be string literals or
 /// live until read(). The device must outlive the timer. One thread at a time uses a timer.
-class ScopeTimer {
+class IBR_API ScopeTimer {
  public:
-  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Throws Error.
+  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Submits nothing.
+  /// Throws Error.
   ScopeTimer(const Device& device, std::uint32_t maxScopes);
   ScopeTimer(ScopeTimer&&) noexcept;
   ScopeTimer& operator=(ScopeTimer&&) noexcept;
@@ -41,7 +43,7 @@ class ScopeTimer {
   std::vector<ScopeTime> read() const;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

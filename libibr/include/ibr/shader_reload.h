@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/log.h"
 
 namespace ibr {
@@ -37,7 +38,7 @@ struct ShaderReloadOptions {
 /// Move-only. Used by the thread that uses the device; the device must outlive it. One reloader at a time per device.
 /// Its own threads run the compiler, at most one per core, and do not touch the device. Without a reloader there is no
 /// cost.
-class ShaderReloader {
+class IBR_API ShaderReloader {
  public:
   struct Failure {
     std::string file;  // the shader, as in `replaced`
@@ -75,7 +76,7 @@ class ShaderReloader {
   std::vector<std::string> revert();
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 

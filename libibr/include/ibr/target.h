@@ -4,6 +4,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -52,12 +53,40 @@ struct DepthTarget {
   std::uint32_t layer = 0;  // of the image; other layers are untouched
 };
 
+/// Encoding of the colours that a target stores. Alpha is never encoded.
+enum class Encoding : std::uint8_t {
+  display,  // sRGB-encoded (IEC 61966-2-1)
+  linear,   // linear light with sRGB's primaries, 1 = display white
+};
+
+/// Format and encoding of a colour target. Supported combinations:
+///
+///   VK_FORMAT_                         encoding           alpha
+///   R8G8B8A8_UNORM, B8G8R8A8_UNORM    display            8 bits
+///   R8G8B8A8_SRGB, B8G8R8A8_SRGB      display            8 bits
+///   A2B10G10R10_UNORM_PACK32          display, linear    2 bits
+///   R16G16B16A16_SFLOAT               display, linear    half float
+///
+/// SRGB formats store display-encoded values, through their encoder. Working images have 8 bits a channel; only
+/// cross-fades, other render scales, filled pixels and the floor give finer values. Values are rounded, not dithered.
+/// In 10 bits, the smallest linear value above black is 3.2 display-encoded 8-bit levels. In 2 bits, AlphaContent::tier
+/// is 1 for tier 0, 1/3 for tiers 2 and 3, and 0 where nothing is drawn. A background outside 0 to 1 is clamped, except
+/// in R16G16B16A16_SFLOAT.
+struct TargetFormat {
+  VkFormat format;
+  Encoding encoding;
+
+  constexpr TargetFormat(VkFormat f, Encoding e = Encoding::display) : format(f), encoding(e) {}  // NOLINT: implicit
+  auto operator<=>(const TargetFormat&) const = default;
+};
+
 /// Colour image for a renderer's picture. The image must outlive the commands recorded with it; nothing is kept after
-/// `record` returns. UNORM formats receive display-encoded values, SRGB formats the same picture through their encoder.
+/// `record` returns.
 struct Target {
   VkImage image = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;  // 2D, one mip level, one layer, identity swizzle, colour attachment usage
   VkFormat format = VK_FORMAT_UNDEFINED;
+  Encoding encoding = Encoding::display;  // with the format: a combination of TargetFormat
   VkExtent2D extent{0, 0};
   ImageUse initialUse = use::kUndefined;  // the caller's last use; contents are replaced
   ImageUse finalUse = use::kColourAttachment;

@@ -4,10 +4,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <glm/vec2.hpp>
 #include <span>
 #include <vector>
 
+#include "ibr/conventions.h"
+#include "ibr/export.h"
 #include "ibr/image.h"
 
 namespace ibr {
@@ -49,7 +50,7 @@ using TemplateSearchFactory = std::function<TemplateSearch(std::span<const Image
 /// Error{invalidInput} for pictures without 3 channels. Calls of the search throw it for indices of pictures or samples
 /// out of range, and for a radius outside 0 … kMaxTemplateRadius. They also throw it for more than
 /// kMaxTemplateSampleCount samples in a task and for starts beyond kMaxTemplateStartPx.
-TemplateSearch cpuTemplateSearch(std::span<const Image8* const> pictures);
+IBR_API TemplateSearch cpuTemplateSearch(std::span<const Image8* const> pictures);
 
 inline constexpr int kMaxTemplateRadius = 32;
 inline constexpr std::uint32_t kMaxTemplateSampleCount = 4096;

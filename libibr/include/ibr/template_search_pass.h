@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "ibr/device.h"
+#include "ibr/export.h"
 #include "ibr/template_search.h"
+#include "ibr/uploads.h"
 
 namespace ibr {
 
@@ -30,12 +32,14 @@ struct TemplateCapacity {
 ///
 /// Records searches. Move-only; the device must outlive it. One thread at a time uses it, with at most one submission
 /// in flight.
-class TemplateSearchPass {
+class IBR_API TemplateSearchPass {
  public:
-  /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits. Throws Error:
+  /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits, unless `uploads`
+  /// collect the uploads. Throws Error:
   /// invalidInput as cpuTemplateSearch, and for a capacity of 0; unsupported where the pictures (4 bytes a pixel)
   /// or the capacity exceed the device's largest storage buffer or dispatch; outOfMemory, deviceLost.
-  TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity);
+  TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity,
+                     Uploads* uploads = nullptr);
   TemplateSearchPass(TemplateSearchPass&&) noexcept;
   TemplateSearchPass& operator=(TemplateSearchPass&&) noexcept;
   ~TemplateSearchPass();
@@ -54,7 +58,7 @@ class TemplateSearchPass {
   std::vector<TemplateMatch> matches() const;
 
  private:
-  struct State;
+  struct IBR_LOCAL State;
   std::unique_ptr<State> state_;
 };
 
@@ -62,6 +66,6 @@ class TemplateSearchPass {
 /// Several threads may call the searches made by one returned function; they take turns. Nothing else may use the
 /// device meanwhile. One thread must make and destroy the searches. They throw what TemplateSearchPass throws. The
 /// device must outlive them.
-TemplateSearchFactory deviceTemplateSearch(const Device& device);
+IBR_API TemplateSearchFactory deviceTemplateSearch(const Device& device);
 
 }  // namespace ibr

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "ibr/export.h"
 #include "ibr/image.h"
 
 namespace ibr {
@@ -23,10 +24,10 @@ namespace ibr {
 enum class TextureFormat : std::uint8_t { rgba8, bc1, bc7, rg16f };
 
 /// Returns "rgba8", "bc1", "bc7" or "rg16f".
-const char* textureFormatName(TextureFormat format) noexcept;
+IBR_API const char* textureFormatName(TextureFormat format) noexcept;
 
 /// Returns the bytes of an image or mip level. Blocks that the image fills in part count in full.
-std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept;
+IBR_API std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept;
 
 /// An image and its mip levels. The largest levels may be left out.
 struct Texture {
@@ -38,25 +39,25 @@ struct Texture {
   Texture() = default;
   /// Makes an rgba8 texture from RGBA levels, largest first. Throws Error{invalidInput} unless each level has four
   /// channels and the size that follows from the first level's.
-  Texture(const std::vector<Image8>& rgba);  // NOLINT: implicit on purpose
+  IBR_API Texture(const std::vector<Image8>& rgba);  // NOLINT: implicit on purpose
   bool operator==(const Texture&) const = default;
 };
 
 /// Returns the texture without its first `firstLevel` levels. Precondition: 0 <= firstLevel < the number of levels.
-Texture withoutLargestLevels(const Texture& texture, int firstLevel);
+IBR_API Texture withoutLargestLevels(const Texture& texture, int firstLevel);
 
 /// Encodes RGBA levels, largest first. Deterministic. Throws Error{invalidInput} for rg16f, and as Texture(rgba).
-Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format);
+IBR_API Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format);
 
 /// Decodes all levels to RGBA8. BC1 is rounded to the nearest; devices differ by at most 2 of 255. BC7 is exact. Throws
 /// Error{unsupported} for rg16f and for BC7 blocks of other modes than 6, and Error{invalidInput} for levels whose
 /// number of bytes does not match their size.
-std::vector<Image8> decodeTexture(const Texture& texture);
+IBR_API std::vector<Image8> decodeTexture(const Texture& texture);
 
 /// RGBA8 levels from the image itself (alpha 255 for RGB) down to 1×1, each max(1, ⌊side / 2⌋) of the previous. Each
 /// level is the exact box filter of the previous one in linear light, also for odd sizes. Deterministic. Throws
 /// Error{invalidInput} unless the image has 3 or 4 channels and at least one pixel.
-std::vector<Image8> buildMips(const Image8& rgbOrRgba);
+IBR_API std::vector<Image8> buildMips(const Image8& rgbOrRgba);
 
 /// KTX 2.0 files (Khronos specification 2.0.4) of one image with its levels. Photographs are stated as _SRGB formats,
 /// since their values are display-encoded; _UNORM files are read, too. rg16f is stated as VK_FORMAT_R16G16_SFLOAT.
@@ -68,14 +69,14 @@ struct Ktx2Info {
 };
 
 /// The levels may end before 1×1. Throws Error (io; invalidInput if levels and sizes do not match).
-void writeKtx2(const std::filesystem::path& path, const Texture& texture);
+IBR_API void writeKtx2(const std::filesystem::path& path, const Texture& texture);
 
 /// Reads no pixels, but makes all checks of readKtx2. Throws as readKtx2.
-Ktx2Info probeKtx2(const std::filesystem::path& path);
+IBR_API Ktx2Info probeKtx2(const std::filesystem::path& path);
 
 /// Reads level `firstLevel` and the smaller ones, which are contiguous, and nothing else. Throws Error (io,
 /// invalidInput; unsupported for other formats, cubes, arrays and supercompression) with file and field.
-Texture readKtx2(const std::filesystem::path& path, int firstLevel = 0);
+IBR_API Texture readKtx2(const std::filesystem::path& path, int firstLevel = 0);
 
 /// Depth of a photograph: two maps of one size, one channel each, that cover the photograph.
 struct DepthMaps {
@@ -85,6 +86,6 @@ struct DepthMaps {
 
 /// Decodes an rg16f texture; `scale`: Node::depthScale. Throws Error{invalidInput} for another format, more than one
 /// level, a scale that is not finite and positive, or values that are negative or not finite.
-DepthMaps readDepthTexture(const Texture& texture, double scale);
+IBR_API DepthMaps readDepthTexture(const Texture& texture, double scale);
 
 }  // namespace ibr

@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 
+#include "ibr/export.h"
 #include "ibr/image.h"
 #include "ibr/metrics.h"
 
@@ -28,17 +29,18 @@ struct ViewScores {
 
 /// `fitGain`: also measures psnrGain and psnrCoveredGain. `used`: mask of the pixels that count, one channel; empty:
 /// all count. Throws Error{invalidInput} for other sizes or numbers of channels.
-ViewScores scoreView(const Image8& prediction, const Image8& truth, bool fitGain = false, const Image8& used = {});
+IBR_API ViewScores scoreView(const Image8& prediction, const Image8& truth, bool fitGain = false,
+                             const Image8& used = {});
 
 /// Returns a mask: 255 where alpha is not 0, else 0; one channel. Precondition: 4 channels.
-Image8 coverOf(const Image8& prediction);
+IBR_API Image8 coverOf(const Image8& prediction);
 
 /// Returns the shares of the pixels of tiers 0 to 3. Precondition: 4 channels.
-std::array<double, 4> tierShares(const Image8& prediction);
+IBR_API std::array<double, 4> tierShares(const Image8& prediction);
 
 /// Returns the image (RGB) with each channel multiplied, in linear light, by one gain: the median over the mask of
 /// truth over image, without clipped pixels. The gain removes the overall exposure, which is arbitrary, but keeps
 /// differences within the image. Precondition: equal sizes.
-Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
+IBR_API Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
 
 }  // namespace ibr

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "shaders/htm_colours_comp.h"
 #include "shaders/htm_harmonise_comp.h"

@@ -6,11 +6,11 @@
 #include <cstddef>
 
 #include "base/check.h"
-#include "base/srgb.h"
 #include "base/vulkan/barrier.h"
-#include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
+#include "base/vulkan/target_format.h"
 #include "htm/coordinates_pass.h"
 #include "shaders/htm_colours_frag.h"
 #include "shaders/htm_colours_vert.h"
@@ -25,19 +25,20 @@ constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 // Frames share the image: a frame waits for the depth tests of the previous one and discards the contents.
 constexpr ImageUse kDepthInitial{VK_IMAGE_LAYOUT_UNDEFINED, use::kDepthAttachment.stages, use::kDepthAttachment.access};
 
-PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkFormat format, bool displaced,
+PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, TargetFormat format, bool displaced,
                            bool colours) {
   struct Variant {
-    VkBool32 srgb, displaced;
+    VkBool32 linear, displaced;
   };
-  constexpr VkSpecializationMapEntry kEntries[]{{0, offsetof(Variant, srgb), 4}, {1, offsetof(Variant, displaced), 4}};
-  const Variant variant{isSrgb(format), displaced};
+  constexpr VkSpecializationMapEntry kEntries[]{{0, offsetof(Variant, linear), 4},
+                                                {1, offsetof(Variant, displaced), 4}};
+  const Variant variant{takesLinear(format), displaced};
   return makeGraphicsPipeline(device, {.name = colours ? "vertex colours" : "harmonised textures",
                                        .vertex = colours ? shaders::htm_colours_vert : shaders::htm_vert,
                                        .fragment = colours ? shaders::htm_colours_frag : shaders::htm_frag,
                                        .specialisation = {kEntries, std::as_bytes(std::span(&variant, 1))},
                                        .layout = layout,
-                                       .colourFormats = {&format, 1},
+                                       .colourFormats = {&format.format, 1},
                                        .depthFormat = kDepthFormat,
                                        .depthTest = true,
                                        .depthEqual = true});
@@ -57,11 +58,9 @@ HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const Htm
                                                    .layout = set.layout(),
                                                    .depthFormat = kDepthFormat,
                                                    .depthTest = true})) {
-  for (const VkFormat format : options.formats) {
-    check(isRgba8Format(format), ErrorCode::unsupported, "harmonised renderer: VkFormat {} is not 8-bit RGBA or BGRA",
-          int(format));
-    Format& made = formats_.emplace_back();
-    made.format = format;
+  for (const TargetFormat& format : options.formats) {
+    checkTargetFormat("harmonised renderer", format);
+    Format& made = formats_.emplace_back(Format{.format = format});
     made.pipelines[kDisplaced] = makeShading(device, set.layout(), format, true, false);
     made.pipelines[kPlain] = makeShading(device, set.layout(), format, false, false);
     made.pipelines[kColours] = makeShading(device, set.layout(), format, false, true);
@@ -70,7 +69,7 @@ HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const Htm
 
 void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const HtmFramePlan& plan,
                          const Target& target) const noexcept {
-  const auto found = std::ranges::find(formats_, target.format, &Format::format);
+  const auto found = std::ranges::find(formats_, formatOf(target), &Format::format);
   assert(found != formats_.end() && !target.depth);
   transition(commands, depth_.get(), kDepthInitial, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   transitionTarget(commands, target, target.initialUse, use::kColourAttachment);
@@ -89,12 +88,9 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
   vkCmdEndRendering(commands);
   transition(commands, depth_.get(), use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
 
-  VkClearColorValue background{};
-  for (int c = 0; c < 3; ++c) {
-    const float encoded = plan.settings.background[c];
-    background.float32[c] = isSrgb(target.format) ? float(srgbToLinear(encoded)) : encoded;
-  }
-  const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, background);
+  const glm::vec3 background = writtenColour(plan.settings.background, formatOf(target));
+  const VkRenderingAttachmentInfo colour =
+      colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, {{background.r, background.g, background.b, 0.0f}});
   const VkRenderingAttachmentInfo tested =
       depthAttachment(depth_.view(), VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_DONT_CARE);
   beginRendering(commands, target.extent, {&colour, 1}, &tested);

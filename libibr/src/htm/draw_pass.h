@@ -23,8 +23,8 @@ class HtmDrawPass {
  private:
   enum Shading : std::size_t { kDisplaced, kPlain, kColours, kShadingCount };
   struct Format {
-    VkFormat format;
-    std::array<PipelineHandle, kShadingCount> pipelines;
+    TargetFormat format;
+    std::array<PipelineHandle, kShadingCount> pipelines{};
   };
 
   GpuImage depth_;

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "base/check.h"
-#include "gpu/transfer/upload.h"
+#include "base/vulkan/functions.h"
 #include "htm/projection.h"
 #include "ibr/texture.h"
 
@@ -19,7 +19,7 @@ namespace {
 void upload(const Device& device, Buffer& buffer, std::span<const std::byte> bytes, const char* name,
             Uploader& uploader) {
   makeHtmBuffer(device, buffer, bytes.size(), name);
-  if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
+  uploader.buffer(buffer, 0, bytes);
 }
 
 // Makes a texture array; reuses an image of the same size and number of layers.
@@ -130,10 +130,10 @@ GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmImageS
       device, VK_FILTER_LINEAR,
       options.trilinear.value_or(!software) ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST);
   depthSampler = makeSampler(device, depthFilter(device), VK_SAMPLER_MIPMAP_MODE_NEAREST);
-  replace(model, source);
+  replace(model, source, options.uploads);
 }
 
-void GpuHtmModel::State::replace(const HtmModel& model, const HtmImageSource& source) {
+void GpuHtmModel::State::replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads) {
   bounds = htmBounds(checked(model));
   vertexCount = std::uint32_t(model.vertexCount());
   triangleCount = std::uint32_t(model.surface.mesh.triangles.size());
@@ -144,24 +144,24 @@ void GpuHtmModel::State::replace(const HtmModel& model, const HtmImageSource& so
     cameras.push_back(camera.camera);
     nearDistance.push_back(nearDistanceOf(model, camera.camera, bounds.middle));
   }
-  uploadMesh(model);
-  uploadPhotographs(model, source);
-  depthMaps_.draw(*device_, *this);
+  Uploader uploader(*device_, uploads);
+  uploadMesh(model, uploader);
+  uploadPhotographs(model, source, uploader);
+  depthMaps_.draw(*device_, *this, uploader);
+  uploader.flush();
 }
 
-void GpuHtmModel::State::uploadMesh(const HtmModel& model) {
+void GpuHtmModel::State::uploadMesh(const HtmModel& model, Uploader& uploader) {
   std::vector<glm::vec3> relative;
   for (const glm::dvec3& position : model.surface.mesh.positions) relative.emplace_back(position - bounds.middle);
-  Uploader uploader(*device_);
   upload(*device_, positions, std::as_bytes(std::span(relative)), "positions", uploader);
   upload(*device_, triangles, std::as_bytes(std::span(model.surface.mesh.triangles)), "triangles", uploader);
   static_assert(std::endian::native == std::endian::little);  // a CameraSet has the layout of a uvec2
   upload(*device_, members, std::as_bytes(std::span(model.surface.members)), "members", uploader);
   upload(*device_, complements, std::as_bytes(std::span(model.complements)), "complements", uploader);
-  uploader.flush();
 }
 
-void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmImageSource& source) {
+void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmImageSource& source, Uploader& uploader) {
   const VkExtent2D extent = arrayExtentOf(model);
   const auto layers = std::uint32_t(cameras.size());
   makeTextureArrays(*device_, photographs,
@@ -179,7 +179,7 @@ void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmImage
                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
                      .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
                     "depths of a harmonised model");
-  Uploader uploader(*device_);
+  uploader.beginImage(photographs);
   for (std::uint32_t i = 0; i < layers; ++i) {
     HtmImage picture = source(model, i);
     if (!picture.levels) picture = prepareHtmImage(model, i, std::move(picture));
@@ -191,7 +191,6 @@ void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmImage
       uploader.image(photographs, i, level, {std::uint32_t(mips[level].width), std::uint32_t(mips[level].height)},
                      std::as_bytes(std::span(mips[level].values)));
   }
-  uploader.flush();
 }
 
 GpuHtmModel::GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
@@ -201,8 +200,8 @@ GpuHtmModel::GpuHtmModel(GpuHtmModel&&) noexcept = default;
 GpuHtmModel& GpuHtmModel::operator=(GpuHtmModel&&) noexcept = default;
 GpuHtmModel::~GpuHtmModel() = default;
 
-void GpuHtmModel::replace(const HtmModel& model, const HtmImageSource& source) {
-  state_->replace(model, source);
+void GpuHtmModel::replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads) {
+  state_->replace(model, source, uploads);
 }
 
 GpuHtmModel::Memory GpuHtmModel::memory() const noexcept {

@@ -7,6 +7,7 @@
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "htm/depth_maps.h"
 #include "ibr/htm.h"
 
@@ -14,7 +15,7 @@ namespace ibr {
 
 struct GpuHtmModel::State {
   State(Device& device, const HtmModel& model, const HtmImageSource& source, const GpuHtmModelOptions& options);
-  void replace(const HtmModel& model, const HtmImageSource& source);
+  void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads);
 
   HtmBounds bounds;
   std::vector<Camera> cameras;
@@ -26,8 +27,8 @@ struct GpuHtmModel::State {
   SamplerHandle photographSampler, depthSampler;
 
  private:
-  void uploadMesh(const HtmModel& model);
-  void uploadPhotographs(const HtmModel& model, const HtmImageSource& source);
+  void uploadMesh(const HtmModel& model, Uploader& uploader);
+  void uploadPhotographs(const HtmModel& model, const HtmImageSource& source, Uploader& uploader);
 
   const Device* device_;
   HtmDepthMaps depthMaps_;

@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/transfer/upload.h"
@@ -73,7 +74,7 @@ void checkLimits(const Device& device, std::span<const Image8* const> pictures, 
 }  // namespace
 
 struct TemplateSearchPass::State {
-  State(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity);
+  State(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity, Uploads* uploads);
 
   VkDeviceSize taskBytes() const { return set.size() * sizeof(SearchTask); }
   VkDeviceSize sampleBytes() const { return samples * sizeof(TemplateSample); }
@@ -93,7 +94,8 @@ struct TemplateSearchPass::State {
   SearchStep step{};
 };
 
-TemplateSearchPass::State::State(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity most)
+TemplateSearchPass::State::State(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity most,
+                                 Uploads* uploads)
     : pictureCount(pictures.size()), capacity(most) {
   checkTemplateImages(pictures);
   checkLimits(device, pictures, capacity);
@@ -118,14 +120,13 @@ TemplateSearchPass::State::State(const Device& device, std::span<const Image8* c
   hostFound = Buffer(device, capacity.tasks * sizeof(SearchFound), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                      MemoryKind::readback, "found templates readback");
 
-  Uploader uploader(device);
-  if (!places.empty()) uploader.buffer(buffers[kBindingTemplatePictures], 0, std::as_bytes(std::span(places)));
+  Uploader uploader(device, uploads);
+  uploader.buffer(buffers[kBindingTemplatePictures], 0, std::as_bytes(std::span(places)));
   for (std::size_t i = 0; i < places.size(); ++i) {
     const std::vector<std::uint32_t> texels = texelsOf(*pictures[i]);
     uploader.buffer(buffers[kBindingTemplateTexels], VkDeviceSize(places[i].firstTexel) * sizeof(std::uint32_t),
                     std::as_bytes(std::span(texels)));
   }
-  uploader.flush();
 
   std::array<VkDescriptorSetLayoutBinding, kTemplateBindings> bindings;
   for (std::uint32_t b = 0; b < bindings.size(); ++b)
@@ -140,11 +141,12 @@ TemplateSearchPass::State::State(const Device& device, std::span<const Image8* c
   layout = makePipelineLayout(device, layouts, {&constants, 1});
   pipeline = makeComputePipeline(
       device, {.name = "template search", .shader = shaders::template_search_comp, .layout = layout.get()});
+  uploader.flush();
 }
 
 TemplateSearchPass::TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures,
-                                       TemplateCapacity capacity)
-    : state_(std::make_unique<State>(device, pictures, capacity)) {}
+                                       TemplateCapacity capacity, Uploads* uploads)
+    : state_(std::make_unique<State>(device, pictures, capacity, uploads)) {}
 TemplateSearchPass::TemplateSearchPass(TemplateSearchPass&&) noexcept = default;
 TemplateSearchPass& TemplateSearchPass::operator=(TemplateSearchPass&&) noexcept = default;
 TemplateSearchPass::~TemplateSearchPass() = default;

@@ -5,9 +5,9 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/upload.h"
 
 namespace ibr {
 namespace {
@@ -59,7 +59,7 @@ void copyToHost(VkCommandBuffer commands, const Buffer& from, const Buffer& to, 
 }  // namespace
 
 AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
-                                   const Positions& starts) {
+                                   const Positions& starts, Uploader& uploader) {
   check(device.supportsInt64(), ErrorCode::unsupported, "{}: shaderInt64 is not supported; align with method cpu",
         device.name());
   const std::size_t n = mesh.vertexCount(), d = mesh.memberCount();
@@ -77,10 +77,9 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
                MemoryKind::device, name);
   };
   buffers_.resize(kAlignmentBindings);
-  Uploader uploader(device);
   const auto fill = [&](int binding, std::span<const std::byte> bytes, const char* name) {
     make(binding, bytes.size(), name);
-    if (!bytes.empty()) uploader.buffer(buffers_[std::size_t(binding)], 0, bytes);
+    uploader.buffer(buffers_[std::size_t(binding)], 0, bytes);
   };
   const AlignmentMesh described = describe(mesh, pictures);
   const std::vector<glm::uvec3> kept = keptOf(mesh), borders = bordersOf(mesh);
@@ -95,10 +94,9 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
   for (std::size_t i = 0; i < d; ++i)
     uploader.buffer(buffers_[kBindingTexels], VkDeviceSize(described.pictures[i].firstTexel) * sizeof(std::uint32_t),
                     std::as_bytes(std::span(pictures[i].words)));
-  uploader.flush();
   make(kBindingPositions, d * n * sizeof(glm::ivec2), "positions");
   make(kBindingStarts, d * n * sizeof(glm::ivec2), "initial positions");
-  upload(device, starts, kBindingStarts);
+  upload(starts, kBindingStarts, uploader);
   make(kBindingOutcomes, d * moving * sizeof(AlignmentOutcome), "outcomes");
   make(kBindingJudgements, d * n * sizeof(AlignmentJudgement), "judgements");
   const auto host = [&](int binding, const char* name) {
@@ -120,15 +118,19 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
   for (std::uint32_t b = 0; b < bindings.size(); ++b) writeStorageBuffer(device, set_, b, buffers_[b].get());
 }
 
-void AlignmentBuffers::upload(const Device& device, const Positions& at, int binding) {
-  Uploader uploader(device, VkDeviceSize(1) << 20);
+void AlignmentBuffers::upload(const Device& device, const Positions& at) {
+  Uploader uploader(device, nullptr, kSmallStagingBytes);
+  upload(at, uploader);
+  uploader.flush();
+}
+
+void AlignmentBuffers::upload(const Positions& at, int binding, Uploader& uploader) {
   VkDeviceSize offset = 0;
   for (const auto& member : at) {
     const auto bytes = std::as_bytes(std::span(member));
-    if (!bytes.empty()) uploader.buffer(buffers_[std::size_t(binding)], offset, bytes);
+    uploader.buffer(buffers_[std::size_t(binding)], offset, bytes);
     offset += bytes.size();
   }
-  uploader.flush();
 }
 
 void AlignmentBuffers::recordPositionReadback(VkCommandBuffer commands) const noexcept {

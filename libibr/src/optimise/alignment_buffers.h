@@ -7,6 +7,7 @@
 
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "optimise/star_mesh.h"
 #include "optimise/texels.h"
 #include "shared/alignment.h"
@@ -15,15 +16,17 @@ namespace ibr {
 
 class AlignmentBuffers {
  public:
-  /// Uploads everything but the positions; `starts`: positions before the first cycle. Throws Error: unsupported
-  /// without 64-bit integers or if the photographs exceed one buffer; outOfMemory, deviceLost.
+  /// Uploads everything but the positions; `starts`: positions before the first cycle. The caller flushes. Throws
+  /// Error: unsupported without 64-bit integers or if the photographs exceed one buffer; outOfMemory, deviceLost.
   AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
-                   const Positions& starts);
+                   const Positions& starts, Uploader& uploader);
 
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
   VkDescriptorSet set() const noexcept { return set_; }
 
-  void upload(const Device& device, const Positions& at) { upload(device, at, shader::kBindingPositions); }
+  /// Uploads positions. Without an uploader: submits and waits.
+  void upload(const Positions& at, Uploader& uploader) { upload(at, shader::kBindingPositions, uploader); }
+  void upload(const Device& device, const Positions& at);
 
   /// Record copies of the outputs of earlier passes to the host; end in use::kHostRead.
   void recordPositionReadback(VkCommandBuffer commands) const noexcept;
@@ -36,7 +39,7 @@ class AlignmentBuffers {
   std::span<const shader::AlignmentJudgement> judgements() const noexcept;  // d × n
 
  private:
-  void upload(const Device& device, const Positions& at, int binding);
+  void upload(const Positions& at, int binding, Uploader& uploader);
 
   std::vector<Buffer> buffers_;  // by binding
   Buffer hostPositions_, hostOutcomes_, hostJudgements_;

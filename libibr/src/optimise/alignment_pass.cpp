@@ -2,6 +2,7 @@
 #include "optimise/alignment_pass.h"
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "shaders/ecc_judge_comp.h"
 #include "shaders/ecc_move_comp.h"
@@ -9,8 +10,8 @@
 namespace ibr {
 
 AlignmentPass::AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
-                             const Positions& starts, const AlignmentOptions& options)
-    : buffers_(device, mesh, pictures, starts),
+                             const Positions& starts, const AlignmentOptions& options, Uploader& uploader)
+    : buffers_(device, mesh, pictures, starts, uploader),
       members_(std::uint32_t(mesh.memberCount())),
       points_(std::uint32_t(mesh.vertexCount())),
       firstOfClass_(mesh.colours.first),

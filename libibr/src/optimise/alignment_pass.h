@@ -17,9 +17,10 @@ struct ClassMove {
 class AlignmentPass {
  public:
   AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures, const Positions& starts,
-                const AlignmentOptions& options);
+                const AlignmentOptions& options, Uploader& uploader);
 
   void upload(const Device& device, const Positions& at) { buffers_.upload(device, at); }
+  void upload(const Positions& at, Uploader& uploader) { buffers_.upload(at, uploader); }
 
   /// Each ends with a barrier. Outcomes of an image's points are contiguous, in the order of the classes.
   void recordMove(VkCommandBuffer commands, const ClassMove& move) const noexcept;

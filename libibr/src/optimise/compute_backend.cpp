@@ -11,11 +11,13 @@ namespace {
 
 class ComputeBackend final : public AlignmentBackend {
  public:
-  ComputeBackend(const BackendInput& input, const Device& device)
+  ComputeBackend(const BackendInput& input, const Device& device, Uploader&& uploader)
       : input_(input),
         device_(device),
-        pass_(device, input.mesh, input.pictures, input.alignment.position, input.options),
-        submission_(device) {}
+        pass_(device, input.mesh, input.pictures, input.alignment.position, input.options, uploader),
+        submission_(device) {
+    uploader.flush();
+  }
 
   CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
     CycleCounts counts;
@@ -72,7 +74,7 @@ class ComputeBackend final : public AlignmentBackend {
 }  // namespace
 
 std::unique_ptr<AlignmentBackend> makeComputeBackend(const BackendInput& input, const Device& device) {
-  return std::make_unique<ComputeBackend>(input, device);
+  return std::make_unique<ComputeBackend>(input, device, Uploader(device));
 }
 
 }  // namespace ibr

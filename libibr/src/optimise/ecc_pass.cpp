@@ -25,19 +25,20 @@ const AlignmentOptions& checked(const AlignmentOptions& options) {
 }  // namespace
 
 struct EccPass::State {
-  State(const Device& device, const Alignment& alignment, const AlignmentOptions& options)
+  State(const Device& device, const Alignment& alignment, const AlignmentOptions& options, Uploader&& uploader)
       : mesh(starMeshOf(alignment)),
-        pass(device, mesh, texelsOf(alignment), alignment.position, checked(options)),
+        pass(device, mesh, texelsOf(alignment), alignment.position, checked(options), uploader),
         floor(options.varianceFloor) {
-    pass.upload(device, alignment.position);
+    pass.upload(alignment.position, uploader);
+    uploader.flush();
   }
   StarMesh mesh;
   AlignmentPass pass;
   double floor;
 };
 
-EccPass::EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options)
-    : state_(std::make_unique<State>(device, alignment, options)) {}
+EccPass::EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options, Uploads* uploads)
+    : state_(std::make_unique<State>(device, alignment, options, Uploader(device, uploads))) {}
 EccPass::EccPass(EccPass&&) noexcept = default;
 EccPass& EccPass::operator=(EccPass&&) noexcept = default;
 EccPass::~EccPass() = default;

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/submit.h"
@@ -42,10 +43,10 @@ GpuImage imageOf(const Device& device, const Texels& texels, glm::ivec2 size, Up
 
 class RasterBackend final : public AlignmentBackend {
  public:
-  RasterBackend(const BackendInput& input, const Device& device)
+  RasterBackend(const BackendInput& input, const Device& device, Uploader&& uploader)
       : input_(input),
         device_(device),
-        buffers_(device, input.mesh, input.pictures, input.alignment.position),
+        buffers_(device, input.mesh, input.pictures, input.alignment.position, uploader),
         submission_(device) {
     check(device.supportsInt64Atomics(), ErrorCode::unsupported,
           "{}: shaderBufferInt64Atomics is not supported; align with method compute or cpu", device.name());
@@ -55,9 +56,10 @@ class RasterBackend final : public AlignmentBackend {
                        shader::eccSlots(definition_, std::uint32_t(input.mesh.memberCount())),
                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device,
                    "sums of candidates");
-    makePictures();
+    makePictures(uploader);
     makePairs();
     makePipelines();
+    uploader.flush();
   }
 
   CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
@@ -75,7 +77,7 @@ class RasterBackend final : public AlignmentBackend {
   std::vector<Judgement> judgeAll(const Positions& at) override { return judgeAllOnCpu(input_, at); }
 
  private:
-  void makePictures() {
+  void makePictures(Uploader& uploader) {
     const VkSamplerCreateInfo bilinear{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                        .magFilter = VK_FILTER_LINEAR,
                                        .minFilter = VK_FILTER_LINEAR,
@@ -83,10 +85,8 @@ class RasterBackend final : public AlignmentBackend {
                                        .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                        .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     sampler_ = make<SamplerHandle>(device_, vkCreateSampler, bilinear, "vkCreateSampler");
-    Uploader uploader(device_);
     for (std::size_t i = 0; i < input_.pictures.size(); ++i)
       images_.push_back(imageOf(device_, input_.pictures[i], input_.mesh.size[i], uploader));
-    uploader.flush();
   }
 
   // Makes a set per source and target; the set of an image with itself stays unused.
@@ -215,7 +215,7 @@ class RasterBackend final : public AlignmentBackend {
 }  // namespace
 
 std::unique_ptr<AlignmentBackend> makeRasterBackend(const BackendInput& input, const Device& device) {
-  return std::make_unique<RasterBackend>(input, device);
+  return std::make_unique<RasterBackend>(input, device, Uploader(device));
 }
 
 }  // namespace ibr

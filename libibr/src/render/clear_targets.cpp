@@ -3,9 +3,10 @@
 
 #include <limits>
 
-#include "base/srgb.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/rendering.h"
+#include "base/vulkan/target_format.h"
 
 namespace ibr {
 namespace {
@@ -19,16 +20,11 @@ void clearColour(VkCommandBuffer commands, VkExtent2D extent, const Target& targ
   transitionTarget(commands, target, use::kColourAttachment, target.finalUse);
 }
 
-bool encodes(VkFormat format) {
-  return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
-}
-
 }  // namespace
 
 void clearTarget(VkCommandBuffer commands, const Target& target, glm::vec3 background) noexcept {
-  if (encodes(target.format))
-    for (int c = 0; c < 3; ++c) background[c] = float(srgbToLinear(double(background[c])));
-  clearColour(commands, target.extent, target, {{background.r, background.g, background.b, 1.0f}});
+  const glm::vec3 colour = writtenColour(background, formatOf(target));
+  clearColour(commands, target.extent, target, {{colour.r, colour.g, colour.b, 1.0f}});
   if (!target.depth) return;
   const DepthTarget& depth = *target.depth;
   transitionTarget(commands, depth, depth.initialUse, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);

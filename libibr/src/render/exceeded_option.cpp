@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/vulkan/target_format.h"
+
 namespace ibr {
 namespace {
 
@@ -54,7 +56,7 @@ const char* exceededOption(const FramePlan& plan, const RendererOptions& options
 }
 
 const char* exceededOption(const Target& target, const RendererOptions& options) noexcept {
-  if (!contains(options.formats, target.format)) return "formats";
+  if (!contains(options.formats, formatOf(target))) return "formats";
   if (target.depth && !options.depth) return "depth";
   return nullptr;
 }

@@ -7,9 +7,10 @@
 #include <string>
 
 #include "base/check.h"
-#include "base/vulkan/submit.h"
+#include "base/vulkan/target_format.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/multiview.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/renderer.h"
 #include "ibr/scope_timer.h"
 #include "render/clear_targets.h"
@@ -30,6 +31,15 @@
 #include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
+namespace {
+
+// Returns true if no field is exceeded; else names the field in `why`.
+bool isWithin(const char* exceeded, std::string* why) {
+  if (exceeded && why) *why = std::string("RendererOptions::") + exceeded;
+  return !exceeded;
+}
+
+}  // namespace
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
@@ -39,31 +49,33 @@ struct Renderer::State {
         canvas(device, scaled(o.maxExtent, canvasScale(o)),
                ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
     const Requirements& needed = requirements;
+    Uploader uploader(device, o.uploads, kSmallStagingBytes);
     checkHiddenArea(o.hiddenArea);
     if (needed.crossFadeOrders) previous.emplace(device, canvas.largest());
-    if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
+    if (needed.multiview && (o.uploads ? multiviewIsKnownToWork(device) : multiviewWorks(device)))
+      eyes.emplace(device, canvas.largest(), 0, 2);
     if (needed.fill) {
       std::vector<VkImageView> sources;
       for (const CanvasSource& source : sourcesOf(canvas, eyesOrNull())) sources.push_back(source.colour);
       fill.emplace(device, canvas.largest(), sources);
     }
-    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kMaxCellCount));
-    cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE,
-                  eyes ? eyes->renderPass() : VK_NULL_HANDLE);
+    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kMaxCellCount), uploader);
+    cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, uploader,
+                  tables ? tables->tables() : VK_NULL_HANDLE, eyes ? eyes->renderPass() : VK_NULL_HANDLE);
     if (needed.hiddenArea)
-      hidden.emplace(device, o.hiddenArea, canvas.renderPass(), eyes ? eyes->renderPass() : VK_NULL_HANDLE);
+      hidden.emplace(device, o.hiddenArea, canvas.renderPass(), eyes ? eyes->renderPass() : VK_NULL_HANDLE, uploader);
     if (needed.gather) gather.emplace(device, gpuScene, canvas.renderPass(), canvas.largest(), o, needed);
     if (tables) colours.emplace(device, *tables, *cells, canvas, o);
     composite.emplace(device, canvas, eyesOrNull(), previous ? &*previous : nullptr, fill ? &*fill : nullptr, o,
                       needed.hiddenArea);
     if (needed.depth) depth.emplace(device, canvas, eyesOrNull(), needed.hiddenArea);
-    if (const Scene* known = uncertaintiesFor(o)) uncertainties.emplace(device, *known, *scene);
+    if (const Scene* known = uncertaintiesFor(o)) uncertainties.emplace(device, *known, *scene, uploader);
     const Uncertainties* known = uncertainties ? &*uncertainties : nullptr;
     if (!needed.overlays.empty()) overlays.emplace(device, *cells, canvas.renderPass(), o, needed, known);
     if (needed.buffers) buffers.emplace(device, *cells, *known, canvas, needed);
     // CompositePass binds all images in every frame, even images that the frame does not draw. Every image needs the
     // layout of its binding from the start.
-    submitAndWait(device, [&](VkCommandBuffer commands) {
+    uploader.commands([this](VkCommandBuffer commands) {
       const std::array<const Canvas*, 3> images{&canvas, previous ? &*previous : nullptr, eyesOrNull()};
       for (const Canvas* image : images) {
         if (!image) continue;
@@ -72,6 +84,7 @@ struct Renderer::State {
       }
       if (fill) fill->record(commands, canvas.largest(), kFromCanvas);
     });
+    uploader.flush();
   }
 
   const Canvas* eyesOrNull() const { return eyes ? &*eyes : nullptr; }
@@ -153,14 +166,22 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
-bool Renderer::supports(VkFormat format) noexcept {
-  return CompositePass::supports(format);
+bool Renderer::probeMultiview(const Device& device) {
+  return multiviewWorks(device);
+}
+
+bool Renderer::supports(TargetFormat format, std::string* why) {
+  const char* fault = targetFormatFault(format);
+  if (fault && why) *why = fault;
+  return !fault;
 }
 
 bool Renderer::supports(const FramePlan& plan, std::string* why) const {
-  const char* exceeded = exceededOption(plan, state_->options);
-  if (exceeded && why) *why = std::string("RendererOptions::") + exceeded;
-  return !exceeded;
+  return isWithin(exceededOption(plan, state_->options), why);
+}
+
+bool Renderer::supports(const Target& target, std::string* why) const {
+  return isWithin(exceededOption(target, state_->options), why);
 }
 
 void Renderer::State::draw(VkCommandBuffer commands, const PlanDraws& draws, std::size_t view, VkExtent2D extent,
@@ -218,7 +239,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
                       ScopeTimer* timer) const noexcept {
   const State& s = *state_;
   const bool areTargetsDeclared =
-      std::ranges::none_of(targets, [&](const Target& target) { return exceededOption(target, s.options) != nullptr; });
+      std::ranges::none_of(targets, [&](const Target& target) { return !supports(target); });
   if (!supports(plan) || !areTargetsDeclared) {
     for (const Target& target : targets) clearTarget(commandBuffer, target, plan.settings.background);
     return;

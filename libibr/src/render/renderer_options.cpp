@@ -3,7 +3,7 @@
 
 namespace ibr {
 
-RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent, VkFormat format) {
+RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent, TargetFormat format) {
   RendererOptions options{.maxExtent = maxExtent};
   options.crossFadeOrders = settings.switchSeconds > 0;
   options.fill = settings.maxTier >= kTierFilled;

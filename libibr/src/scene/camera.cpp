@@ -87,6 +87,41 @@ glm::dvec3 viewAxis(const Pose& pose) {
   return pose.rotation * glm::dvec3(0.0, 0.0, -1.0);
 }
 
+glm::dmat4 worldFromCamera(const Pose& pose) {
+  glm::dmat4 m = glm::mat4_cast(pose.rotation);
+  m[3] = glm::dvec4(pose.position, 1.0);
+  return m;
+}
+
+glm::dmat4 cameraFromWorld(const Pose& pose) {
+  const glm::dquat back = glm::conjugate(pose.rotation);
+  return worldFromCamera({-(back * pose.position), back});
+}
+
+glm::dmat4 clipFromCamera(const Intrinsics& k, double nearPlane, double farPlane, bool reversed) {
+  check(nearPlane > 0.0 && nearPlane < farPlane && std::isfinite(nearPlane), ErrorCode::invalidInput,
+        "a projection cannot have its near plane at {} and its far plane at {}", nearPlane, farPlane);
+  // depth = offset + slope / distance; an infinite far plane is the limit
+  double offset = std::isinf(farPlane) ? 1.0 : farPlane / (farPlane - nearPlane);
+  double slope = -nearPlane * offset;
+  if (reversed) {
+    offset = 1.0 - offset;
+    slope = -slope;
+  }
+  const glm::dvec2 scale(2.0 * k.fx / k.width, 2.0 * k.fy / k.height);
+  const glm::dvec2 shift(1.0 - 2.0 * k.cx / k.width, 1.0 - 2.0 * k.cy / k.height);
+  check(k.model == CameraModel::pinhole && k.fx > 0.0 && k.fy > 0.0 && std::min(k.width, k.height) >= 1 &&
+            finite(scale) && finite(shift) && std::isfinite(offset) && std::isfinite(slope),
+        ErrorCode::invalidInput, "a camera of {}x{} px with f ({}, {}) and c ({}, {}) has no projection matrix",
+        k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+  glm::dmat4 m(0.0);
+  m[0].x = scale.x;
+  m[1].y = -scale.y;
+  m[2] = {shift, -offset, -1.0};
+  m[3].z = slope;
+  return m;
+}
+
 double angleBetween(const glm::dquat& a, const glm::dquat& b) {
   const glm::dquat turn = glm::conjugate(a) * b;
   return 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w));

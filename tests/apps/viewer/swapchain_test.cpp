@@ -13,6 +13,7 @@
 #include "apps/support/virtual_display.h"
 #include "apps/support/x11_window.h"
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "support/gpu.h"
 
 using namespace ibr;
@@ -44,7 +45,7 @@ void recordColour(const Swapchain::Frame& frame, const std::array<float, 3>& col
   transition(frame.commands, frame.image, use::kTransferDestination, Swapchain::kFinalUse);
 }
 
-using EventHandle = Handle<VkEvent, vkDestroyEvent>;
+using EventHandle = Handle<VkEvent, &vkDestroyEvent>;
 
 // Blocks the device's queue for all later submissions during its lifetime, but for at most twenty seconds, so that a
 // waiting test fails instead of hanging.

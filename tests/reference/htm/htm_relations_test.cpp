@@ -8,6 +8,7 @@
 
 #include "ibr/error.h"
 #include "reference/htm/htm_stage.h"
+#include "reference/stored_colours.h"
 #include "support/error_of.h"
 
 namespace ibr::test {
@@ -240,7 +241,13 @@ TEST_CASE("every target format shows the same image", "[htm]") {
   const Image8 first = stage.render(plan);
   for (const VkFormat format : {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB})
     CHECK(largestDifference(first, stage.render(plan, format)) <= 1);
-  CHECK(errorOf([&] { stage.render(plan, VK_FORMAT_R16G16B16A16_SFLOAT); }).code() == ErrorCode::unsupported);
+  for (const TargetFormat& format : kWideFormats)
+    CHECK(wrongChannels(stage.renderFloat(plan, format), first, format, kRoundedSteps) == 0);
+  for (const TargetFormat& format :
+       {TargetFormat(VK_FORMAT_R32G32B32A32_SFLOAT), TargetFormat(VK_FORMAT_R8G8B8A8_SRGB, Encoding::linear)}) {
+    const HtmRendererOptions options{.maxExtent = {8, 8}, .formats = {format}};
+    CHECK(errorOf([&] { HtmRenderer(testDevice(), stage.gpuModel(), options); }).code() == ErrorCode::unsupported);
+  }
 }
 
 TEST_CASE("photographs that do not fit their cameras are refused", "[htm]") {

@@ -2,6 +2,7 @@
 // A harmonised model on the test device, and images of the model.
 #pragma once
 
+#include <functional>
 #include <utility>
 
 #include "ibr/htm.h"
@@ -31,15 +32,25 @@ class HtmStage {
   HtmFramePlan plan(const Camera& view, const HtmSettings& settings = {}) const {
     return planHtmFrame(model_, bounds_, {view, settings});
   }
-  Image8 render(const HtmFramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
-    const VkExtent2D extent{std::uint32_t(plan.view.intrinsics.width), std::uint32_t(plan.view.intrinsics.height)};
-    const HtmRenderer renderer(testDevice(), gpuModel_, {.maxExtent = extent, .formats = {format}});
-    Offscreen offscreen(testDevice(), extent, format);
-    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  Image8 render(const HtmFramePlan& plan, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+    return rendered(plan, format, &Offscreen::render);
+  }
+  ImageF renderFloat(const HtmFramePlan& plan, TargetFormat format) const {
+    return rendered(plan, format, &Offscreen::renderFloat);
   }
   Image8 render(const Camera& view, const HtmSettings& settings = {}) const { return render(plan(view, settings)); }
 
  private:
+  using Record = std::function<void(VkCommandBuffer)>;
+  template <class T>
+  Image<T> rendered(const HtmFramePlan& plan, TargetFormat format,
+                    Image<T> (Offscreen::*picture)(const Record&)) const {
+    const VkExtent2D extent{std::uint32_t(plan.view.intrinsics.width), std::uint32_t(plan.view.intrinsics.height)};
+    const HtmRenderer renderer(testDevice(), gpuModel_, {.maxExtent = extent, .formats = {format}});
+    Offscreen offscreen(testDevice(), extent, format);
+    return (offscreen.*picture)([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  }
+
   HtmModel model_;
   std::vector<HtmImage> pictures_;
   HtmBounds bounds_;

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 #include <tuple>
+#include <utility>
 
 #include "ibr/capture.h"
 #include "ibr/error.h"
@@ -159,6 +160,52 @@ TEST_CASE("a resized camera keeps its rays") {
   CHECK(resized(kPanorama, 100, 50) == Intrinsics{CameraModel::equirectangular, 100, 50});
   CHECK_THROWS_AS(resized(k, 0, 10), Error);
   CHECK_THROWS_AS(resized(Intrinsics{}, 10, 10), Error);
+}
+
+TEST_CASE("a view matrix inverts the model matrix of a pose, far from the world's origin too") {
+  const Pose pose{{1e7, -2e6, 30}, glm::normalize(glm::dquat(0.8, 0.3, -0.4, 0.33))};
+  for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0, 0, -1}, {3, -4, 5}}) {
+    const glm::dvec3 world = pose.position + pose.rotation * at;
+    CHECK(glm::distance(glm::dvec3(worldFromCamera(pose) * glm::dvec4(at, 1)), world) < 1e-8);
+    CHECK(glm::distance(glm::dvec3(cameraFromWorld(pose) * glm::dvec4(world, 1)), at) < 1e-8);
+  }
+}
+
+TEST_CASE("the projection matrix has the pixels of project() and the depth of a DepthTarget") {
+  const Intrinsics k = pinholeFromTangents(640, 360, -1.2, 0.7, 0.9, -0.4);
+  for (const double far : {50.0, kInfinity})
+    for (const bool reversed : {false, true})
+      for (const glm::dvec3 at : {glm::dvec3(0, 0, -0.1), {0.3, -0.2, -0.7}, {-4, 5, -49}, {8, 1, -3}}) {
+        const glm::dvec4 clip = clipFromCamera(k, 0.1, far, reversed) * glm::dvec4(at, 1);
+        const glm::dvec2 pixel = (glm::dvec2(clip) / clip.w + 1.0) * 0.5 * glm::dvec2(640, 360);
+        CHECK(glm::distance(pixel, *project(k, at)) < 1e-9);
+        const double depth = std::isinf(far) ? 1 - 0.1 / -at.z : far / (far - 0.1) * (1 - 0.1 / -at.z);
+        CHECK(clip.z / clip.w == Approx(reversed ? 1 - depth : depth).margin(1e-12));
+      }
+}
+
+TEST_CASE("cameras and planes without a projection matrix are refused", "[N16]") {
+  const Intrinsics k = pinholeFromFov(640, 480, 1.0);
+  CHECK_NOTHROW(clipFromCamera(k, 1e-300, 1e300, true));
+  for (const auto& [near, far] : {std::pair(0.0, 1.0),
+                                  {-1.0, 1.0},
+                                  {1.0, 1.0},
+                                  {2.0, 1.0},
+                                  {kNan, 1.0},
+                                  {1.0, kNan},
+                                  {kInfinity, kInfinity},
+                                  {1.0, -kInfinity}})
+    CHECK_THROWS_AS(clipFromCamera(k, near, far), Error);
+  CHECK_THROWS_AS(clipFromCamera(kPanorama, 0.1), Error);
+  for (double Intrinsics::*field : {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::cx, &Intrinsics::cy})
+    for (const double wrong : {kNan, kInfinity, -kInfinity}) {
+      Intrinsics other = k;
+      other.*field = wrong;
+      CHECK_THROWS_AS(clipFromCamera(other, 0.1), Error);
+    }
+  Intrinsics empty = k;
+  empty.width = 0;
+  CHECK_THROWS_AS(clipFromCamera(empty, 0.1), Error);
 }
 
 TEST_CASE("no camera function returns NaN for any input", "[N16][P4]") {

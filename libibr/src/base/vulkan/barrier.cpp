@@ -3,6 +3,8 @@
 
 #include <cassert>
 
+#include "base/vulkan/functions.h"
+
 namespace ibr {
 
 void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,

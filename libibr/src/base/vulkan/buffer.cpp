@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {
@@ -32,13 +33,10 @@ Buffer::Buffer(const Device& device, VkDeviceSize size, VkBufferUsageFlags usage
 
   VkMemoryRequirements requirements;
   vkGetBufferMemoryRequirements(device.handle(), buffer_.get(), &requirements);
-  memory_ = allocate(device, requirements, kind, name);
+  memory_ = Allocation(device, requirements, kind, ResourceTiling::linear, name);
   allocated_ = requirements.size;
-  vk(vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0), "vkBindBufferMemory");
-  if (kind == MemoryKind::device) return;
-  void* data = nullptr;
-  vk(vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &data), "vkMapMemory");
-  mapped_ = {static_cast<std::byte*>(data), size};
+  vk(vkBindBufferMemory(device.handle(), buffer_.get(), memory_.memory(), memory_.offset()), "vkBindBufferMemory");
+  if (kind != MemoryKind::device) mapped_ = {memory_.mapped(), size};
 }
 
 }  // namespace ibr

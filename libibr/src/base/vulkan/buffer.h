@@ -31,7 +31,7 @@ class Buffer {
   VkDeviceSize allocatedBytes() const noexcept { return allocated_; }
 
  private:
-  MemoryHandle memory_;  // before the buffer: destroyed after it
+  Allocation memory_;  // before the buffer: destroyed after it
   BufferHandle buffer_;
   VkDeviceSize size_ = 0;
   VkDeviceSize allocated_ = 0;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "base/vulkan/functions.h"
+
 namespace ibr {
 
 void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name) {

@@ -12,10 +12,6 @@ namespace ibr {
 constexpr bool isSrgb(VkFormat format) noexcept {
   return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
 }
-/// True if a caller's target may have the format: 8-bit RGBA or BGRA.
-constexpr bool isRgba8Format(VkFormat format) noexcept {
-  return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
-}
 
 /// Bytes per texel, or per block of blockSide² texels; 0 for other formats.
 constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
@@ -33,6 +29,7 @@ constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
     case VK_FORMAT_R8G8B8A8_UINT:
     case VK_FORMAT_B8G8R8A8_UNORM:
     case VK_FORMAT_B8G8R8A8_SRGB:
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
     case VK_FORMAT_R16G16_SFLOAT:
     case VK_FORMAT_R32_UINT:
     case VK_FORMAT_R32_SFLOAT:

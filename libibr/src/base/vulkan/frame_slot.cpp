@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/vulkan/frame_slot.h"
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr {

@@ -7,7 +7,7 @@
 #include "base/check.h"
 #include "base/vulkan/debug.h"
 #include "base/vulkan/format.h"
-#include "base/vulkan/memory.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {
@@ -70,9 +70,9 @@ GpuImage::GpuImage(const Device& device, const GpuImageInfo& info, std::string_v
   nameObject(device, VK_OBJECT_TYPE_IMAGE, image_.get(), name);
 
   const VkMemoryRequirements requirements = requirementsOf(device, image_.get());
-  memory_ = allocate(device, requirements, MemoryKind::device, name);
+  memory_ = Allocation(device, requirements, MemoryKind::device, ResourceTiling::optimal, name);
   allocated_ = requirements.size;
-  vk(vkBindImageMemory(device.handle(), image_.get(), memory_.get(), 0), "vkBindImageMemory");
+  vk(vkBindImageMemory(device.handle(), image_.get(), memory_.memory(), memory_.offset()), "vkBindImageMemory");
 
   constexpr VkImageUsageFlags kTransfers = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   if (!(info.usage & ~kTransfers)) return;

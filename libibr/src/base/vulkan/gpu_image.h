@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/vulkan/handle.h"
+#include "base/vulkan/memory.h"
 #include "ibr/device.h"
 
 namespace ibr {
@@ -37,7 +38,7 @@ class GpuImage {
 
  private:
   GpuImageInfo info_;
-  MemoryHandle memory_;  // destroyed in the order view, image, memory
+  Allocation memory_;  // destroyed in the order view, image, memory
   ImageHandle image_;
   ImageViewHandle view_;
   VkDeviceSize allocated_ = 0;

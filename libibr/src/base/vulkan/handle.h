@@ -6,12 +6,14 @@
 
 #include <utility>
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 #include "ibr/device.h"
 
 namespace ibr {
 
-/// Move-only; the device must outlive the handle. A default-made or moved-from handle is VK_NULL_HANDLE.
+/// Move-only; the device must outlive the handle. A default-made or moved-from handle is VK_NULL_HANDLE. `Destroy` is
+/// the address of a pointer of base/vulkan/functions.h.
 template <class T, auto Destroy>
 class Handle {
  public:
@@ -32,7 +34,7 @@ class Handle {
 
   T get() const noexcept { return handle_; }
   void reset() noexcept {
-    if (handle_ != VK_NULL_HANDLE) Destroy(device_, std::exchange(handle_, VK_NULL_HANDLE), nullptr);
+    if (handle_ != VK_NULL_HANDLE) (*Destroy)(device_, std::exchange(handle_, VK_NULL_HANDLE), nullptr);
   }
 
  private:
@@ -40,21 +42,20 @@ class Handle {
   T handle_ = VK_NULL_HANDLE;
 };
 
-using BufferHandle = Handle<VkBuffer, vkDestroyBuffer>;
-using CommandPoolHandle = Handle<VkCommandPool, vkDestroyCommandPool>;
-using DescriptorPoolHandle = Handle<VkDescriptorPool, vkDestroyDescriptorPool>;
-using DescriptorSetLayoutHandle = Handle<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
-using FenceHandle = Handle<VkFence, vkDestroyFence>;
-using FramebufferHandle = Handle<VkFramebuffer, vkDestroyFramebuffer>;
-using ImageHandle = Handle<VkImage, vkDestroyImage>;
-using ImageViewHandle = Handle<VkImageView, vkDestroyImageView>;
-using MemoryHandle = Handle<VkDeviceMemory, vkFreeMemory>;
-using PipelineHandle = Handle<VkPipeline, vkDestroyPipeline>;
-using PipelineLayoutHandle = Handle<VkPipelineLayout, vkDestroyPipelineLayout>;
-using QueryPoolHandle = Handle<VkQueryPool, vkDestroyQueryPool>;
-using RenderPassHandle = Handle<VkRenderPass, vkDestroyRenderPass>;
-using SamplerHandle = Handle<VkSampler, vkDestroySampler>;
-using ShaderModuleHandle = Handle<VkShaderModule, vkDestroyShaderModule>;
+using BufferHandle = Handle<VkBuffer, &vkDestroyBuffer>;
+using CommandPoolHandle = Handle<VkCommandPool, &vkDestroyCommandPool>;
+using DescriptorPoolHandle = Handle<VkDescriptorPool, &vkDestroyDescriptorPool>;
+using DescriptorSetLayoutHandle = Handle<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout>;
+using FenceHandle = Handle<VkFence, &vkDestroyFence>;
+using FramebufferHandle = Handle<VkFramebuffer, &vkDestroyFramebuffer>;
+using ImageHandle = Handle<VkImage, &vkDestroyImage>;
+using ImageViewHandle = Handle<VkImageView, &vkDestroyImageView>;
+using PipelineHandle = Handle<VkPipeline, &vkDestroyPipeline>;
+using PipelineLayoutHandle = Handle<VkPipelineLayout, &vkDestroyPipelineLayout>;
+using QueryPoolHandle = Handle<VkQueryPool, &vkDestroyQueryPool>;
+using RenderPassHandle = Handle<VkRenderPass, &vkDestroyRenderPass>;
+using SamplerHandle = Handle<VkSampler, &vkDestroySampler>;
+using ShaderModuleHandle = Handle<VkShaderModule, &vkDestroyShaderModule>;
 
 /// make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler"). Throws as vk() does.
 template <class Owner, class Create, class Info>

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/shader_replacements.h"
 
 namespace ibr {

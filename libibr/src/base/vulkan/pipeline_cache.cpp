@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "base/vulkan/functions.h"
 #include "ibr/target.h"
 
 namespace ibr {

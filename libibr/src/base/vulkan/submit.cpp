@@ -4,15 +4,12 @@
 #include <cstdint>
 
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 
-std::unique_lock<std::mutex> lockQueue(std::mutex* queueMutex) {
-  return queueMutex ? std::unique_lock(*queueMutex) : std::unique_lock<std::mutex>();
-}
-
 VkResult waitIdle(const Device& device) {
-  const auto held = lockQueue(device.queueMutex());
+  const QueueLock lock(device);
   const VkResult result = vkDeviceWaitIdle(device.handle());
   if (result == VK_ERROR_DEVICE_LOST) device.markLost();
   return result;
@@ -50,13 +47,13 @@ void Submission::run(const std::function<void(VkCommandBuffer)>& record) {
   const VkSubmitInfo2 info{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commandsInfo};
   {
-    const auto held = lockQueue(device_->queueMutex());
+    const QueueLock lock(*device_);
     vk(*device_, vkQueueSubmit2(device_->queue(), 1, &info, fence), "vkQueueSubmit2");
   }
   const VkResult result = vkWaitForFences(device, 1, &fence, VK_TRUE, UINT64_MAX);
   // Callers may destroy their objects as soon as this throws, so the queue must be idle by then.
   if (result != VK_SUCCESS) {
-    const auto held = lockQueue(device_->queueMutex());
+    const QueueLock lock(*device_);
     vkQueueWaitIdle(device_->queue());
   }
   vk(*device_, result, "vkWaitForFences");

@@ -5,15 +5,24 @@
 #include <vulkan/vulkan_core.h>
 
 #include <functional>
-#include <mutex>
 
 #include "base/vulkan/handle.h"
 #include "ibr/device.h"
 
 namespace ibr {
 
-/// Locks Device::queueMutex(), if there is one, while the result lives. Every use of a device's queue needs this lock.
-[[nodiscard]] std::unique_lock<std::mutex> lockQueue(std::mutex* queueMutex);
+/// Holds Device::lockQueue() while it lives. Every use of a device's queue needs this lock, and so does
+/// vkDeviceWaitIdle. Not recursive. The device must outlive the object.
+class QueueLock {
+ public:
+  explicit QueueLock(const Device& device) : device_(device) { device.lockQueue(); }
+  QueueLock(const QueueLock&) = delete;
+  QueueLock& operator=(const QueueLock&) = delete;
+  ~QueueLock() { device_.unlockQueue(); }
+
+ private:
+  const Device& device_;
+};
 
 /// Calls vkDeviceWaitIdle with the queue locked. Marks the device lost if the call reports VK_ERROR_DEVICE_LOST.
 VkResult waitIdle(const Device& device);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr {

@@ -7,13 +7,40 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline_cache.h"
 #include "base/vulkan/shader_replacements.h"
 #include "base/vulkan/vulkan.h"
 #include "gpu/device/device_choice.h"
 #include "gpu/device/instance.h"
+#include "gpu/device/multiview_answer.h"
 
 namespace ibr {
+namespace {
+
+std::atomic<int> deviceCount = 0;  // devices of the process: the functions must not change while there are any
+
+struct Counted {
+  Counted() { ++deviceCount; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  ~Counted() { --deviceCount; }
+};
+
+void checkHandles(const DeviceHandles& handles) {
+  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
+        "the device cannot be adopted: handle '{}' is null",
+        !handles.instance         ? "instance"
+        : !handles.physicalDevice ? "physicalDevice"
+        : !handles.device         ? "device"
+                                  : "queue");
+  check(!handles.lockQueue == !handles.unlockQueue, ErrorCode::invalidInput,
+        "the device cannot be adopted: lockQueue and unlockQueue must be set together");
+  check(!handles.lockQueue || !handles.queueMutex, ErrorCode::invalidInput,
+        "the device cannot be adopted: queueMutex and lockQueue are both set");
+}
+
+}  // namespace
 
 struct Device::State {
   explicit State(LogCallback log) : messages(std::move(log)) {}
@@ -35,6 +62,7 @@ struct Device::State {
     name = fmt::format("{}, {}", description.name, description.driver);
   }
 
+  Counted counted;
   Messages messages;
   Instance owned;  // null if the instance is borrowed
   VkInstance instance = VK_NULL_HANDLE;
@@ -42,10 +70,12 @@ struct Device::State {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t queueFamily = 0;
-  std::mutex* queueMutex = nullptr;
+  std::function<void()> lockQueue, unlockQueue;                                           // both or none
   const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
   std::optional<PipelineCache> ownedCache;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // owned or borrowed
+  DeviceAllocator* allocator = nullptr;
+  std::optional<bool> multiviewWorks;  // probed by gpu/draw/multiview.h
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceFeatures features;  // enabled features, as far as known for an adopted device
@@ -53,6 +83,11 @@ struct Device::State {
   ShaderReplacements shaders;
   std::atomic<bool> lost = false;
 };
+
+void Device::loadFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance) {
+  check(deviceCount == 0, ErrorCode::invalidInput, "Vulkan's functions cannot change while a device exists");
+  ibr::loadFunctions(getInstanceProcAddr, instance);
+}
 
 Device Device::create(const DeviceOptions& options) {
   DeviceRequirements requirements = Device::requirements();
@@ -88,17 +123,14 @@ Device Device::create(const DeviceOptions& options) {
   vkGetDeviceQueue(state->device, state->queueFamily, 0, &state->queue);
   state->ownedCache.emplace(state->device, state->properties, options.pipelineCache, state->messages);
   state->pipelineCache = state->ownedCache->get();
+  state->allocator = options.allocator;
   state->messages.send(LogLevel::info, fmt::format("Vulkan device: {}", state->name));
   return Device(std::move(state));
 }
 
 Device Device::adopt(const DeviceHandles& handles) {
-  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
-        "the device cannot be adopted: handle '{}' is null",
-        !handles.instance         ? "instance"
-        : !handles.physicalDevice ? "physicalDevice"
-        : !handles.device         ? "device"
-                                  : "queue");
+  checkHandles(handles);
+  ensureFunctions(handles.instance);
   DeviceDescription description = ibr::describe(handles.physicalDevice);
   for (std::string& lack : missingQueueCapabilities(handles.physicalDevice, handles.queueFamily))
     description.missing.push_back(std::move(lack));
@@ -114,9 +146,15 @@ Device Device::adopt(const DeviceHandles& handles) {
   state->device = handles.device;
   state->queue = handles.queue;
   state->queueFamily = handles.queueFamily;
-  state->queueMutex = handles.queueMutex;
+  state->lockQueue = handles.lockQueue;
+  state->unlockQueue = handles.unlockQueue;
+  if (std::mutex* mutex = handles.queueMutex) {
+    state->lockQueue = [mutex] { mutex->lock(); };
+    state->unlockQueue = [mutex] { mutex->unlock(); };
+  }
   if (handles.validationMessages) state->validationMessages = handles.validationMessages;
   state->pipelineCache = handles.pipelineCache;
+  state->allocator = handles.allocator;
   state->features = handles.optionalFeatures;
   removeFeatures(state->features);
   state->describeDevice();
@@ -167,11 +205,17 @@ VkQueue Device::queue() const noexcept {
 std::uint32_t Device::queueFamily() const noexcept {
   return state_->queueFamily;
 }
-std::mutex* Device::queueMutex() const noexcept {
-  return state_->queueMutex;
+void Device::lockQueue() const {
+  if (state_->lockQueue) state_->lockQueue();
+}
+void Device::unlockQueue() const {
+  if (state_->unlockQueue) state_->unlockQueue();
 }
 VkPipelineCache Device::pipelineCache() const noexcept {
   return state_->pipelineCache;
+}
+DeviceAllocator* Device::allocator() const noexcept {
+  return state_->allocator;
 }
 const VkPhysicalDeviceProperties& Device::properties() const noexcept {
   return state_->properties;
@@ -214,6 +258,10 @@ std::uint64_t Device::shaderGeneration() const noexcept {
 
 Device::State& stateOf(const Device& device) noexcept {
   return *device.state_;
+}
+
+std::optional<bool>& multiviewAnswer(const Device& device) noexcept {
+  return stateOf(device).multiviewWorks;
 }
 
 ShaderReplacements& shaderReplacements(Device& device) noexcept {

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/parse.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr {
@@ -175,10 +176,12 @@ void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, cons
 }
 
 DeviceDescription Device::describe(VkPhysicalDevice device) {
+  ensureFunctions(VK_NULL_HANDLE);
   return ibr::describe(device);
 }
 
 DeviceFeatures Device::featuresFor(VkPhysicalDevice device) {
+  ensureFunctions(VK_NULL_HANDLE);
   DeviceFeatures features = requirements().features;
   addOptionalFeatures(device, features);
   return features;

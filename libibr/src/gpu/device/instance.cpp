@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/vulkan.h"
 
 namespace ibr {
 
 Instance::Instance(std::span<const std::string> extensions, bool validation, Messages& messages) {
+  ensureGlobalFunctions();
   std::vector<const char*> enabled;
   for (const std::string& name : extensions) {
     check(hasInstanceExtension(name), ErrorCode::unsupported, "the Vulkan loader has no instance extension {}", name);
@@ -36,7 +38,10 @@ Instance::Instance(std::span<const std::string> extensions, bool validation, Mes
   check(result != VK_ERROR_INCOMPATIBLE_DRIVER, ErrorCode::unsupported,
         "no Vulkan driver is installed (Debian: install mesa-vulkan-drivers, which needs no GPU)");
   vk(result, "vkCreateInstance");
-  instance_.reset(instance);
+  // The instance is owned before the other functions are loaded, which may fail.
+  const auto destroy = vkGetInstanceProcAddr(instance, "vkDestroyInstance");
+  instance_ = {instance, Destroy{reinterpret_cast<PFN_vkDestroyInstance>(destroy)}};
+  ensureFunctions(instance);
   if (validation) messenger_.emplace(instance, messages);
 }
 

@@ -26,7 +26,10 @@ class Instance {
 
  private:
   struct Destroy {
-    void operator()(VkInstance instance) const noexcept { vkDestroyInstance(instance, nullptr); }
+    PFN_vkDestroyInstance call;  // null if the caller's vkGetInstanceProcAddr lacks the function
+    void operator()(VkInstance instance) const noexcept {
+      if (call) call(instance, nullptr);
+    }
   };
   std::unique_ptr<VkInstance_T, Destroy> instance_;
   std::optional<Messenger> messenger_;

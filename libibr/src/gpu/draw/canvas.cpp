@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/draw/descriptors.h"
 
+#include "base/vulkan/functions.h"
 #include "ibr/target.h"
 
 namespace ibr {

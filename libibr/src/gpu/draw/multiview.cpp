@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/draw/multiview.h"
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "base/vulkan/submit.h"
+#include "gpu/device/multiview_answer.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/transfer/readback.h"
 #include "shaders/multiview_probe_frag.h"
@@ -11,7 +13,7 @@
 
 namespace ibr {
 
-bool multiviewWorks(const Device& device) {
+bool probeMultiview(const Device& device) {
   if (!device.supportsMultiview()) return false;
   // shaders/gpu/multiview_probe.vert: view v draws the squares (x, y) of 2×2 pixels with x and y of v's parity, and a
   // large triangle behind them. The triangle is essential: lavapipe misplaces clipped triangles.
@@ -47,6 +49,16 @@ bool multiviewWorks(const Device& device) {
       }
   }
   return true;
+}
+
+bool multiviewWorks(const Device& device) {
+  std::optional<bool>& answer = multiviewAnswer(device);
+  if (!answer) answer = probeMultiview(device);
+  return *answer;
+}
+
+bool multiviewIsKnownToWork(const Device& device) noexcept {
+  return multiviewAnswer(device).value_or(false);
 }
 
 }  // namespace ibr

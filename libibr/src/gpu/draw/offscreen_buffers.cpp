@@ -6,6 +6,7 @@
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
 #include "base/vulkan/submit.h"
 #include "ibr/offscreen.h"

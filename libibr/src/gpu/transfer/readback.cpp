@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/submit.h"
 
 namespace ibr {

@@ -4,121 +4,146 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-#include <utility>
+#include <iterator>
 
-#include "base/vulkan/barrier.h"
+#include "base/check.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {
 
 constexpr VkDeviceSize kAlignment = 16;  // bytes; a multiple of every texel and block, for copies
 constexpr VkDeviceSize kMinStagingBytes = VkDeviceSize(1) << 20;  // bytes; holds a row of any image
-constexpr VkDeviceSize kMaxOneShotStagingBytes = VkDeviceSize(32) << 20;
-
-VkImageSubresourceRange levelOf(const VkImageSubresourceLayers& layers) {
-  return {layers.aspectMask, layers.mipLevel, 1, layers.baseArrayLayer, 1};
-}
 
 }  // namespace
 
-Uploader::Uploader(const Device& device, VkDeviceSize stagingBytes)
-    : submission_(device),
-      staging_(device, std::max(stagingBytes, kMinStagingBytes), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload,
-               "upload staging") {}
+Uploader::Uploader(const Device& device, Uploads* uploads, VkDeviceSize stagingBytes)
+    : device_(&device), uploads_(uploads), maxBufferBytes_(std::max(stagingBytes, kMinStagingBytes)) {
+  check(!uploads || stateOf(*uploads).device == device.handle(), ErrorCode::invalidInput,
+        "uploads were made for another device than '{}'", device.name());
+}
 
 void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t level, VkExtent2D extent,
                      std::span<const std::byte> bytes) {
+  const VkFormat format = to.info().format;
+  const std::uint32_t side = blockSide(format), rowCount = blockCount(format, extent.height);
+  const std::size_t rowBytes = std::size_t(blockCount(format, extent.width)) * blockBytes(format);
   assert(layer < to.info().layers && level < to.info().mipLevels);
   assert(extent.width == std::max(1u, to.info().extent.width >> level));
   assert(extent.height == std::max(1u, to.info().extent.height >> level));
-  const std::size_t rowBytes = std::size_t(extent.width) * blockBytes(to.info().format);
-  assert(blockSide(to.info().format) == 1 && rowBytes > 0 && rowBytes <= staging_.size() &&
-         bytes.size() == rowBytes * extent.height);
-  const VkImageSubresourceLayers subresource{to.info().aspect, level, layer, 1};
-  const bool again = std::any_of(images_.begin(), images_.end(), [&](const ImagePiece& piece) {
-    const VkImageSubresourceLayers& other = piece.region.imageSubresource;
-    return piece.image == to.get() && other.mipLevel == level && other.baseArrayLayer == layer;
-  });
-  if (again) flush();  // copies of one batch are not ordered among themselves
-
-  for (std::uint32_t row = 0; row < extent.height;) {
-    const auto rows = std::uint32_t(std::min<VkDeviceSize>(freeBytes() / rowBytes, extent.height - row));
-    if (rows == 0) {
-      flush();
-      continue;
-    }
+  assert(rowBytes > 0 && rowBytes <= kMinStagingBytes && bytes.size() == rowBytes * rowCount);
+  const std::tuple target{to.get(), layer, level};
+  const VkImageSubresourceRange range{to.info().aspect, level, 1, layer, 1};
+  const bool whole = begun_.contains(to.get());
+  if (levels_.contains(target)) {
+    assert(!whole);
+    nextStep();
+  }
+  if (!whole) step().begun.push_back({to.get(), range});
+  for (std::uint32_t row = 0; row < rowCount;) {
+    const auto rows = std::uint32_t(std::min<VkDeviceSize>(room(rowBytes) / rowBytes, rowCount - row));
     const VkDeviceSize offset = stage(bytes.subspan(row * rowBytes, rows * rowBytes));
-    images_.push_back({to.get(),
-                       {.bufferOffset = offset,
-                        .imageSubresource = subresource,
-                        .imageOffset = {0, std::int32_t(row), 0},
-                        .imageExtent = {extent.width, rows, 1}},
-                       row == 0,
-                       row + rows == extent.height});
+    step().images.push_back({batch_.staging.back().get(),
+                             to.get(),
+                             {.bufferOffset = offset,
+                              .imageSubresource = {to.info().aspect, level, layer, 1},
+                              .imageOffset = {0, std::int32_t(row * side), 0},
+                              .imageExtent = {extent.width, std::min(rows * side, extent.height - row * side), 1}}});
     row += rows;
   }
+  if (!whole) step().finished.push_back({to.get(), range});
+  levels_.insert(target);
+}
+
+void Uploader::beginImage(const GpuImage& to) {
+  const VkImageSubresourceRange range{to.info().aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
+  if (begun_.emplace(to.get(), range).second) step().begun.push_back({to.get(), range});
 }
 
 void Uploader::buffer(const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes) {
   assert(offset <= to.size() && bytes.size() <= to.size() - offset);
-  const bool again = std::any_of(buffers_.begin(), buffers_.end(), [&](const BufferPiece& piece) {
-    const VkBufferCopy& other = piece.region;
-    return piece.buffer == to.get() && other.dstOffset < offset + bytes.size() && offset < other.dstOffset + other.size;
-  });
-  if (again) flush();
-
+  if (bytes.empty()) return;
+  // Of the ranges that begin before this one's end, the last one ends last, because ranges of a step do not overlap.
+  const auto later = bufferRanges_.lower_bound({to.get(), offset + bytes.size()});
+  if (later != bufferRanges_.begin()) {
+    const auto& [first, end] = *std::prev(later);
+    if (first.first == to.get() && end > offset) nextStep();
+  }
   while (!bytes.empty()) {
-    const std::size_t count = std::min<VkDeviceSize>(freeBytes(), bytes.size());
-    if (count == 0) {
-      flush();
-      continue;
-    }
-    buffers_.push_back({to.get(), {stage(bytes.first(count)), offset, count}});
+    const std::size_t count = std::min<VkDeviceSize>(room(1), bytes.size());
+    const VkDeviceSize from = stage(bytes.first(count));
+    step().buffers.push_back({batch_.staging.back().get(), to.get(), {from, offset, count}});
+    bufferRanges_[{to.get(), offset}] = offset + count;
     offset += count;
     bytes = bytes.subspan(count);
   }
 }
 
-void Uploader::flush() {
-  if (images_.empty() && buffers_.empty()) return;
-  // Emptied first, so that the next upload starts clean even if this one throws.
-  const auto images = std::exchange(images_, {});
-  const auto buffers = std::exchange(buffers_, {});
-  used_ = 0;
-  submission_.run([&](VkCommandBuffer commands) {
-    constexpr ImageUse kReplaced{VK_IMAGE_LAYOUT_UNDEFINED, use::kAllCommands.stages, VK_ACCESS_2_NONE};
-    constexpr ImageUse kReadable{use::kSampled.layout, use::kAllCommands.stages, VK_ACCESS_2_MEMORY_READ_BIT};
-    for (const ImagePiece& piece : images)
-      if (piece.first)
-        transition(commands, piece.image, kReplaced, use::kTransferDestination, levelOf(piece.region.imageSubresource));
-    if (!buffers.empty()) bufferBarrier(commands, use::kAllCommands, use::kTransferWrite);
-    for (const ImagePiece& piece : images)
-      vkCmdCopyBufferToImage(commands, staging_.get(), piece.image, use::kTransferDestination.layout, 1, &piece.region);
-    for (const BufferPiece& piece : buffers) vkCmdCopyBuffer(commands, staging_.get(), piece.buffer, 1, &piece.region);
-    if (!buffers.empty()) bufferBarrier(commands, use::kTransferWrite, use::kAllCommands);
-    for (const ImagePiece& piece : images)
-      if (piece.last)
-        transition(commands, piece.image, use::kTransferDestination, kReadable, levelOf(piece.region.imageSubresource));
-  });
+void Uploader::commands(std::function<void(VkCommandBuffer)> record) {
+  step().commands = std::move(record);
+  nextStep();
 }
 
-VkDeviceSize Uploader::freeBytes() const {
-  return staging_.size() - used_;
+void Uploader::flush() {
+  for (const auto& [image, range] : begun_) step().finished.push_back({image, range});
+  begun_.clear();
+  if (batch_.steps.empty()) return;
+  if (!uploads_) return submit();
+  UploadBatch& all = stateOf(*uploads_).batch;
+  all.staging.reserve(all.staging.size() + batch_.staging.size());  // first, so that both are added or none
+  all.steps.reserve(all.steps.size() + batch_.steps.size());
+  std::ranges::move(batch_.staging, std::back_inserter(all.staging));
+  std::ranges::move(batch_.steps, std::back_inserter(all.steps));
+  batch_ = {};
+  levels_.clear();
+  bufferRanges_.clear();
+}
+
+UploadStep& Uploader::step() {
+  if (batch_.steps.empty()) batch_.steps.emplace_back();
+  return batch_.steps.back();
+}
+
+void Uploader::nextStep() {
+  batch_.steps.emplace_back();
+  levels_.clear();
+  bufferRanges_.clear();
+}
+
+VkDeviceSize Uploader::room(VkDeviceSize atLeast) {
+  const auto freeBytes = [&] {
+    return batch_.staging.empty() ? VkDeviceSize(0) : batch_.staging.back().size() - used_;
+  };
+  if (freeBytes() >= atLeast) return freeBytes();
+  if (!uploads_ && !batch_.staging.empty()) {
+    submit();
+    return freeBytes();
+  }
+  // Uploads that are handed over take as many buffers as needed, each as large as all before it.
+  const VkDeviceSize bytes =
+      uploads_ ? std::clamp(batch_.stagingBytes(), kMinStagingBytes, maxBufferBytes_) : maxBufferBytes_;
+  batch_.staging.emplace_back(*device_, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload, "upload staging");
+  used_ = 0;
+  return freeBytes();
 }
 
 VkDeviceSize Uploader::stage(std::span<const std::byte> bytes) {
+  const Buffer& staging = batch_.staging.back();
   const VkDeviceSize offset = used_;
-  std::memcpy(staging_.mapped().data() + offset, bytes.data(), bytes.size());
-  used_ = std::min(staging_.size(), (offset + bytes.size() + kAlignment - 1) / kAlignment * kAlignment);
+  std::memcpy(staging.mapped().data() + offset, bytes.data(), bytes.size());
+  used_ = std::min(staging.size(), (offset + bytes.size() + kAlignment - 1) / kAlignment * kAlignment);
   return offset;
 }
 
-void uploadBuffer(const Device& device, const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;
-  Uploader uploader(device, std::min<VkDeviceSize>(bytes.size(), kMaxOneShotStagingBytes));
-  uploader.buffer(to, offset, bytes);
-  uploader.flush();
+void Uploader::submit() {
+  // Emptied first, so that the next upload starts clean even if this one throws.
+  const std::vector<UploadStep> steps = std::exchange(batch_.steps, {});
+  levels_.clear();
+  bufferRanges_.clear();
+  used_ = 0;
+  if (!submission_) submission_.emplace(*device_);
+  submission_->run([&](VkCommandBuffer commandBuffer) { recordSteps(commandBuffer, steps); });
 }
 
 }  // namespace ibr

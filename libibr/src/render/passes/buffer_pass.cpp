@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "shaders/buffers_frag.h"

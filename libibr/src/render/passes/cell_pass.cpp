@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/upload.h"
 #include "image/blue_noise.h"
 #include "render/passes/cell_parameters.h"
 #include "render/resident/gpu_scene_state.h"
@@ -19,7 +19,7 @@
 
 namespace ibr {
 CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
-                   const Requirements& requirements, VkBuffer colourTables, VkRenderPass eyesPass)
+                   const Requirements& requirements, Uploader& uploader, VkBuffer colourTables, VkRenderPass eyesPass)
     : scene_(&stateOf(scene)),
       views_(options.maxViews),
       maxItems_(requirements.maxDrawItems),
@@ -36,7 +36,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
     const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
     const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
     noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
-    uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+    uploader.buffer(noise_, 0, std::as_bytes(std::span(noise)));
   }
 
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;

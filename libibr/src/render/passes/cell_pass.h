@@ -10,7 +10,9 @@
 #include <map>
 
 #include "base/vulkan/buffer.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/passes/cell_pipeline.h"
@@ -26,7 +28,7 @@ class CellPass {
   /// `eyesPass`: of the canvas of both eyes; null: the two views are never drawn together.
   /// `colourTables`: packed entries by slot (render/passes/colour_tables.h); null: colours are never mapped.
   CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
-           const Requirements& requirements, VkBuffer colourTables = VK_NULL_HANDLE,
+           const Requirements& requirements, Uploader& uploader, VkBuffer colourTables = VK_NULL_HANDLE,
            VkRenderPass eyesPass = VK_NULL_HANDLE);
 
   /// Writes all parameters of the frame. Outside a render pass. Waits for reads of earlier frames and makes the writes

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "render/plan/colour_plan.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/upload.h"
 #include "image/blue_noise.h"
 #include "shaders/colour_count_comp.h"
 #include "shaders/colour_tables_comp.h"
@@ -39,7 +39,7 @@ Buffer storage(const Device& device, VkDeviceSize bytes, const char* name) {
 
 }  // namespace
 
-ColourTables::ColourTables(Device& device, std::uint32_t cells)
+ColourTables::ColourTables(Device& device, std::uint32_t cells, Uploader& uploader)
     : cells_(cells),
       frame_(storage(device, sizeof(shader::ColourFrame), "colour frame")),
       counters_(storage(device, 4 * std::max(shader::counterCount(cells, true), shader::counterCount(cells, false)),
@@ -49,14 +49,14 @@ ColourTables::ColourTables(Device& device, std::uint32_t cells)
       noise_(storage(device, 4 * shader::kNoiseSize * shader::kNoiseSize, "colour noise")) {
   assert(cells >= 1 && cells <= std::uint32_t(shader::kMaxMappedCells));
   const std::vector<shader::ColourSlot> nobody(kColourSlotCount);
-  uploadBuffer(device, slots_, 0, std::as_bytes(std::span(nobody)));
+  uploader.buffer(slots_, 0, std::as_bytes(std::span(nobody)));
   std::vector<std::uint32_t> identity;
   for (std::uint32_t level = 0; level < std::uint32_t(shader::kLevels); ++level)
     identity.push_back(shader::packLevels(level, level, level));
-  uploadBuffer(device, tables_, kColourSlotCount * shader::kLevels * 4, std::as_bytes(std::span(identity)));
+  uploader.buffer(tables_, kColourSlotCount * shader::kLevels * 4, std::as_bytes(std::span(identity)));
   const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
   const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
-  uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  uploader.buffer(noise_, 0, std::as_bytes(std::span(noise)));
 
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");

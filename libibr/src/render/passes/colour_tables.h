@@ -13,6 +13,7 @@
 
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/device.h"
 #include "ibr/renderer.h"
 #include "shared/colour_map.h"
@@ -22,7 +23,7 @@ namespace ibr {
 class ColourTables {
  public:
   /// Allocates for `cells` cells per frame, 1 to shader::kMaxMappedCells.
-  ColourTables(Device& device, std::uint32_t cells);
+  ColourTables(Device& device, std::uint32_t cells, Uploader& uploader);
 
   /// For compute and fragment stages; bindings of shared/colour_map.h.
   VkDescriptorSetLayout setLayout() const noexcept { return setLayout_.get(); }

@@ -6,9 +6,10 @@
 
 #include "base/check.h"
 #include "base/vulkan/barrier.h"
-#include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
+#include "base/vulkan/target_format.h"
 #include "gpu/draw/descriptors.h"
 #include "render/passes/canvas_source.h"
 #include "render/passes/floor_plane.h"
@@ -29,7 +30,7 @@ struct Constants {
 static_assert(sizeof(Constants) == 96);
 
 struct Variant {  // specialisation constants
-  VkBool32 srgb, previous, fill, scaled, floor, hidden;
+  VkBool32 linear, previous, fill, scaled, floor, hidden;
 };
 
 glm::vec2 vectorOf(VkExtent2D extent) {
@@ -37,10 +38,6 @@ glm::vec2 vectorOf(VkExtent2D extent) {
 }
 
 }  // namespace
-
-bool CompositePass::supports(VkFormat format) noexcept {
-  return isRgba8Format(format);
-}
 
 CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* previous,
                              const FillPass* fill, const RendererOptions& options, bool hidden) {
@@ -70,25 +67,24 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
   const auto require = [&](const Key& key) {
-    check(supports(key.format), ErrorCode::unsupported, "renderer: VkFormat {} is not 8-bit RGBA or BGRA",
-          int(key.format));
-    constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Variant, srgb), 4},
+    checkTargetFormat("renderer", key.format);
+    constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Variant, linear), 4},
                                                                 {1, offsetof(Variant, previous), 4},
                                                                 {2, offsetof(Variant, fill), 4},
                                                                 {3, offsetof(Variant, scaled), 4},
                                                                 {4, offsetof(Variant, floor), 4},
                                                                 {5, offsetof(Variant, hidden), 4}}};
-    const Variant variant{isSrgb(key.format), key.previous, key.filled, key.scaled, key.floor, hidden};
+    const Variant variant{takesLinear(key.format), key.previous, key.filled, key.scaled, key.floor, hidden};
     GraphicsPipelineInfo info;
     info.vertex = shaders::composite_vert;
     info.fragment = shaders::composite_frag;
     info.specialisation = {kEntries, std::as_bytes(std::span(&variant, 1))};
     info.layout = layout_.get();
-    info.colourFormats = {&key.format, 1};
+    info.colourFormats = {&key.format.format, 1};
     info.name = "composite";
     pipelines_.emplace(key, makeGraphicsPipeline(device, info));
   };
-  for (const VkFormat format : options.formats)
+  for (const TargetFormat& format : options.formats)
     for (const bool mixed : {false, true})
       for (const bool filled : {false, true})
         for (const bool scaled : {false, true})
@@ -102,7 +98,7 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
                            VkExtent2D drawn, float previousWeight, bool filled, const Target& target) const noexcept {
   const RenderSettings& settings = plan.settings;
   const bool scaled = drawn.width != target.extent.width || drawn.height != target.extent.height;
-  const Key key{target.format, previousWeight > 0, filled, scaled, settings.floor.has_value()};
+  const Key key{formatOf(target), previousWeight > 0, filled, scaled, settings.floor.has_value()};
   assert(pipelines_.contains(key));
   transitionTarget(commandBuffer, target, target.initialUse, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);

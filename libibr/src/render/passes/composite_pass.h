@@ -27,8 +27,6 @@ class CompositePass {
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
-  static bool supports(VkFormat format) noexcept;
-
  private:
   SamplerHandle sampler_, linear_;
   DescriptorSetLayoutHandle setLayout_;
@@ -36,7 +34,7 @@ class CompositePass {
   std::vector<VkDescriptorSet> sets_;  // by source
   PipelineLayoutHandle layout_;
   struct Key {
-    VkFormat format;
+    TargetFormat format;
     bool previous, filled, scaled, floor;
     auto operator<=>(const Key&) const = default;
   };

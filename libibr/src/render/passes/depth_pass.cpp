@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
 #include "gpu/draw/descriptors.h"

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 #include "shaders/fill_pull_comp.h"

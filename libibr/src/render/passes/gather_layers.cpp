@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/vulkan/debug.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "shaders/gather_layer_frag.h"
 #include "shaders/gather_layer_vert.h"

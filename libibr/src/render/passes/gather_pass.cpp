@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/vulkan/barrier.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/descriptors.h"

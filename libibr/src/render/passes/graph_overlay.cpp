@@ -11,12 +11,12 @@
 #include <ranges>
 
 #include "base/check.h"
-#include "base/srgb.h"
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/buffer.h"
-#include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
+#include "base/vulkan/target_format.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/scene.h"
 #include "shaders/graph_frag.h"
@@ -95,12 +95,6 @@ glm::dvec3 middleOf(const std::vector<Camera>& cameras) {
   return sum;
 }
 
-glm::vec3 displayed(glm::vec3 colour, VkFormat format) {
-  if (isSrgb(format))
-    for (int c = 0; c < 3; ++c) colour[c] = float(srgbToLinear(double(colour[c])));
-  return colour;
-}
-
 }  // namespace
 
 ImageGraph imageGraph(const Scene& scene) {
@@ -118,10 +112,10 @@ struct GraphOverlay::State {
   std::uint32_t lineCount = 0;
   Buffer lines;
   PipelineLayoutHandle layout;
-  std::map<VkFormat, PipelineHandle> pipelines;
+  std::map<TargetFormat, PipelineHandle> pipelines;
 
   State(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options);
-  void makePipelines(const Device& device, const std::vector<VkFormat>& formats);
+  void makePipelines(const Device& device, const std::vector<TargetFormat>& formats);
   shader::GraphConstants constantsOf(const Camera& view) const noexcept;
 };
 
@@ -157,27 +151,28 @@ GraphOverlay::State::State(Device& device, const ImageGraph& graph, const GraphO
   const auto bytes = std::as_bytes(std::span(all.all));
   lines = Buffer(device, std::max<VkDeviceSize>(bytes.size(), sizeof(Line)),
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "graph");
-  if (!bytes.empty()) uploadBuffer(device, lines, 0, bytes);
   makePipelines(device, options.formats);
+  Uploader uploader(device, options.uploads, kSmallStagingBytes);
+  uploader.buffer(lines, 0, bytes);
+  uploader.flush();
 }
 
-void GraphOverlay::State::makePipelines(const Device& device, const std::vector<VkFormat>& formats) {
+void GraphOverlay::State::makePipelines(const Device& device, const std::vector<TargetFormat>& formats) {
   const VkPushConstantRange constants{kStages, 0, sizeof(shader::GraphConstants)};
   layout = makePipelineLayout(device, {}, {&constants, 1});
   constexpr VkVertexInputBindingDescription kBinding{0, sizeof(Line), VK_VERTEX_INPUT_RATE_INSTANCE};
   constexpr std::array<VkVertexInputAttributeDescription, 2> kAttributes{
       {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Line, from)},
        {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(Line, to)}}};
-  for (const VkFormat format : formats) {
-    check(isRgba8Format(format), ErrorCode::unsupported, "graph overlay: VkFormat {} is not 8-bit RGBA or BGRA",
-          int(format));
+  for (const TargetFormat& format : formats) {
+    checkTargetFormat("graph overlay", format);
     pipelines.emplace(format, makeGraphicsPipeline(device, {.name = "graph",
                                                             .vertex = shaders::graph_vert,
                                                             .fragment = shaders::graph_frag,
                                                             .bindings = {&kBinding, 1},
                                                             .attributes = kAttributes,
                                                             .layout = layout.get(),
-                                                            .colourFormats = {&format, 1},
+                                                            .colourFormats = {&format.format, 1},
                                                             .blending = Blending::over}));
   }
 }
@@ -203,20 +198,20 @@ GraphOverlay::~GraphOverlay() = default;
 void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std::span<const std::uint32_t> best,
                           const Target& target) const noexcept {
   const State& s = *state_;
-  assert(s.pipelines.contains(target.format));
+  assert(s.pipelines.contains(formatOf(target)));
   assert(view.intrinsics.model == CameraModel::pinhole && view.intrinsics.width == int(target.extent.width) &&
          view.intrinsics.height == int(target.extent.height));
   transitionTarget(commandBuffer, target, target.initialUse, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);
   beginRendering(commandBuffer, target.extent, {&attachment, 1});
-  vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, s.pipelines.at(target.format).get());
+  vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, s.pipelines.at(formatOf(target)).get());
   const VkBuffer buffer = s.lines.get();
   const VkDeviceSize start = 0;
   vkCmdBindVertexBuffers(commandBuffer, 0, 1, &buffer, &start);
 
   shader::GraphConstants constants = s.constantsOf(view);
   const auto paint = [&](glm::vec3 colour, float strength, float halfWidth) {
-    constants.colour = displayed(colour, target.format);
+    constants.colour = writtenColour(colour, formatOf(target));
     constants.strength = strength;
     constants.halfWidth = halfWidth;
     vkCmdPushConstants(commandBuffer, s.layout.get(), kStages, 0, sizeof constants, &constants);

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "base/vulkan/rendering.h"
-#include "gpu/transfer/upload.h"
 #include "shaders/hidden_area_frag.h"
 #include "shaders/hidden_area_multiview_vert.h"
 #include "shaders/hidden_area_vert.h"
@@ -39,7 +39,7 @@ void checkHiddenArea(const std::array<std::vector<glm::vec2>, 2>& triangles) {
 }
 
 HiddenArea::HiddenArea(const Device& device, const std::array<std::vector<glm::vec2>, 2>& triangles,
-                       VkRenderPass renderPass, VkRenderPass eyesPass) {
+                       VkRenderPass renderPass, VkRenderPass eyesPass, Uploader& uploader) {
   std::vector<glm::vec3> corners;
   for (std::size_t view = 0; view < triangles.size(); ++view) {
     counts_[view] = std::uint32_t(triangles[view].size());
@@ -48,7 +48,7 @@ HiddenArea::HiddenArea(const Device& device, const std::array<std::vector<glm::v
   corners_ =
       Buffer(device, corners.size() * sizeof corners[0],
              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "hidden area");
-  uploadBuffer(device, corners_, 0, std::as_bytes(std::span(corners)));
+  uploader.buffer(corners_, 0, std::as_bytes(std::span(corners)));
 
   const VkPushConstantRange constants{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(shader::HiddenAreaConstants)};
   layout_ = makePipelineLayout(device, {}, {&constants, 1});

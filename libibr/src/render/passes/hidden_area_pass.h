@@ -8,6 +8,7 @@
 
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/renderer.h"
 
 namespace ibr {
@@ -20,7 +21,7 @@ class HiddenArea {
   /// `triangles`: by view, not both empty, valid for checkHiddenArea. `renderPass`: of the canvas. `eyesPass`: of the
   /// canvas of both eyes; may be null.
   HiddenArea(const Device& device, const std::array<std::vector<glm::vec2>, 2>& triangles, VkRenderPass renderPass,
-             VkRenderPass eyesPass);
+             VkRenderPass eyesPass, Uploader& uploader);
 
   /// Draws one view inside the canvas's render pass, before everything else. Sets viewport and scissor.
   void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent) const noexcept;

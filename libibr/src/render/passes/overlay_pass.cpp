@@ -7,6 +7,7 @@
 #include <array>
 
 #include "base/check.h"
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 #include "shaders/overlay_frag.h"

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <span>
 
-#include "gpu/transfer/upload.h"
-
 namespace ibr {
 
-Uncertainties::Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes) : meshes_(&meshes) {
+Uncertainties::Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes, Uploader& uploader)
+    : meshes_(&meshes) {
   std::vector<float> values;
   for (const Cell& cell : scene.cells) {
     offsets_.push_back(values.size() * sizeof(float));
@@ -19,7 +18,7 @@ Uncertainties::Uncertainties(Device& device, const Scene& scene, const GpuScene:
       Buffer(device, std::max<VkDeviceSize>(bytes.size(), 4),
              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
              MemoryKind::device, "uncertainties");
-  if (!bytes.empty()) uploadBuffer(device, buffer_, 0, bytes);
+  uploader.buffer(buffer_, 0, bytes);
 }
 
 VkDeviceSize Uncertainties::offset(const GpuScene::State::Mesh& cell) const noexcept {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/vulkan/buffer.h"
+#include "gpu/transfer/upload.h"
 #include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
@@ -12,7 +13,7 @@ namespace ibr {
 class Uncertainties {
  public:
   /// `scene`: the scene that `meshes` were made from; read by the constructor alone.
-  Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes);
+  Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes, Uploader& uploader);
 
   VkBuffer get() const noexcept { return buffer_.get(); }
   /// Returns the offset of a cell's uncertainties in the buffer, bytes.

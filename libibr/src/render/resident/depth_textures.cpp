@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/transfer/upload.h"
 #include "ibr/texture.h"
 #include "render/resident/texture_arrays.h"
 
@@ -27,7 +26,7 @@ Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& s
 }  // namespace
 
 DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                             const TextureSource& source, std::uint64_t stagingBytes)
+                             const TextureSource& source, Uploader& uploader)
     : slots_(scene.nodes.size()) {
   // A depth texture has a quarter of its photograph's sides, so all may be in memory while they are sorted by size.
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, Texture>>> bySize;
@@ -37,7 +36,6 @@ DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std
     bySize[size].emplace_back(node, std::move(texture));
   }
   const std::size_t most = device.properties().limits.maxImageArrayLayers;
-  Uploader uploader(device, stagingBytes);
   for (const auto& [size, textures] : bySize)
     for (std::size_t first = 0; first < textures.size(); first += most) {
       const std::size_t count = std::min(most, textures.size() - first);
@@ -50,13 +48,13 @@ DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std
                                             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                                             .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
                                "depths of photographs");
+      uploader.beginImage(array);
       for (std::size_t i = 0; i < count; ++i) {
         const auto& [node, texture] = textures[first + i];
         uploader.image(array, std::uint32_t(i), 0, extent, std::span(texture.levels[0]));
         slots_[node] = {array.view(), std::uint32_t(i), scene.nodes[node].depthScale};
       }
     }
-  uploader.flush();
 }
 
 std::uint64_t DepthTextures::allocatedBytes() const noexcept {

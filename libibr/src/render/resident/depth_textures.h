@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/vulkan/gpu_image.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/gpu_scene.h"
 
 namespace ibr {
@@ -13,10 +14,10 @@ namespace ibr {
 class DepthTextures {
  public:
   DepthTextures() = default;
-  /// Reads the depth textures of `nodes` and holds all in memory meanwhile. Submits uploads and waits. Throws Error
+  /// Reads the depth textures of `nodes` and holds all in memory meanwhile. Throws Error
   /// (io, invalidInput) for a texture of another format than rg16f or with several levels.
   DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                const TextureSource& source, std::uint64_t stagingBytes);
+                const TextureSource& source, Uploader& uploader);
 
   struct Sampled {
     VkImageView view = VK_NULL_HANDLE;

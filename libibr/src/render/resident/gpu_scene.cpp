@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "gpu/transfer/upload.h"
 #include "render/plan/draw_order.h"
 #include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
@@ -68,16 +67,17 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
   if (!options.depth) requirements.gatherable = 0;
-  addMeshes(device, scene, options.stagingBytes);
+  Uploader uploader(device, options.uploads, options.stagingBytes);
+  addMeshes(device, scene, uploader);
   std::vector<std::uint32_t> gathered;  // nodes that can be gathered from
   if (requirements.gatherable > 0) {
     for (const std::uint32_t b : gatherableBackdrops(scene)) gathered.push_back(scene.backdrops[b].members[0]);
-    addEvidence(device, scene, options.stagingBytes);
-    depths = DepthTextures(device, scene, gathered, options.depthSource, options.stagingBytes);
+    addEvidence(device, scene, uploader);
+    depths = DepthTextures(device, scene, gathered, options.depthSource, uploader);
   }
   const std::uint64_t meshBytes =
       vertices.allocatedBytes() + indices.allocatedBytes() + evidence.allocatedBytes() + depths.allocatedBytes();
-  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);
+  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes, uploader);
   for (Mesh& cell : cells) {
     const std::uint32_t first = cell.members[0];
     cell.cubic = options.filter == TextureFilter::bicubic;
@@ -89,13 +89,15 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
     bind(cell, 0, 0);
   }
   if (!gathered.empty()) gather.emplace(device, options.filter, *photographs, depths, gathered);
-  if (!photographs->streams()) return;
-  cellsOfNode.resize(scene.nodes.size());
-  for (std::uint32_t c = 0; c < cells.size(); ++c)
-    for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
+  if (photographs->streams()) {
+    cellsOfNode.resize(scene.nodes.size());
+    for (std::uint32_t c = 0; c < cells.size(); ++c)
+      for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
+  }
+  uploader.flush();
 }
 
-void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes) {
+void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& uploader) {
   Geometry geometry;
   const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
     Mesh& out = meshes.emplace_back();
@@ -112,15 +114,13 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_
   };
   for (const Cell& cell : scene.cells) add(cell, cells);
   for (const Cell& backdrop : scene.backdrops) add(backdrop, backdrops);
-  Uploader uploader(device, stagingBytes);
   vertices = makeArena(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
                        "cell vertices", uploader);
   indices = makeArena(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
                       "cell indices", uploader);
-  uploader.flush();
 }
 
-void GpuScene::State::addEvidence(Device& device, const Scene& scene, std::uint64_t stagingBytes) {
+void GpuScene::State::addEvidence(Device& device, const Scene& scene, Uploader& uploader) {
   std::vector<glm::u16vec2> values;
   const auto share = [](float value) { return std::uint16_t(std::lround(65535.0f * std::clamp(value, 0.0f, 1.0f))); };
   for (const std::uint32_t b : gatherableBackdrops(scene)) {
@@ -129,10 +129,8 @@ void GpuScene::State::addEvidence(Device& device, const Scene& scene, std::uint6
     for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
       values.emplace_back(share(shader::gatherTrust(mesh.confirmations[p])), share(mesh.consensus[p]));
   }
-  Uploader uploader(device, stagingBytes);
   evidence = makeArena(device, std::as_bytes(std::span(values)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "evidence of depth",
                        uploader);
-  uploader.flush();
 }
 
 // Slots beyond the mesh's members repeat its first photograph, which shaders do not sample through them.

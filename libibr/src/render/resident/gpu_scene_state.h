@@ -12,6 +12,7 @@
 
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/handle.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/resident/depth_textures.h"
@@ -45,8 +46,8 @@ struct GpuScene::State {
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);
 
-  void addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes);
-  void addEvidence(Device& device, const Scene& scene, std::uint64_t stagingBytes);
+  void addMeshes(Device& device, const Scene& scene, Uploader& uploader);
+  void addEvidence(Device& device, const Scene& scene, Uploader& uploader);
 
   /// Updates the mesh's layers and descriptor set to its photographs' current texture arrays.
   void bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
 

@@ -8,6 +8,7 @@
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
+#include "base/vulkan/functions.h"
 
 namespace ibr {
 namespace {
@@ -85,14 +86,10 @@ void PhotographStream::record(VkCommandBuffer commandBuffer) const noexcept {
     }
   };
   forLayers(kReadable, use::kTransferDestination);
-  recordCopies(commandBuffer);
-  forLayers(use::kTransferDestination, kReadable);
-}
-
-void PhotographStream::recordCopies(VkCommandBuffer commandBuffer) const noexcept {
   for (const Copy& copy : copies_)
     vkCmdCopyBufferToImage(commandBuffer, ring_.buffer(), copy.image, use::kTransferDestination.layout, 1,
                            &copy.region);
+  forLayers(use::kTransferDestination, kReadable);
 }
 
 }  // namespace ibr

@@ -35,9 +35,6 @@ class PhotographStream {
   /// Records the frame's commands. Waits for reads of earlier frames on the same queue.
   void record(VkCommandBuffer commandBuffer) const noexcept;
 
-  /// As record(), without barriers, for arrays that are not read yet: their layers are in use::kTransferDestination.
-  void recordCopies(VkCommandBuffer commandBuffer) const noexcept;
-
   std::uint64_t frameBytes() const noexcept { return frameBytes_; }  // copied since begin()
 
  private:

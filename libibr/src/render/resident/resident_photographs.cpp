@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/vulkan/barrier.h"
-#include "base/vulkan/submit.h"
 #include "ibr/texture.h"
 
 namespace ibr {
@@ -101,7 +99,7 @@ std::vector<TextureArrayClass> reduced(std::vector<TextureArrayClass> classes, s
 }  // namespace
 
 Photographs::Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
-                         const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes)
+                         const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes, Uploader& uploader)
     : device_(&device),
       scene_(&scene),
       source_(options.source ? options.source : readTexture),
@@ -114,16 +112,16 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
   streams_ = budget_ > 0 && (meshBytes + totalBytes(classes_) > budget_ ||
                              meshBytes + FixedTextureArrays::bytes(device, classes_) > budget_);
   if (streams_) {
-    setUpStreaming(options.stagingBytes);
+    setUpStreaming(options.stagingBytes, uploader);
   } else {
     fixed_ = FixedTextureArrays(device, classes_, scene.nodes.size());
-    fill(classes_, options.stagingBytes);
+    fill(classes_, uploader);
   }
 }
 
 // Divides the budget: small images of all photographs first, which stand in while a photograph is not resident; the
 // rest for arrays of streamed photographs.
-void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
+void Photographs::setUpStreaming(std::uint64_t stagingBytes, Uploader& uploader) {
   const std::uint64_t smallest = meshBytes_ + FixedTextureArrays::bytes(*device_, reduced(classes_, 1));
   check(budget_ >= smallest, ErrorCode::outOfMemory,
         "a budget of {} bytes is too small: this scene needs {} bytes even at one pixel per photograph, {} bytes of "
@@ -135,7 +133,7 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
   while (side > 1 && FixedTextureArrays::bytes(*device_, standIns) > forTextures / kStandInShare)
     standIns = reduced(classes_, side /= 2);
   fixed_ = FixedTextureArrays(*device_, standIns, scene_->nodes.size());
-  fill(standIns, stagingBytes);
+  fill(standIns, uploader);
 
   const std::uint64_t rest = forTextures - fixed_.allocatedBytes();
   say(log_, LogLevel::info,
@@ -202,31 +200,17 @@ Texture Photographs::load(std::uint32_t node, const TextureArrayClass& arrayClas
   return texture;
 }
 
-// One barrier per texture array before and after, for any number of layers: a scene may have 10,000 photographs.
-void Photographs::fill(std::span<const TextureArrayClass> classes, std::uint64_t stagingBytes) {
-  if (fixed_.arrays().empty()) return;
-  Submission submission(*device_);
-  const auto moveAll = [&](ImageUse from, ImageUse to) {
-    submission.run([&](VkCommandBuffer commands) {
-      for (const GpuImage& array : fixed_.arrays()) transition(commands, array.get(), from, to);
-    });
-  };
-  moveAll(use::kUndefined, use::kTransferDestination);
-  PhotographStream stream(*device_, stagingBytes);
-  std::uint64_t frame = 1;
-  const auto submit = [&] {
-    submission.run([&](VkCommandBuffer commands) { stream.recordCopies(commands); });
-    stream.begin(frame + 1, frame);
-    ++frame;
-  };
-  stream.begin(frame, 0);
+void Photographs::fill(std::span<const TextureArrayClass> classes, Uploader& uploader) {
+  for (const GpuImage& array : fixed_.arrays()) uploader.beginImage(array);
   for (const TextureArrayClass& arrayClass : classes)
     for (const std::uint32_t node : arrayClass.nodes) {
-      stream.start(fixed_.image(node), fixed_.layer(node), load(node, arrayClass));
-      while (!stream.advance()) submit();
+      const Texture texture = load(node, arrayClass);
+      for (std::uint32_t l = 0; l < arrayClass.levels(); ++l) {
+        const VkExtent2D extent{std::uint32_t(std::max(1, texture.width >> l)),
+                                std::uint32_t(std::max(1, texture.height >> l))};
+        uploader.image(fixed_.image(node), fixed_.layer(node), l, extent, texture.levels[l]);
+      }
     }
-  submit();
-  moveAll(use::kTransferDestination, use::kSampled);
 }
 
 Photographs::Sampled Photographs::at(std::uint32_t node) const {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "gpu/transfer/upload.h"
 #include "ibr/gpu_scene.h"
 #include "render/resident/photograph_stream.h"
 #include "render/resident/residency.h"
@@ -17,9 +18,9 @@ namespace ibr {
 class Photographs {
  public:
   /// `nodes`: shown nodes, ascending. `meshBytes`: part of the budget that meshes use. Device and scene must outlive
-  /// this object. Submits uploads and waits.
+  /// this object. Photographs are resident after uploader.flush().
   Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
-              const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes);
+              const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes, Uploader& uploader);
 
   /// Texture array and layer that currently hold a photograph or its stand-in.
   struct Sampled {
@@ -42,8 +43,8 @@ class Photographs {
 
  private:
   Texture load(std::uint32_t node, const TextureArrayClass& arrayClass) const;
-  void fill(std::span<const TextureArrayClass> classes, std::uint64_t stagingBytes);
-  void setUpStreaming(std::uint64_t stagingBytes);
+  void fill(std::span<const TextureArrayClass> classes, Uploader& uploader);
+  void setUpStreaming(std::uint64_t stagingBytes, Uploader& uploader);
   void setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget);
   void runSteps(const std::function<void(VkImageView)>& evicting);
   void makeArray(const Residency::Step& step);
