@@ -271,7 +271,7 @@ struct Pipeline : NotCopyable {
     for (std::uint32_t i = 0; i < info.vec3Attributes; ++i)
       attributes.push_back({i, 0, VK_FORMAT_R32G32B32_SFLOAT, 12 * i});
     const VkPipelineVertexInputStateCreateInfo input{.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-                                                     .vertexBindingDescriptionCount = 1,
+                                                     .vertexBindingDescriptionCount = info.vec3Attributes > 0 ? 1u : 0u,
                                                      .pVertexBindingDescriptions = &binding,
                                                      .vertexAttributeDescriptionCount = info.vec3Attributes,
                                                      .pVertexAttributeDescriptions = attributes.data()};
@@ -370,13 +370,14 @@ inline void beginRendering(VkCommandBuffer commands, const Image& colour, VkAtta
 
 /// Copies an image of four bytes a pixel, in TRANSFER_SRC_OPTIMAL, for the host; layers lie side by side.
 inline void copyToBuffer(VkCommandBuffer commands, const Image& image, const Buffer& buffer) {
-  for (std::uint32_t layer = 0; layer < image.views.size(); ++layer) {
-    const VkBufferImageCopy region{.bufferOffset = VkDeviceSize(4) * layer * image.extent.width,
-                                   .bufferRowLength = std::uint32_t(image.views.size()) * image.extent.width,
-                                   .imageSubresource = {image.aspect, 0, layer, 1},
-                                   .imageExtent = {image.extent.width, image.extent.height, 1}};
-    vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle, 1, &region);
-  }
+  std::vector<VkBufferImageCopy> layers;
+  for (std::uint32_t layer = 0; layer < image.views.size(); ++layer)
+    layers.push_back({.bufferOffset = VkDeviceSize(4) * layer * image.extent.width,
+                      .bufferRowLength = std::uint32_t(image.views.size()) * image.extent.width,
+                      .imageSubresource = {image.aspect, 0, layer, 1},
+                      .imageExtent = {image.extent.width, image.extent.height, 1}});
+  vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.handle,
+                         std::uint32_t(layers.size()), layers.data());
   const VkMemoryBarrier2 toHost{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                 .srcStageMask = VK_PIPELINE_STAGE_2_TRANSFER_BIT,
                                 .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,

@@ -16,7 +16,7 @@ int main(int argc, char** argv) try {
   options.output = argv[3];
   options.maxSize = 320;
   options.draft = true;
-  ibr::buildScene(options);
+  ibr::build(options);
 
   ibr::Device device = ibr::Device::create();
   const ibr::Scene scene = ibr::loadScene(argv[3]);
