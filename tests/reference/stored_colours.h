@@ -19,8 +19,9 @@ inline constexpr std::array<TargetFormat, 4> kWideFormats{{{VK_FORMAT_R16G16B16A
                                                            {VK_FORMAT_A2B10G10R10_UNORM_PACK32, Encoding::display},
                                                            {VK_FORMAT_A2B10G10R10_UNORM_PACK32, Encoding::linear}}};
 
-/// Error of rounding to a UNORM value, in its steps: half a step, and a tenth for the device's arithmetic.
-inline constexpr double kRoundedSteps = 0.6;
+/// Largest error of a UNORM value, in its steps: Vulkan allows both neighbours of the exact value. Lavapipe rounds some
+/// values to the further one.
+inline constexpr double kRoundedSteps = 1;
 
 /// Largest error of a stored value. `steps`: of a UNORM value from 0 to 1. A device may round half floats towards zero,
 /// so their error is a unit in the last place.
