@@ -44,7 +44,7 @@ class Build(unittest.TestCase):
         return (self.options.output / "scene.gltf").exists()
 
     def test_a_report_lists_what_was_built(self):
-        report = ibr.author.build(self.options)
+        report = ibr.author.build(self.options, on_prediction=lambda prediction: True)
         scene = ibr.load_scene(self.options.output)
         self.assertEqual(len(scene.nodes), 4)
         self.assertEqual([cell.members for cell in report.cells][0], ("photo0000.jpg", "photo0001.jpg"))
