@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
+# Draft: this script has not been run yet.
 # Builds the Debian packages of this checkout and checks them with lintian.
 #
 #   packages.sh OUT     folder for the packages; a missing one is created

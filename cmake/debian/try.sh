@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
+# Draft: this script has not been run yet.
 # Installs the packages that packages.sh has built into a clean Debian 12 root and uses them there: programs, both
 # libraries, Python. Prints the time from installing to the first image.
 #
