@@ -4,9 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "ibr/error.h"
+#include "ibr/version.h"
 #include "shared/cli/options.h"
 #include "shared/cli/signals.h"
 
@@ -83,7 +85,7 @@ ExitCode printHelp(const Program& program, const CLI::App& app, const Declared* 
 }
 
 ExitCode runCommands(const Program& program, int argc, char** argv) {
-  const std::string name = program.name, version = name + " " + IBR_VERSION;
+  const std::string name = program.name, version = name + " " + std::string(ibr::version());
   CLI::App app(program.help, name);
   app.set_version_flag("--version", version);
   app.require_subcommand(1);

@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/error.h"
+#include "ibr/version.h"
 #include "shared/cli/context.h"
 #include "shared/cli/exit_code.h"
 #include "shared/cli/folders.h"
@@ -153,7 +154,7 @@ nlohmann::ordered_json report(const Viewer& viewer, const Window& window) {
 ExitCode run(int argc, char** argv) {
   Options o;
   o.session.begun = std::chrono::steady_clock::now();
-  const ProgramText program{kName, IBR_VERSION,
+  const ProgramText program{kName, std::string(version()),
                             "Examples:\n"
                             "  ibr-viewer scene\n"
                             "  ibr-viewer scene model video --preset fast\n"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "ibr/version.h"
 #include "shared/cli/exit_code.h"
 #include "shared/cli/folders.h"
 #include "shared/cli/options.h"
@@ -163,7 +164,7 @@ nlohmann::ordered_json report(const VrState& state, const nlohmann::ordered_json
 ExitCode run(int argc, char** argv) {
   Options o;
   o.common.program = kName;
-  const ProgramText program{kName, IBR_VERSION,
+  const ProgramText program{kName, std::string(version()),
                             "Examples:\n"
                             "  ibr-vr scene\n"
                             "  ibr-vr hall garden --preset fast --scale 0.37\n"

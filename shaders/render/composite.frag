@@ -8,8 +8,8 @@
 #include "shared/floor.h"
 #include "shared/hidden_area.h"
 
-layout(constant_id = 0) const bool kLinear = false;  // the target takes linear light, also to encode it itself
-layout(constant_id = 1) const bool kPrevious = false;           // two draw orders are cross-faded
+layout(constant_id = 0) const bool kLinear = false;    // the target takes linear light, also to encode it itself
+layout(constant_id = 1) const bool kPrevious = false;  // two draw orders are cross-faded
 layout(constant_id = 2) const bool kFill = false;
 layout(constant_id = 3) const bool kScaled = false;  // the image in the canvas has another size than the target
 layout(constant_id = 4) const bool kFloor = false;

@@ -6,7 +6,8 @@ run.py CONSUMER --build DIR --scene SCENE --expected PROGRAM
 
 DIR: the repository's build folder. Its libraries are installed into a temporary prefix, which is then moved. SCENE: the
 scene to draw. PROGRAM: draws the expected picture (the example 01_offscreen). The consumer `fetch_content` builds the
-repository's sources instead, `author` builds a scene of its own, `examples` is the folder of examples.
+repository's sources instead, `author` builds a scene of its own, `examples` is the folder of examples, `configurations`
+configures the repository with other options.
 """
 import argparse
 import os
@@ -106,7 +107,7 @@ target_link_libraries(mixed PRIVATE ibr::runtime ibr::author)
     (folder / "mixed/mixed.cpp").write_text("int main() {}\n", encoding="utf-8")
     outcome = subprocess.run(["cmake", "-S", folder / "mixed", "-B", folder / "mixed/build", "-G", "Ninja",
                               f"-DCMAKE_PREFIX_PATH={prefix}"], text=True, capture_output=True)
-    if outcome.returncode == 0 or "IBR_LINKAGE" not in outcome.stderr:
+    if outcome.returncode == 0 or "an earlier find_package(ibr)" not in " ".join(outcome.stderr.split()):
         fail(f"a program with a shared and a static libibr is not refused:\n{outcome.stderr}")
 
 
@@ -129,26 +130,46 @@ def check_author(folder, prefix):
         fail(f"mean level {mean:.1f}, share of black pixels {black:.3f}")
 
 
-def check_examples(folder, prefix):
-    """All examples are built alone; the installed program ibr makes their scenes, and CTest checks their pictures."""
-    build = folder / "examples"
+def build_examples(folder, prefix, linkage, *tests):
+    build = folder / f"examples_{linkage}"
     run("cmake", "-S", ROOT / "examples", "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
         f"-DIBR_PROGRAM={prefix / 'bin/ibr'}")
     run("cmake", "--build", build)
-    print(run("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error"))
+    print(run("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", *tests))
+    links_shared = "libibr.so.0" in needed(build / "01_offscreen")
+    if links_shared != (linkage == "shared"):
+        fail(f"01_offscreen does not link the {linkage} library")
+
+
+def check_examples(folder, prefix):
+    """The examples are built alone, with the shared library where the author is not installed. The installed program
+    ibr makes their scenes, and CTest checks their pictures."""
+    author = next(prefix.rglob("ibr-author.cmake"))
+    hidden = author.rename(author.with_suffix(".hidden"))
+    build_examples(folder, prefix, "shared")
+    hidden.rename(author)
+    build_examples(folder, prefix, "static", "-R", "06_optimise_mesh")
+
+
+def check_configurations(folder, _):
+    """The repository can be configured with other options."""
+    run("cmake", "-S", ROOT, "-B", folder / "shared", "-G", "Ninja", "-DBUILD_SHARED_LIBS=ON")
+    run("cmake", "-S", ROOT, "-B", folder / "no_examples", "-G", "Ninja", "-DIBR_BUILD_EXAMPLES=OFF")
+    run("cmake", "-S", ROOT, "-B", folder / "no_author", "-G", "Ninja", "-DIBR_BUILD_AUTHOR=OFF")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("consumer", choices=("shared", "pkg_config", "author", "examples", "fetch_content"))
+    parser.add_argument("consumer", choices=("shared", "pkg_config", "author", "examples", "configurations", "fetch_content"))
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--scene", type=pathlib.Path, required=True)
     parser.add_argument("--expected", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="ibr-consumer-") as name:
         folder = pathlib.Path(name)
-        prefix = None if arguments.consumer == "fetch_content" else install(arguments.build.resolve(), folder)
-        if arguments.consumer in ("author", "examples"):
+        uses_sources = arguments.consumer in ("fetch_content", "configurations")
+        prefix = None if uses_sources else install(arguments.build.resolve(), folder)
+        if arguments.consumer in ("author", "examples", "configurations"):
             globals()[f"check_{arguments.consumer}"](folder, prefix)
             return
         program, environment = globals()[f"build_{arguments.consumer}"](folder, prefix)

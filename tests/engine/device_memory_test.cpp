@@ -12,6 +12,7 @@
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/functions.h"
 #include "base/vulkan/gpu_image.h"
+#include "base/vulkan/memory.h"
 #include "base/vulkan/submit.h"
 #include "engine/adopted_test_device.h"
 #include "faults/small_place.h"
@@ -272,8 +273,10 @@ TEST_CASE("an allocator without memory is reported with the resource, its size a
 TEST_CASE("requests beyond the memory heaps do not reach the allocator") {
   SubAllocator allocator;
   const Device device = adopted(allocator);
-  CHECK(errorOf([&] { Buffer(device, VkDeviceSize(1) << 50, kCopied, MemoryKind::device, "monster"); }).code() ==
-        ErrorCode::outOfMemory);
+  const VkMemoryRequirements huge{.size = VkDeviceSize(1) << 50, .alignment = 1, .memoryTypeBits = ~0u};
+  const Error error = errorOf([&] { Allocation(device, huge, MemoryKind::device, ResourceTiling::linear, "monster"); });
+  CHECK(error.code() == ErrorCode::outOfMemory);
+  CHECK_THAT(error.what(), Contains("monster") && Contains("heap"));
   CHECK(allocator.requests() == 0);
 }
 

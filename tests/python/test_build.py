@@ -11,6 +11,7 @@ import threading
 import time
 import unittest
 
+import numpy as np
 import support
 
 import ibr
@@ -65,10 +66,13 @@ class Build(unittest.TestCase):
             self.assertTrue(total == 0 or done <= total)
 
     def test_false_cancels_and_the_next_build_resumes(self):
-        call = lambda: ibr.author.build(self.options, progress=lambda *report: False)
-        self.assertEqual(support.code_of(call), ibr.ErrorCode.CANCELLED)
-        self.assertFalse(self.is_scene_written())
-        ibr.author.build(self.options)
+        for stop in (False, np.bool_(False)):
+            goes_on = lambda stage, done, total: stop if "cells" in stage and done > 0 else None
+            call = lambda: ibr.author.build(self.options, progress=goes_on)
+            self.assertEqual(support.code_of(call), ibr.ErrorCode.CANCELLED)
+            self.assertFalse(self.is_scene_written())
+        report = ibr.author.build(self.options)
+        self.assertTrue(any(cell.cached for cell in report.cells))
         self.assertEqual(ibr.validate_scene_files(self.options.output), ())
 
     def test_exceptions_of_callbacks_cancel_and_are_raised(self):

@@ -45,9 +45,10 @@ class Threads(support.DeviceTest):
         with concurrent.futures.ThreadPoolExecutor(2) as threads:
             made = threads.submit(lambda: [ibr.Renderer(self.scene, SIZE, device=self.device) for _ in range(3)])
             pictures = threads.map(lambda _: renderer.render(self.views[0]), range(6))
-            del made
             for picture in pictures:
                 np.testing.assert_array_equal(picture, self.expected[0])
+            self.assertEqual(len(made.result()), 3)
+            del made
 
     def test_a_thread_waits_for_the_device_without_the_interpreter_s_lock(self):
         renderer = ibr.Renderer(self.scene, SIZE, device=self.device)

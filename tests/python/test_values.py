@@ -130,6 +130,13 @@ class Values(unittest.TestCase):
         self.assertEqual(ibr.RenderSettings(max_cells=3), ibr.RenderSettings(max_cells=3))
         self.assertNotEqual(ibr.RenderSettings(max_cells=3), ibr.RenderSettings())
         self.assertNotEqual(ibr.RenderSettings(), 3)
+        self.assertEqual(ibr.Pose([1, 2, 3]), ibr.Pose([1, 2, 3]))
+        self.assertNotEqual(ibr.Pose([1, 2, 3]), ibr.Pose([1, 2, 4]))
+        camera = ibr.Camera(ibr.Intrinsics.from_fov(8, 6, 1.0), ibr.Pose([1, 2, 3]))
+        self.assertEqual(camera, camera.replace())
+        self.assertNotEqual(camera, camera.replace(pose=ibr.Pose([0, 2, 3])))
+        self.assertEqual(ibr.author.BuildOptions(exclude=["a"]), ibr.author.BuildOptions(exclude=["a"]))
+        self.assertNotEqual(ibr.author.BuildOptions(), ibr.author.BuildOptions(draft=True))
 
     def test_text_of_a_value_has_all_fields(self):
         text = repr(ibr.RenderSettings(max_cells=3))

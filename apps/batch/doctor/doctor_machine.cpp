@@ -60,6 +60,15 @@ std::string describe(std::size_t index, const DeviceDescription& device) {
                      device.features.empty() ? "" : ", features: ", fmt::join(device.features, ", "));
 }
 
+std::string reasonForNoDevice() {
+  try {
+    Device::create();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "none is listed";
+}
+
 void examineDevices(Findings& findings) {
   constexpr const char* kRemedy =
       "Install the driver of the graphics card. On Debian, the package mesa-vulkan-drivers has drivers for AMD and "
@@ -101,8 +110,9 @@ void examineDevices(Findings& findings) {
                   "Unset IBR_DISABLE_FEATURES, or omit --disable-feature."});
   if (!usable)
     findings.add({"device", Severity::serious,
-                  devices.empty() ? "There is no Vulkan device." : "No Vulkan device can be used.", kRemedy,
-                  kExitUnsupported});
+                  devices.empty() ? fmt::format("There is no Vulkan device: {}.", reasonForNoDevice())
+                                  : "No Vulkan device can be used.",
+                  kRemedy, kExitUnsupported});
   else if (!graphicsCard)
     findings.add(
         {"device", Severity::warning,

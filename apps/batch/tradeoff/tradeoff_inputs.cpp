@@ -15,6 +15,7 @@
 #include "batch/files/poses.h"
 #include "batch/files/sha256.h"
 #include "batch/files/truth.h"
+#include "ibr/version.h"
 #include "shared/camera/auto_path.h"
 #include "shared/json/json_text.h"
 
@@ -155,7 +156,7 @@ nlohmann::ordered_json tradeoffAbout(const TradeoffOptions& options, const Trade
                      {"size", {view.camera.intrinsics.width, view.camera.intrinsics.height}},
                      {"truth", !truth.empty()}});
   return {
-      {"libibr", IBR_VERSION},
+      {"libibr", version()},
       {"scene", options.scene},
       {"dataset", datasetHash(options.scene)},
       {"builds", builds.names},

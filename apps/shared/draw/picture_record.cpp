@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "ibr/version.h"
 #include "io/image_file.h"
 #include "shared/camera/camera_json.h"
 
@@ -23,7 +24,7 @@ void writePicture(const std::filesystem::path& file, const Image8& image, const 
   addPose(view, record.camera.pose);
   view["intrinsics"] = intrinsicsJson(record.camera.intrinsics);
   if (record.time) view["time"] = *record.time;
-  const Json json{{"version", kVersion}, {"libibr", IBR_VERSION}, {"view", view}, {"settings", record.settings}};
+  const Json json{{"version", kVersion}, {"libibr", ibr::version()}, {"view", view}, {"settings", record.settings}};
   writeImage(file, image, {{kKey, json.dump(-1, ' ', true, Json::error_handler_t::replace)}});
 }
 

@@ -23,7 +23,7 @@ class ShapesPass {
 
   /// Call outside a render pass. The target must have a depth image and hold the drawn scene, in use::kColourAttachment
   /// and use::kDepthAttachment; both keep their uses. Shapes in space write their depth. `eye`: in tracking space,
-  /// metres. nearPlane, farPlane: of the depth, metres.
+  /// metres, with intrinsics of clipFromCamera(). nearPlane, farPlane: of the depth, metres; 0 < nearPlane < farPlane.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Camera& eye, const Target& target, double nearPlane,
               double farPlane) const noexcept;
 

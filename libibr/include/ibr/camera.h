@@ -55,14 +55,14 @@ IBR_API std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dve
 IBR_API glm::dvec3 viewAxis(const Pose& pose);
 
 /// Matrices for a renderer of the caller: the model matrix of what stands in camera axes, and the view matrix.
-glm::dmat4 worldFromCamera(const Pose& pose);
-glm::dmat4 cameraFromWorld(const Pose& pose);
+IBR_API glm::dmat4 worldFromCamera(const Pose& pose);
+IBR_API glm::dmat4 cameraFromWorld(const Pose& pose);
 
 /// Returns the projection matrix of a pinhole, from camera axes to Vulkan's clip space. Pixels are those of project();
 /// depth is 0 at nearPlane and 1 at farPlane, reversed 1 and 0, as in a DepthTarget (ibr/target.h). Throws
 /// Error{invalidInput} unless 0 < nearPlane < farPlane, and for intrinsics without a finite matrix.
-glm::dmat4 clipFromCamera(const Intrinsics& pinhole, double nearPlane,
-                          double farPlane = std::numeric_limits<double>::infinity(), bool reversed = false);
+IBR_API glm::dmat4 clipFromCamera(const Intrinsics& pinhole, double nearPlane,
+                                  double farPlane = std::numeric_limits<double>::infinity(), bool reversed = false);
 
 /// Angle between two rotations, radians.
 IBR_API double angleBetween(const glm::dquat& a, const glm::dquat& b);

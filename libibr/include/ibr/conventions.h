@@ -7,9 +7,8 @@
 // Panorama equirectangular, unit direction d in camera axes:
 //          x = (atan2(d.x, −d.z) / 2π + ½)·width,  y = (½ − asin(d.y) / π)·height.
 // Colour   8-bit photographs are display-encoded (sRGB) and blended as such, as in the papers, unless stated otherwise.
-// GLM      packed types; quaternions stored as x, y, z, w and constructed from (w, x, y, z). The assertions below
-// refuse
-//          callers whose GLM_FORCE_… settings change this.
+// GLM      packed types; quaternions stored as x, y, z, w and constructed from (w, x, y, z).
+//          Assertions below refuse callers whose GLM_FORCE_… settings change this.
 #pragma once
 
 #include <cstddef>

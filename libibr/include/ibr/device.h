@@ -70,12 +70,11 @@ struct DeviceOptions {
 
 /// Borrowed handles; the caller keeps ownership. The device must have been created with all of Device::requirements().
 ///
-/// The lock of the queue is either a mutex or a pair of callbacks. It is held while libibr submits to the queue, waits
-/// for the queue or waits for the device, and at no other time: not during recording, not while waiting for a fence.
-/// These calls submit or wait: constructors that upload (GpuScene, Renderer, GpuHtmModel, …), Offscreen::render,
-/// align() and other functions that return results of the device. Calls that only record never take the lock:
-/// Renderer::record, GpuScene::stream, ScopeTimer. The callbacks run in pairs on the calling thread. They must not
-/// throw or call libibr.
+/// The lock of the queue is either a mutex or a pair of callbacks. It is held while libibr submits to the queue or
+/// waits for the queue, and at no other time: not during recording, not while waiting for a fence. These calls submit
+/// or wait: constructors that upload (GpuScene, Renderer, GpuHtmModel, …), Offscreen::render, align() and other
+/// functions that return results of the device. Calls that only record never take the lock: Renderer::record,
+/// GpuScene::stream, ScopeTimer. The callbacks run in pairs on the calling thread. They must not throw or call libibr.
 struct DeviceHandles {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
@@ -125,12 +124,14 @@ class IBR_API Device {
 
   /// Borrows the handles and never destroys them. Features that IBR_DISABLE_FEATURES names are not used. Throws
   /// Error{unsupported} where the device is found to lack a requirement, Error{invalidInput} for a null handle, half a
-  /// pair of callbacks, or a mutex beside them.
+  /// pair of callbacks, or a mutex beside them; Error{unsupported} where Vulkan's functions cannot be loaded.
   static Device adopt(const DeviceHandles& handles);
 
   static DeviceRequirements requirements();
-  static std::vector<DeviceDescription> list();  // empty where no driver or no loader is installed
-  /// describe() and featuresFor() throw Error{invalidInput} if loadFunctions() had no instance and none has been used.
+  /// Empty where libibr can use no loader or driver: create() throws the reason.
+  static std::vector<DeviceDescription> list();
+  /// describe() and featuresFor() throw Error{invalidInput} if loadFunctions() had no instance and none has been used,
+  /// Error{unsupported} where Vulkan's functions cannot be loaded.
   static DeviceDescription describe(VkPhysicalDevice device);
   /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
   /// IBR_DISABLE_FEATURES does not name.

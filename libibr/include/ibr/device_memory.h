@@ -3,8 +3,9 @@
 // DeviceHandles::allocator. Without an allocator, each resource has its own vkAllocateMemory. libibr needs few
 // resources: cells share buffers, photographs share texture arrays.
 //
-// Threading: libibr calls an allocator from the threads that make, stream and destroy objects of its device. An
-// allocator that serves several threads, each with its own Device, must be thread-safe.
+// Threading: libibr calls an allocator from the threads that make, stream and destroy objects of its device, and from
+// the thread that clears, assigns or destroys Uploads (ibr/uploads.h). Where these are several threads, also with a
+// Device each, the allocator must be thread-safe.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

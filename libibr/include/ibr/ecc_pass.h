@@ -39,10 +39,9 @@ struct EccStar {
 class IBR_API EccPass {
  public:
   /// Uploads mesh, pictures and positions: submits to the device's queue and waits, unless `uploads` collect the
-  /// uploads. Uses the options instances,
-  /// definition, varianceFloor, rigidity, prune and scaledInstances. The alignment need not outlive the call. Throws
-  /// Error: invalidInput as align(); unsupported without Device::supportsInt64, or where the pictures exceed the
-  /// device's largest storage buffer; outOfMemory, deviceLost.
+  /// uploads. Uses the options instances, definition, varianceFloor, rigidity, prune and scaledInstances. The alignment
+  /// need not outlive the call. Throws Error: invalidInput as align(); unsupported without Device::supportsInt64, or
+  /// where the pictures exceed the device's largest storage buffer; outOfMemory, deviceLost.
   EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options = {},
           Uploads* uploads = nullptr);
   EccPass(EccPass&&) noexcept;

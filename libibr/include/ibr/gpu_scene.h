@@ -123,8 +123,8 @@ class IBR_API GpuScene {
 
 /// Streams until all photographs of the plan are on the device, as far as the budget allows: for single images. Submits
 /// on the device's queue and waits. `frame`: number of the scene's last frame, 0 before the first one; is increased.
-/// All frames must have finished. No effect where needsStreaming() is false. Throws Error{io} if photographs cannot be
-/// read.
+/// All frames must have finished. No effect where needsStreaming() is false. Throws Error: io if photographs cannot be
+/// read; deviceLost, outOfMemory.
 IBR_API void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
 
 }  // namespace ibr

@@ -123,10 +123,11 @@ class IBR_API GpuHtmModel {
   ~GpuHtmModel();
 
   /// Replaces the model by another one, as for the next frame of 3D video. Keeps pipelines, and images and buffers that
-  /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that read the
-  /// previous model must have finished. Each renderer of it needs HtmRenderer::setModel before it records again.
-  /// Submits and waits, unless `uploads` collect the uploads; uploads of the previous model must not be recorded
-  /// afterwards. Throws what the constructor throws; afterwards only replace() and destruction are allowed.
+  /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that use the
+  /// previous model, its recorded uploads included, must have finished. Each renderer of it needs HtmRenderer::setModel
+  /// before it records again. Submits and waits, unless `uploads` collect the uploads; uploads of the previous model
+  /// must not be recorded afterwards. Throws what the constructor throws; afterwards only replace() and destruction are
+  /// allowed.
   void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads = nullptr);
 
   struct Memory {

@@ -35,9 +35,9 @@ struct TemplateCapacity {
 class IBR_API TemplateSearchPass {
  public:
   /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits, unless `uploads`
-  /// collect the uploads. Throws Error:
-  /// invalidInput as cpuTemplateSearch, and for a capacity of 0; unsupported where the pictures (4 bytes a pixel)
-  /// or the capacity exceed the device's largest storage buffer or dispatch; outOfMemory, deviceLost.
+  /// collect the uploads. Throws Error: invalidInput as cpuTemplateSearch, and for a capacity of 0; unsupported where
+  /// the pictures (4 bytes a pixel) or the capacity exceed the device's largest storage buffer or dispatch;
+  /// outOfMemory, deviceLost.
   TemplateSearchPass(const Device& device, std::span<const Image8* const> pictures, TemplateCapacity capacity,
                      Uploads* uploads = nullptr);
   TemplateSearchPass(TemplateSearchPass&&) noexcept;

@@ -22,6 +22,7 @@ namespace ibr {
 
 /// Collected uploads and initial layout transitions, with the host memory that they are copied from. The Device must
 /// outlive it. One thread at a time uses it: a loading thread may fill it and pass it to the thread that records.
+/// clear(), assignment and destruction free memory on the calling thread (ibr/device_memory.h).
 ///
 /// Objects whose construction used the Uploads may be used by commands after record() in the same command buffer, and
 /// by later submissions to the same queue; before that their contents are undefined. They must live until the recorded

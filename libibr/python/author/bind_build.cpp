@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ibr/author/build.h"
 
-#include <mutex>
+#include <atomic>
 
 #include "author/author_enums.h"
 #include "author/bind.h"
@@ -15,21 +15,28 @@ namespace ibr::python {
 namespace {
 
 // A build sets OpenCV's number of threads for the whole process, so only one may run.
-std::unique_lock<std::mutex> onlyBuild() {
-  static std::mutex building;
-  std::unique_lock lock(building, std::try_to_lock);
-  if (!lock) throw Error(ErrorCode::unsupported, "another thread of this process builds: one build runs at a time");
-  return lock;
-}
+class OnlyBuild {
+ public:
+  OnlyBuild() {
+    if (runs_.exchange(true))
+      throw Error(ErrorCode::unsupported, "this process already builds: one build runs at a time");
+  }
+  OnlyBuild(const OnlyBuild&) = delete;
+  OnlyBuild& operator=(const OnlyBuild&) = delete;
+  ~OnlyBuild() { runs_ = false; }
+
+ private:
+  static inline std::atomic<bool> runs_ = false;
+};
 
 BuildReport built(BuildOptions options, const py::object& progress, const py::object& onPrediction) {
   LongCall call(progress);
   if (!onPrediction.is_none())
     options.onPrediction = [&](const BuildPrediction& prediction) {
-      return call.ask([&] { return onPrediction(prediction).ptr() != Py_False; });
+      return call.ask([&] { return goesOn(onPrediction(prediction)); });
     };
   return call.run([&](const ProgressCallback& report) {
-    const auto lock = onlyBuild();
+    const OnlyBuild only;
     return build(options, report, logToPython());
   });
 }
@@ -37,7 +44,7 @@ BuildReport built(BuildOptions options, const py::object& progress, const py::ob
 RefinedModel refined(const BuildOptions& options, const py::object& progress) {
   LongCall call(progress);
   return call.run([&](const ProgressCallback& report) {
-    const auto lock = onlyBuild();
+    const OnlyBuild only;
     return refineModelPoses(options, report, logToPython());
   });
 }

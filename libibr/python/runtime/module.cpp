@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Python module ibr._runtime.
+#include "ibr/version.h"
 #include "runtime/bind.h"
 #include "support/errors.h"
 
 PYBIND11_MODULE(_runtime, module) {
   using namespace ibr::python;
   module.doc() = "The runtime of libibr; import it as ibr.";
-  module.attr("__version__") = IBR_VERSION;
+  module.attr("__version__") = std::string(ibr::version());
   bindEnums(module);
   defineError(module);
   translateErrors();

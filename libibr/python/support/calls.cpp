@@ -42,10 +42,14 @@ LogCallback logToPython() {
   };
 }
 
+bool goesOn(const py::object& result) {
+  return result.is_none() || py::bool_(result);
+}
+
 bool LongCall::report(const Progress& now) {
   return ask([&] {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    return progress_.is_none() || progress_(textOf(now.stage), now.done, now.total).ptr() != Py_False;
+    return progress_.is_none() || goesOn(progress_(textOf(now.stage), now.done, now.total));
   });
 }
 

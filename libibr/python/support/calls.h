@@ -22,6 +22,9 @@ auto unlocked(F&& function) {
   return function();
 }
 
+/// Truth of a callback's result; None is true.
+bool goesOn(const pybind11::object& result);
+
 /// One call. `progress` is None or a Python function of (stage, done, total); its result False cancels.
 class LongCall {
  public:

@@ -9,7 +9,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <concepts>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -99,6 +98,19 @@ void setFields(T& record, const std::string& type, const pybind11::args& args, c
   }
 }
 
+/// Compares two records field by field, arrays by their values.
+template <class T>
+bool haveEqualFields(const pybind11::object& a, const pybind11::object& b) {
+  for (const Field<T>& field : fieldsOf<T>()) {
+    const pybind11::object x = a.attr(field.name.c_str()), y = b.attr(field.name.c_str());
+    const bool equal = pybind11::isinstance<pybind11::array>(x)
+                           ? pybind11::module_::import("numpy").attr("array_equal")(x, y).template cast<bool>()
+                           : x.equal(y);
+    if (!equal) return false;
+  }
+  return true;
+}
+
 template <class T>
 class Record {
  public:
@@ -110,9 +122,10 @@ class Record {
                             std::string(pybind11::repr(self.attr(field.name.c_str()))));
       return fmt::format("{}({})", type, text);
     });
-    if constexpr (std::equality_comparable<T>)
-      class_.def(
-          "__eq__", [](const T& a, const T& b) { return a == b; }, pybind11::is_operator());
+    class_.def("__eq__", [](const pybind11::object& self, const pybind11::object& other) -> pybind11::object {
+      if (!pybind11::isinstance<T>(other)) return pybind11::reinterpret_borrow<pybind11::object>(Py_NotImplemented);
+      return pybind11::bool_(haveEqualFields<T>(self, other));
+    });
   }
 
   template <class M>

@@ -26,6 +26,11 @@ bool isClipped(std::uint8_t level) {
   return level < 4 || level > 250;
 }
 
+/// Tier of a pixel by its alpha, which is not 0 (AlphaContent::tier).
+std::size_t tierOf(int alpha) {
+  return std::size_t(std::clamp(int(std::lround((255 - alpha) / 64.0)), 0, 3));
+}
+
 // FLIP takes no mask: excluded pixels are made equal, and the mean is rescaled to the rest.
 double flipOfPart(const Image8& prediction, const Image8& truth, const Image8& used, double share) {
   Image8 same = prediction;
@@ -56,7 +61,7 @@ ViewScores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGa
       ++count;
       if (!here) continue;
       ++covered;
-      ++tiers[std::size_t((255 - prediction.pixel(x, y)[3]) / 64)];
+      ++tiers[tierOf(prediction.pixel(x, y)[3])];
     }
   ViewScores scores;
   if (count == 0) return scores;
@@ -117,8 +122,7 @@ std::array<double, 4> tierShares(const Image8& prediction) {
   std::array<double, 4> shares{};
   const double pixels = double(prediction.width) * prediction.height;
   for (std::size_t at = 3; at < prediction.values.size(); at += 4)
-    if (const int alpha = prediction.values[at]; alpha > 0)
-      ++shares[std::size_t(std::clamp(int(std::lround((255 - alpha) / 64.0)), 0, 3))];
+    if (const int alpha = prediction.values[at]; alpha > 0) ++shares[tierOf(alpha)];
   for (double& share : shares) share /= pixels;
   return shares;
 }

@@ -45,6 +45,17 @@ void recordColour(const Swapchain::Frame& frame, const std::array<float, 3>& col
   transition(frame.commands, frame.image, use::kTransferDestination, Swapchain::kFinalUse);
 }
 
+// Functions that libibr does not load.
+PFN_vkCreateEvent vkCreateEvent;
+PFN_vkDestroyEvent vkDestroyEvent;
+PFN_vkSetEvent vkSetEvent;
+PFN_vkCmdWaitEvents vkCmdWaitEvents;
+
+template <class Function>
+void load(const Device& device, Function& function, const char* name) {
+  function = reinterpret_cast<Function>(vkGetDeviceProcAddr(device.handle(), name));
+}
+
 using EventHandle = Handle<VkEvent, &vkDestroyEvent>;
 
 // Blocks the device's queue for all later submissions during its lifetime, but for at most twenty seconds, so that a
@@ -52,6 +63,10 @@ using EventHandle = Handle<VkEvent, &vkDestroyEvent>;
 class Blocked {
  public:
   explicit Blocked(const Device& device) : device_(device) {
+    load(device, vkCreateEvent, "vkCreateEvent");
+    load(device, vkDestroyEvent, "vkDestroyEvent");
+    load(device, vkSetEvent, "vkSetEvent");
+    load(device, vkCmdWaitEvents, "vkCmdWaitEvents");
     event_ = make<EventHandle>(device, vkCreateEvent, VkEventCreateInfo{.sType = VK_STRUCTURE_TYPE_EVENT_CREATE_INFO},
                                "vkCreateEvent");
     pool_ = make<CommandPoolHandle>(device, vkCreateCommandPool,

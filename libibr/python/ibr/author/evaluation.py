@@ -49,7 +49,8 @@ class Evaluation:
 def held_out(folder: str | os.PathLike[str], masks: str | os.PathLike[str] | None = None) -> PosedPhotographs:
     """Reads held-out photographs with their poses, for evaluate().
 
-    `folder` holds images/ (or the images themselves) and a COLMAP model in sparse/, sparse/0 or beside the images.
+    `folder` holds images/ (or the images themselves) and a COLMAP model in sparse/, sparse/0 or beside the images. All
+    photographs of the model must be there: `ibr eval --truth` leaves missing ones out.
     """
     folder = pathlib.Path(folder)
     images = folder / "images"
@@ -72,10 +73,11 @@ def evaluate(
     fit_gain: bool = False,
     progress: collections.abc.Callable[[str, int, int], bool | None] | None = None,
 ) -> Evaluation:
-    """Compares rendered views with photographs that the scene was built without, as `ibr eval --truth` does.
+    """Compares rendered views with photographs that the scene was built without. Scores are those of `ibr eval --truth`.
 
-    Each view is planned alone, with the renderer's settings and the size of the photograph. Pixels that the
-    photograph's mask covers do not count. `names`: only these photographs. `fit_gain`: also scores after one gain for each channel.
+    Each view is planned alone, with the renderer's settings and the size of the photograph, which the renderer must
+    allow. Pixels that the photograph's mask covers do not count. `names`: only these photographs. `fit_gain`: also
+    scores after one gain for each channel.
     """
     known = [image.name for image in photographs.images]
     chosen = known if names is None else list(names)
@@ -87,7 +89,8 @@ def evaluate(
     for index, image in enumerate(photographs.images):
         if image.name not in chosen:
             continue
-        if progress is not None and progress("evaluating", len(views), len(chosen)) is False:
+        goes_on = None if progress is None else progress("evaluating", len(views), len(chosen))
+        if goes_on is not None and not goes_on:
             error = ibr.Error("stopped")
             error.code = ibr.ErrorCode.CANCELLED
             raise error

@@ -13,6 +13,11 @@ constexpr bool isSrgb(VkFormat format) noexcept {
   return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
 }
 
+/// True for 8-bit RGBA or BGRA.
+constexpr bool isRgba8Format(VkFormat format) noexcept {
+  return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
+}
+
 /// Bytes per texel, or per block of blockSide² texels; 0 for other formats.
 constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
   switch (format) {

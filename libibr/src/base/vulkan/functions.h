@@ -2,8 +2,9 @@
 // The functions of Vulkan, as pointers of namespace ibr: vkCmdDraw(…) in this namespace calls ibr::vkCmdDraw.
 //
 // Nothing here references a symbol of the Vulkan loader. Engines may define variables with the names of its functions
-// (volk), and references to the loader would bind to these variables. Sources of the repository that call Vulkan
-// include this header; they compile with VK_NO_PROTOTYPES, so that a missing include is an error.
+// (volk), and references to the loader would bind to these variables. Sources of the library, the programs and the
+// tests that call Vulkan include this header; they compile with VK_NO_PROTOTYPES, so that a missing include is an
+// error.
 //
 // The functions serve all instances and devices of the process. Functions of extensions that are not listed here come
 // from vkGetInstanceProcAddr.
@@ -49,7 +50,6 @@
   X(vkCmdSetScissor)                          \
   X(vkCmdSetViewport)                         \
   X(vkCmdUpdateBuffer)                        \
-  X(vkCmdWaitEvents)                          \
   X(vkCmdWriteTimestamp2)                     \
   X(vkCreateBuffer)                           \
   X(vkCreateCommandPool)                      \
@@ -57,7 +57,6 @@
   X(vkCreateDescriptorPool)                   \
   X(vkCreateDescriptorSetLayout)              \
   X(vkCreateDevice)                           \
-  X(vkCreateEvent)                            \
   X(vkCreateFence)                            \
   X(vkCreateFramebuffer)                      \
   X(vkCreateGraphicsPipelines)                \
@@ -75,7 +74,6 @@
   X(vkDestroyDescriptorPool)                  \
   X(vkDestroyDescriptorSetLayout)             \
   X(vkDestroyDevice)                          \
-  X(vkDestroyEvent)                           \
   X(vkDestroyFence)                           \
   X(vkDestroyFramebuffer)                     \
   X(vkDestroyImage)                           \
@@ -113,7 +111,6 @@
   X(vkQueueWaitIdle)                          \
   X(vkResetCommandPool)                       \
   X(vkResetFences)                            \
-  X(vkSetEvent)                               \
   X(vkUpdateDescriptorSets)                   \
   X(vkWaitForFences)
 

@@ -87,7 +87,7 @@ Allocation::Allocation(const Device& device, const VkMemoryRequirements& require
   if (allocator_)
     allocateFrom(request);
   else
-    allocateDedicated(request);
+    allocateOwn(request);
 }
 
 void Allocation::allocateFrom(const MemoryRequest& request) {
@@ -104,7 +104,7 @@ void Allocation::allocateFrom(const MemoryRequest& request) {
         "{}: the allocator's block of {} bytes is not mapped", request.name, size);
 }
 
-void Allocation::allocateDedicated(const MemoryRequest& request) {
+void Allocation::allocateOwn(const MemoryRequest& request) {
   const Device& device = request.device;
   const VkDeviceSize size = request.requirements.size;
   const std::uint32_t type = bestType(device.memoryProperties(), request);

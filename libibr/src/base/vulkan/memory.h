@@ -31,7 +31,7 @@ class Allocation {
 
  private:
   Allocation(VkDevice device, DeviceAllocator* allocator) noexcept : device_(device), allocator_(allocator) {}
-  void allocateDedicated(const MemoryRequest& request);
+  void allocateOwn(const MemoryRequest& request);
   void allocateFrom(const MemoryRequest& request);
   void reset() noexcept;
 

@@ -13,7 +13,7 @@
 
 namespace ibr {
 
-bool probeMultiview(const Device& device) {
+bool runMultiviewProbe(const Device& device) {
   if (!device.supportsMultiview()) return false;
   // shaders/gpu/multiview_probe.vert: view v draws the squares (x, y) of 2×2 pixels with x and y of v's parity, and a
   // large triangle behind them. The triangle is essential: lavapipe misplaces clipped triangles.
@@ -53,7 +53,7 @@ bool probeMultiview(const Device& device) {
 
 bool multiviewWorks(const Device& device) {
   std::optional<bool>& answer = multiviewAnswer(device);
-  if (!answer) answer = probeMultiview(device);
+  if (!answer) answer = runMultiviewProbe(device);
   return *answer;
 }
 

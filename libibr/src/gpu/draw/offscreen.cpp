@@ -21,10 +21,6 @@ bool blueFirst(VkFormat format) {
   return format == VK_FORMAT_B8G8R8A8_UNORM || format == VK_FORMAT_B8G8R8A8_SRGB;
 }
 
-bool has8Bits(VkFormat format) {
-  return blueFirst(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_R8G8B8A8_SRGB;
-}
-
 GpuImageInfo imageInfo(VkExtent2D extent, TargetFormat format) {
   check(extent.width > 0 && extent.height > 0, ErrorCode::invalidInput, "offscreen image: extent {}×{} is empty",
         extent.width, extent.height);
@@ -93,7 +89,7 @@ Target Offscreen::target() const noexcept {
 
 Image8 Offscreen::render(const std::function<void(VkCommandBuffer)>& record) {
   const VkFormat format = state_->format.format;
-  check(has8Bits(format), ErrorCode::unsupported, "offscreen image: VkFormat {} needs renderFloat()", int(format));
+  check(isRgba8Format(format), ErrorCode::unsupported, "offscreen image: VkFormat {} needs renderFloat()", int(format));
   Image8 picture = state_->blank<std::uint8_t>();
   const std::span<const std::byte> bytes = state_->texels(record);
   std::memcpy(picture.values.data(), bytes.data(), bytes.size());
@@ -105,7 +101,7 @@ Image8 Offscreen::render(const std::function<void(VkCommandBuffer)>& record) {
 ImageF Offscreen::renderFloat(const std::function<void(VkCommandBuffer)>& record) {
   const VkFormat format = state_->format.format;
   ImageF picture = state_->blank<float>();
-  if (has8Bits(format)) {
+  if (isRgba8Format(format)) {
     std::ranges::transform(render(record).values, picture.values.begin(), [](int level) { return float(level) / 255; });
   } else if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
     std::ranges::transform(valuesIn<std::uint16_t>(state_->texels(record)), picture.values.begin(), fromHalf);

@@ -36,10 +36,7 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
   const std::tuple target{to.get(), layer, level};
   const VkImageSubresourceRange range{to.info().aspect, level, 1, layer, 1};
   const bool whole = begun_.contains(to.get());
-  if (levels_.contains(target)) {
-    assert(!whole);
-    nextStep();
-  }
+  if (!whole && levels_.contains(target)) nextStep();
   if (!whole) step().begun.push_back({to.get(), range});
   for (std::uint32_t row = 0; row < rowCount;) {
     const auto rows = std::uint32_t(std::min<VkDeviceSize>(room(rowBytes) / rowBytes, rowCount - row));
@@ -52,7 +49,8 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
                               .imageExtent = {extent.width, std::min(rows * side, extent.height - row * side), 1}}});
     row += rows;
   }
-  if (!whole) step().finished.push_back({to.get(), range});
+  if (whole) return;
+  step().finished.push_back({to.get(), range});
   levels_.insert(target);
 }
 
@@ -88,8 +86,12 @@ void Uploader::commands(std::function<void(VkCommandBuffer)> record) {
 void Uploader::flush() {
   for (const auto& [image, range] : begun_) step().finished.push_back({image, range});
   begun_.clear();
+  if (!uploads_) {
+    if (!batch_.steps.empty()) submit();
+    batch_.staging.clear();
+    return;
+  }
   if (batch_.steps.empty()) return;
-  if (!uploads_) return submit();
   UploadBatch& all = stateOf(*uploads_).batch;
   all.staging.reserve(all.staging.size() + batch_.staging.size());  // first, so that both are added or none
   all.steps.reserve(all.steps.size() + batch_.steps.size());

@@ -71,7 +71,7 @@ class Uploader {
   UploadBatch batch_;
   VkDeviceSize used_ = 0;                             // of the last staging buffer
   std::map<VkImage, VkImageSubresourceRange> begun_;  // by beginImage()
-  // Targets of the last step, whose copies are not ordered among themselves.
+  // Targets of the last step, whose copies are not ordered among themselves; without images of beginImage().
   std::set<std::tuple<VkImage, std::uint32_t, std::uint32_t>> levels_;      // layer, level
   std::map<std::pair<VkBuffer, VkDeviceSize>, VkDeviceSize> bufferRanges_;  // first byte; byte after the last
 };

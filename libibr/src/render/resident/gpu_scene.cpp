@@ -95,6 +95,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
       for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
   }
   uploader.flush();
+  if (photographs->streams()) photographs->startStreaming(options.stagingBytes);
 }
 
 void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& uploader) {

@@ -112,7 +112,7 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
   streams_ = budget_ > 0 && (meshBytes + totalBytes(classes_) > budget_ ||
                              meshBytes + FixedTextureArrays::bytes(device, classes_) > budget_);
   if (streams_) {
-    setUpStreaming(options.stagingBytes, uploader);
+    setUpStreaming(uploader);
   } else {
     fixed_ = FixedTextureArrays(device, classes_, scene.nodes.size());
     fill(classes_, uploader);
@@ -121,7 +121,7 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
 
 // Divides the budget: small images of all photographs first, which stand in while a photograph is not resident; the
 // rest for arrays of streamed photographs.
-void Photographs::setUpStreaming(std::uint64_t stagingBytes, Uploader& uploader) {
+void Photographs::setUpStreaming(Uploader& uploader) {
   const std::uint64_t smallest = meshBytes_ + FixedTextureArrays::bytes(*device_, reduced(classes_, 1));
   check(budget_ >= smallest, ErrorCode::outOfMemory,
         "a budget of {} bytes is too small: this scene needs {} bytes even at one pixel per photograph, {} bytes of "
@@ -145,7 +145,6 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes, Uploader& uploader)
         kMaxStandInSide, megabytes(budget_));
 
   setUpResidency(standIns, rest);
-  stream_ = PhotographStream(*device_, stagingBytes);
 }
 
 // Chooses the levels and the arrays that fit into `budget` bytes.

@@ -38,13 +38,16 @@ class Photographs {
                                 std::size_t needed, std::uint64_t frame, std::uint64_t completedFrame,
                                 const std::function<void(VkImageView)>& evicting);
 
+  /// Allocates the ring of staging memory for stream(); once the constructor's uploads have released theirs.
+  void startStreaming(std::uint64_t stagingBytes) { stream_ = PhotographStream(*device_, stagingBytes); }
+
   /// Returns an upper bound of the photographs that the budget can hold: longer lists of wanted nodes are useless.
   std::size_t maxResident() const noexcept { return maxResident_; }
 
  private:
   Texture load(std::uint32_t node, const TextureArrayClass& arrayClass) const;
   void fill(std::span<const TextureArrayClass> classes, Uploader& uploader);
-  void setUpStreaming(std::uint64_t stagingBytes, Uploader& uploader);
+  void setUpStreaming(Uploader& uploader);
   void setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget);
   void runSteps(const std::function<void(VkImageView)>& evicting);
   void makeArray(const Residency::Step& step);
