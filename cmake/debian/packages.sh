@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Draft: this script has not been run yet.
-# Builds the Debian packages of this checkout and checks them with lintian.
+# Builds the Debian packages of this working tree and checks them with lintian.
 #
 #   packages.sh OUT     folder for the packages; a missing one is created
 #
-# Installs missing packages that the build needs (only this needs root or sudo). Takes as long as a release build.
+# Installs missing packages that the build needs (only this needs root or sudo). Takes as long as a release build: about
+# half an hour on two cores. Packages of debug symbols are built with DEB_BUILD_OPTIONS=.
 set -eu
 [ $# -eq 1 ] || { echo "usage: packages.sh OUT" >&2; exit 2; }
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -17,15 +17,17 @@ install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_PYTHON $IBR_PACKAGES_DEBIAN
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/libibr"
-# Files of the working tree, without ignored ones such as build folders.
+# Files of the working tree that Git does not ignore; --ignore-failed-read: a removed file may still be tracked.
 git -C "$root" ls-files -z --cached --others --exclude-standard |
-  tar -C "$root" --null --ignore-failed-read --files-from=- -cf - 2>/dev/null | tar -C "$work/libibr" -xf -
-cp -r "$work/libibr/cmake/debian" "$work/libibr/debian"
-rm -f "$work/libibr/debian/packages.sh" "$work/libibr/debian/try.sh"
+  tar -C "$root" --null --ignore-failed-read --files-from=- -cf - | tar -C "$work/libibr" -xf -
 cd "$work/libibr"
-dpkg-buildpackage --build=binary --no-sign
+cp -r cmake/debian debian
+rm debian/packages.sh debian/try.sh
+DEB_BUILD_OPTIONS=${DEB_BUILD_OPTIONS-noautodbgsym} dpkg-buildpackage --build=binary --no-sign
+rm -f "$out"/*.deb "$out"/*.buildinfo "$out"/*.changes
 mv "$work"/*.deb "$work"/*.buildinfo "$work"/*.changes "$out"
 lintian --fail-on error --tag-display-limit 0 "$out"/*.changes
 for package in "$out"/*.deb; do
-  dpkg-deb --show --showformat='${Package} ${Version}: ${Installed-Size} KiB installed, depends on ${Depends}\n' "$package"
+  printf '%8d KiB  ' "$(($(stat -c %s "$package") / 1024))"
+  dpkg-deb --show --showformat='${Package} ${Version}, installed ${Installed-Size} KiB, depends on ${Depends}\n' "$package"
 done

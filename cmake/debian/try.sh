@@ -1,43 +1,74 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Draft: this script has not been run yet.
-# Installs the packages that packages.sh has built into a clean Debian 12 root and uses them there: programs, both
-# libraries, Python. Prints the time from installing to the first image.
+# Installs the packages of packages.sh into a clean Debian 12 root and uses them there: the programs, the shared library,
+# the author, Python. Prints the time from installing to the first image.
 #
-#   try.sh OUT [MIRROR]     needs root and mmdebstrap (Debian package)
+#   try.sh OUT [MIRROR]     OUT: folder of the packages; MIRROR: Debian mirror, by default mmdebstrap's
+#
+# Needs root and the Debian package mmdebstrap. The root, about 2 GB in $TMPDIR, is removed afterwards.
 set -eu
-[ $# -ge 1 ] || { echo "usage: try.sh OUT [MIRROR]" >&2; exit 2; }
+[ $# -ge 1 ] && [ $# -le 2 ] || { echo "usage: try.sh OUT [MIRROR]" >&2; exit 2; }
+[ "$(id -u)" = 0 ] || { echo "try.sh: needs root for chroot" >&2; exit 2; }
 out=$(cd "$1" && pwd)
 mirror=${2-}
 here=$(cd "$(dirname "$0")" && pwd)
-photographs=$here/../../examples/photographs/cathedral
+ls "$out"/ibr-tools_*.deb >/dev/null || { echo "try.sh: $out has no packages; packages.sh builds them" >&2; exit 2; }
+
 root=$(mktemp -d)
+# --one-file-system: if /proc cannot be unmounted, it stays.
 trap 'umount "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$root"' EXIT
-# shellcheck disable=SC2086 # an empty mirror: the host's sources
-mmdebstrap --variant=apt --aptopt='Apt::Install-Recommends "false"' bookworm "$root" $mirror
+# shellcheck disable=SC2086 # an empty mirror: no argument
+mmdebstrap --variant=apt bookworm "$root" $mirror
 mount -t proc proc "$root/proc"
-cp "$out"/*.deb "$root/root/"
-cp -r "$photographs" "$root/root/photographs"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
-inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
-  DEBIAN_FRONTEND=noninteractive sh -eu -c "cd /root; $1"; }
+cp "$out"/*.deb "$root/root/"
+cp -r "$here/../../examples/photographs/cathedral" "$root/root/photographs"
+cp -r "$here/../../tests/consumers/author" "$root/root/author"
+# inside COMMANDS: runs shell commands in the root, with an environment of their own.
+inside() {
+  chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
+    DEBIAN_FRONTEND=noninteractive sh -eu -c "cd /root; $1"
+}
+install() { inside "apt-get install -yqq --no-install-recommends $* >/dev/null"; }
+# part TEXT: ends a part of the script and prints its duration.
+part() {
+  now=$(date +%s)
+  echo "part: $1: $((now - began)) s"
+  began=$now
+}
 
 began=$(date +%s)
-inside 'apt-get update -q && apt-get install -yq ./ibr-tools_*.deb mesa-vulkan-drivers'
-installed=$(date +%s)
-inside 'ibr doctor; ibr build photographs -o scene --draft --max-size 480 && ibr render scene --path auto:1 -o frames'
-inside 'ls -l frames'
-echo "installing the programs: $((installed - began)) s; to the first image: $(($(date +%s) - installed)) s more"
+inside 'apt-get update -qq'
+install ./ibr-tools_*.deb mesa-vulkan-drivers
+part "install the programs and a Vulkan driver"
+inside 'ibr build photographs -o scene --draft --max-size 480'
+inside 'ibr render scene --path auto:1 -o frames'
+part "build a scene and draw its first image"
+inside 'ibr doctor; ibr info scene; ls -l frames'
+began=$(date +%s)
 
-inside 'apt-get install -yq ./libibr0_*.deb ./libibr-dev_*.deb ./libibr-doc_*.deb g++ pkg-config
-  g++ -std=c++20 /usr/share/doc/libibr-doc/examples/01_offscreen.cpp -o first $(pkg-config --cflags --libs ibr)
-  ./first scene first.ppm'
-inside 'apt-get install -yq ./libibr-author-dev_*.deb cmake make && mkdir author'
-cp "$here"/../../tests/consumers/author/* "$root/root/author/"
-inside 'cmake -S author -B author/build && cmake --build author/build &&
-  author/build/consumer photographs photographs/sparse author/scene author.ppm'
-inside 'apt-get install -yq ./python3-ibr_*.deb && python3 -c "
-import ibr, ibr.author
-scene = ibr.load_scene(\"scene\")
-print(ibr.__version__, len(scene.nodes), \"photographs\")"'
-echo "try.sh: all packages work"
+install ./libibr0_*.deb ./libibr-dev_*.deb ./libibr-doc_*.deb g++ pkg-config
+inside 'g++ -std=c++20 /usr/share/doc/libibr-doc/examples/01_offscreen.cpp -o first $(pkg-config --cflags --libs ibr)
+  ./first scene first.ppm && ls -l first.ppm'
+part "shared library: install, build and run an example"
+install ./libibr-author-dev_*.deb cmake ninja-build
+inside 'cmake -S author -B author/build -G Ninja && cmake --build author/build
+  author/build/consumer photographs photographs/sparse author/scene author.ppm && ls -l author.ppm'
+part "author: install, build and run a program"
+install ./python3-ibr_*.deb
+inside 'python3 - <<END
+import ibr
+import ibr.author
+
+print("libibr", ibr.__version__)
+ibr.author.build(ibr.author.BuildOptions(photographs="photographs", output="python", max_size=240))
+scene = ibr.load_scene("python")
+view = ibr.Camera(ibr.Intrinsics.from_fov(320, 240, 1.0), scene.nodes[0].camera.pose)
+picture = ibr.Renderer(scene, (320, 240)).render(view)
+print("mean level", picture[..., :3].mean())
+assert 60 < picture[..., :3].mean() < 200
+END'
+part "Python: install, build a scene and draw it"
+inside 'apt-get purge -yqq libibr0 libibr-dev libibr-author-dev ibr-tools python3-ibr libibr-doc >/dev/null
+  ! find / -xdev -path /root -prune -o -path /proc -prune -o -name "*ibr*" -print | grep -i "/\(lib\)\?ibr"'
+echo "try.sh: all packages work, and nothing is left after their removal"

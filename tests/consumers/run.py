@@ -83,10 +83,15 @@ def build_shared(folder, prefix):
     return program, {}
 
 
+def compile_with_pkg_config(package, prefix, source, program):
+    folder = next(prefix.rglob("pkgconfig"))
+    flags = run("pkg-config", "--cflags", "--libs", package, env={"PKG_CONFIG_PATH": str(folder)})
+    run("g++", "-std=c++20", source, "-o", program, *flags.split())
+
+
 def build_pkg_config(folder, prefix):
     library = check_runtime_library(prefix)
-    flags = run("pkg-config", "--cflags", "--libs", "ibr", env={"PKG_CONFIG_PATH": str(library.parent / "pkgconfig")})
-    run("g++", "-std=c++20", ROOT / "examples/01_offscreen.cpp", "-o", folder / "consumer", *flags.split())
+    compile_with_pkg_config("ibr", prefix, ROOT / "examples/01_offscreen.cpp", folder / "consumer")
     return folder / "consumer", {"LD_LIBRARY_PATH": str(library.parent)}
 
 
@@ -114,6 +119,9 @@ target_link_libraries(mixed PRIVATE ibr::runtime ibr::author)
 def check_author(folder, prefix):
     """Builds a scene and draws it."""
     check_mixed_linkage(folder, prefix)
+    compile_with_pkg_config("ibr-author", prefix, HERE / "author/main.cpp", folder / "pkg_config")
+    if any(name.startswith("libibr") for name in needed(folder / "pkg_config")):
+        fail("ibr-author.pc links a shared libibr")
     program = configure_and_build("author", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}")
     if any(name.startswith("libibr") for name in needed(program)):
         fail("the program links a shared libibr beside the static author")
