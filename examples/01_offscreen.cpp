@@ -22,10 +22,9 @@ int main(int argc, char** argv) try {
   const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, kSize));
   ibr::Offscreen offscreen(device, kSize);
 
-  // The camera stands halfway between the first two photographs of the first cell, and looks as the first one does.
-  const std::vector<std::uint32_t>& members = scene.cells.at(0).members;
-  ibr::Camera view = scene.nodes[members[0]].camera;
-  view.pose.position = (view.pose.position + scene.nodes[members[1]].camera.pose.position) / 2.0;
+  // The camera stands halfway between the first two photographs, and looks as the first one does.
+  ibr::Camera view = scene.nodes.at(0).camera;
+  view.pose.position = (view.pose.position + scene.nodes.at(1).camera.pose.position) / 2.0;
   view.intrinsics = ibr::pinholeFromFov(int(kSize.width), int(kSize.height), std::numbers::pi / 4);
 
   // A plan is plain data. An application makes one for each frame, and passes the previous plan's `next` along.

@@ -27,9 +27,8 @@ int main(int argc, char** argv) try {
   const ibr::Renderer renderer(device, gpuScene, options);
 
   // The left eye has the view of 01_offscreen. A headset has its own tangents for each eye: ibr::pinholeFromTangents.
-  const std::vector<std::uint32_t>& members = scene.cells.at(0).members;
-  ibr::Camera left = scene.nodes[members[0]].camera;
-  left.pose.position = (left.pose.position + scene.nodes[members[1]].camera.pose.position) / 2.0;
+  ibr::Camera left = scene.nodes.at(0).camera;
+  left.pose.position = (left.pose.position + scene.nodes.at(1).camera.pose.position) / 2.0;
   left.intrinsics = ibr::pinholeFromFov(int(kSize.width), int(kSize.height), std::numbers::pi / 4);
   ibr::Camera right = left;
   right.pose.position += right.pose.rotation * glm::dvec3(kEyeDistance, 0, 0);

@@ -66,9 +66,8 @@ int main(int argc, char** argv) try {
   options.depth = true;
   const ibr::Renderer renderer(device, gpuScene, options);
 
-  const std::vector<std::uint32_t>& members = scene.cells.at(0).members;
-  ibr::Camera view = scene.nodes[members[0]].camera;
-  view.pose.position = (view.pose.position + scene.nodes[members[1]].camera.pose.position) / 2.0;
+  ibr::Camera view = scene.nodes.at(0).camera;
+  view.pose.position = (view.pose.position + scene.nodes.at(1).camera.pose.position) / 2.0;
   view.intrinsics = ibr::pinholeFromFov(int(kSize.width), int(kSize.height), std::numbers::pi / 4);
   const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, settings});
 

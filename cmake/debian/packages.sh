@@ -14,18 +14,20 @@ out=$(cd "$1" && pwd)
 . "$root/examples/packages.sh"
 # shellcheck disable=SC2086 # lists of words
 install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_PYTHON $IBR_PACKAGES_DEBIAN
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-mkdir "$work/libibr"
+# The same folder and cache each time, so that a second run is quick: debhelper sets HOME to a folder of the package.
+export CCACHE_DIR="${CCACHE_DIR-$HOME/.cache/ccache}"
+work=$out/libibr
+rm -rf "$work" "$out"/*.deb "$out"/*.buildinfo "$out"/*.changes
+mkdir "$work"
 # Files of the working tree that Git does not ignore; --ignore-failed-read: a removed file may still be tracked.
 git -C "$root" ls-files -z --cached --others --exclude-standard |
-  tar -C "$root" --null --ignore-failed-read --files-from=- -cf - | tar -C "$work/libibr" -xf -
-cd "$work/libibr"
+  tar -C "$root" --null --ignore-failed-read --files-from=- -cf - | tar -C "$work" -xf -
+cd "$work"
 cp -r cmake/debian debian
 rm debian/packages.sh debian/try.sh
 DEB_BUILD_OPTIONS=${DEB_BUILD_OPTIONS-noautodbgsym} dpkg-buildpackage --build=binary --no-sign
-rm -f "$out"/*.deb "$out"/*.buildinfo "$out"/*.changes
-mv "$work"/*.deb "$work"/*.buildinfo "$work"/*.changes "$out"
+cd "$out"
+rm -rf "$work"
 lintian --fail-on error --tag-display-limit 0 "$out"/*.changes
 for package in "$out"/*.deb; do
   printf '%8d KiB  ' "$(($(stat -c %s "$package") / 1024))"

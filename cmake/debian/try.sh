@@ -48,7 +48,7 @@ inside 'ibr doctor; ibr info scene; ls -l frames'
 began=$(date +%s)
 
 install ./libibr0_*.deb ./libibr-dev_*.deb ./libibr-doc_*.deb g++ pkg-config
-inside 'g++ -std=c++20 /usr/share/doc/libibr-doc/examples/01_offscreen.cpp -o first $(pkg-config --cflags --libs ibr)
+inside 'g++ -std=c++20 /usr/share/doc/libibr-dev/examples/01_offscreen.cpp -o first $(pkg-config --cflags --libs ibr)
   ./first scene first.ppm && ls -l first.ppm'
 part "shared library: install, build and run an example"
 install ./libibr-author-dev_*.deb cmake ninja-build

@@ -70,8 +70,7 @@ def share(a, b, colour, box):
 def offscreen(picture, folder, program):
     scene = json.loads((folder / "scene/scene.gltf").read_text())
     graph = scene["extensions"]["IBR_image_graph"]
-    members = graph["cells"][0]["members"]
-    first, second = (scene["nodes"][graph["photographs"][member]["node"]] for member in members[:2])
+    first, second = (scene["nodes"][photograph["node"]] for photograph in graph["photographs"][:2])
     position = [(a + b) / 2 for a, b in zip(first["translation"], second["translation"])]
     key = {"time": 0, "position": position, "rotation": first["rotation"], "fovY": math.pi / 4}
     with tempfile.TemporaryDirectory() as temporary:
