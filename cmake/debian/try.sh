@@ -29,7 +29,7 @@ inside() {
   chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
     DEBIAN_FRONTEND=noninteractive sh -eu -c "cd /root; $1"
 }
-install() { inside "apt-get install -yqq --no-install-recommends $* >/dev/null"; }
+install() { inside "apt-get -o Dpkg::Use-Pty=0 install -yqq --no-install-recommends $* >/dev/null"; }
 # part TEXT: ends a part of the script and prints its duration.
 part() {
   now=$(date +%s)
@@ -61,7 +61,8 @@ import ibr
 import ibr.author
 
 print("libibr", ibr.__version__)
-ibr.author.build(ibr.author.BuildOptions(photographs="photographs", output="python", max_size=240))
+ibr.author.build(ibr.author.BuildOptions(photographs="photographs", model="photographs/sparse", output="python",
+                                            max_size=240))
 scene = ibr.load_scene("python")
 view = ibr.Camera(ibr.Intrinsics.from_fov(320, 240, 1.0), scene.nodes[0].camera.pose)
 picture = ibr.Renderer(scene, (320, 240)).render(view)
