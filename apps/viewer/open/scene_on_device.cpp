@@ -42,7 +42,7 @@ class SceneOnDevice final : public ItemOnDevice {
 
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     const Camera view = cameraOf(item_, target.extent);
-    plan_ = planFrame(*item_.scene, bounds_, {{view}, item_.settings, context.seconds}, plan_.next);
+    planFrame(*item_.scene, bounds_, {{view}, item_.settings, context.seconds}, plan_.next, plan_);
     prepare(target);
     streamed_ = gpuScene_.stream(context.commands, plan_, context.frame, context.completed);
     renderer_->record(context.commands, plan_, std::span(&target, 1), timer);

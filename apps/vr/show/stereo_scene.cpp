@@ -96,7 +96,7 @@ void StereoScene::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& are
 
 void StereoScene::record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
                          const RenderSettings& settings, std::span<const Target> targets) {
-  plan_ = planFrame(files_->scene, files_->bounds, {eyes, settings, seconds}, plan_.next);
+  planFrame(files_->scene, files_->bounds, {eyes, settings, seconds}, plan_.next, plan_);
   gpuScene_.stream(frame.commands, plan_, frame.number, frame.completed);
   renderer_->record(frame.commands, plan_, targets, frame.timer);
 }

@@ -27,11 +27,13 @@ struct Intrinsics {
 struct Pose {
   glm::dvec3 position{0.0};                 // camera centre, world
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
+  bool operator==(const Pose&) const = default;
 };
 
 struct Camera {
   Intrinsics intrinsics;
   Pose pose;
+  bool operator==(const Camera&) const = default;
 };
 
 /// Returns a pinhole with square pixels and a centred principal point; fovYRadians is the vertical field of view.

@@ -43,14 +43,17 @@ struct CellBounds {
     std::uint32_t gridCell = 0;
     Corner point;
   };
-  std::vector<Member> members;      // as Cell::members
-  std::vector<glm::vec4> surface;   // points of tier 0: (x, y, z) / w from the first member's position, world axes
-  std::vector<Corner> corners;      // of the outline
-  std::vector<glm::uvec2> outline;  // sum of tier 0's directed borders, edges between corners; empty: not usable
-  float maxInverseDistance = 0;     // of all vertices, ρ
-  float farInverseDistance = 0;     // 10 % quantile of the vertices' ρ
-  float nearInverseDistance = 0;    // 90 % quantile
-  double size = 0;                  // longest edge of the simplex, world units
+  struct OutlineEdge {                 // of the outline, or a chain of its edges with the same ends
+    std::uint32_t from = 0, to = 0;    // corners
+    std::array<float, 4> deviation{};  // of the chain from the edge at most, by member: of a_i r_i, and of r_i
+    float inverseDistanceDeviation = 0;
+  };
+  std::vector<Member> members;       // as Cell::members
+  std::vector<glm::vec4> surface;    // points of tier 0: (x, y, z) / w from the first member's position, world axes
+  std::vector<Corner> corners;       // of the outline
+  std::vector<OutlineEdge> outline;  // sum of tier 0's directed borders, of limited length; empty: not usable
+  float maxInverseDistance = 0;      // of all vertices, ρ
+  double size = 0;                   // longest edge of the simplex, world units
 };
 /// Statistics of a scene's photographs, for the gather.
 struct GatherStatistics {
@@ -62,11 +65,15 @@ struct GatherStatistics {
 struct SceneBounds {
   std::vector<CellBounds> cells;  // in the order of Scene::cells
   GatherStatistics gather;
-  struct Anchors;                    // for RenderSettings::alignCells; computed by the first frame that needs them
-  std::shared_ptr<Anchors> anchors;  // thread-safe
+  struct Index;                        // finds the cells and photographs near a view
+  std::shared_ptr<const Index> index;  // null only for a scene without nodes
+  struct Anchors;                      // for RenderSettings::alignCells
+  std::shared_ptr<Anchors> anchors;    // thread-safe
 };
-/// Precondition: validate(scene) is empty.
-IBR_API SceneBounds sceneBounds(const Scene& scene);
+/// Time is linear in the number of vertices. `alignCells`: computes what RenderSettings::alignCells needs, too, which
+/// takes several times as long; otherwise the first frame that aligns cells does so. Precondition: validate(scene) is
+/// empty.
+IBR_API SceneBounds sceneBounds(const Scene& scene, bool alignCells = false);
 
 struct FrameInput {
   /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the
@@ -102,6 +109,7 @@ struct PlannedCell {
   bool colourTableIsNew = true;                 // the slot has no table of a previous frame
   bool colourTableNeeded = true;                // a visible pixel may use the colour table
   bool hidden = false;                          // better cells certainly cover the cell
+  bool operator==(const PlannedCell&) const = default;
 };
 
 /// A photograph that votes and that colours are gathered from (Composition::gathered, hybrid).
@@ -141,6 +149,7 @@ struct FadingOutCell {
   PlannedCell planned;
   /// Index in FramePlan::cells of the cell that this one is drawn before; the number of cells: drawn last.
   std::uint32_t drawnBefore = 0;
+  bool operator==(const FadingOutCell&) const = default;
 };
 
 /// How colour tables move in a frame.
@@ -150,6 +159,7 @@ struct ColourPlan {
   double mainShare = 1;          // share of its way to the identity that the main cell's table moves
   double share = 1;              // share of their way that the other tables move
   double maxStep = 255;          // of the other tables, 8-bit levels
+  bool operator==(const ColourPlan&) const = default;
 };
 
 /// One frame, decided. Plain data: a plan may be stored, compared, sent elsewhere.
@@ -170,18 +180,28 @@ struct FramePlan {
   std::uint32_t culledByCount = 0;   // more than RenderSettings::maxCells, or without a gain in coverage
   std::uint32_t culledByMuting = 0;  // RenderSettings::mutedCells, soloCells
   PlanState next;                    // argument of the next call
+  bool operator==(const FramePlan&) const = default;
 };
 
-/// Plans a frame. Precondition: validate(scene) is empty. Throws Error{invalidInput} unless there are one or two views,
-/// pinholes with finite, positive focal lengths and unit rotations, within 1e12 world units of the origin, and positive
-/// scales. The draw order is total and does not depend on the order of cells in the scene. All views share the order,
-/// which is computed at the pose midway between them ([T] §2.5.4).
+/// Plans a frame. Time does not depend on the number of cells, photographs and vertices of the scene, but on those
+/// near the views. Precondition: validate(scene) is empty; `bounds` are of this scene. Throws Error{invalidInput}
+/// unless there are one or two views, pinholes with finite, positive focal lengths and unit rotations, within 1e12
+/// world units of the origin, and positive scales. The draw order is total and does not depend on the order of cells in
+/// the scene. All views share the order, which is computed at the pose midway between them ([T] §2.5.4).
 ///
 /// When the main cell changes, the previous draw order is cross-faded over switchSeconds, colours included; until then
 /// the main cell stays. Cells that change their rank behind the main cell fade one by one, also cells that are muted or
 /// drawn alone.
 IBR_API FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                             const PlanState& state = {});
+
+/// As above, into a plan that may hold a previous frame, whose memory is used again: a frame like those before
+/// allocates no heap memory. `state` may be `plan.next`. The plan is unchanged if the input is refused. Each thread
+/// that plans keeps working memory, usually below 1 MiB, until it ends.
+///
+///   planFrame(scene, bounds, input, plan.next, plan);  // each frame
+IBR_API void planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state,
+                       FramePlan& plan);
 
 /// Distances in pixels of a view between common anchors of the plan's cells. One value for each pair of cells and each
 /// common anchor that both show inside the image. `corrected`: with the plan's corrections, otherwise without. Points

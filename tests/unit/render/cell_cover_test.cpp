@@ -37,6 +37,12 @@ CellCover tiles(std::initializer_list<std::size_t> set) {
   return cover;
 }
 
+std::vector<std::size_t> chosenOf(const std::vector<CellCover>& covers, const std::vector<double>& worth, double behind,
+                                  std::size_t most, std::size_t forced) {
+  const auto chosen = coveringCells(covers, worth, behind, most, forced);
+  return {chosen.begin(), chosen.end()};
+}
+
 }  // namespace
 
 TEST_CASE("a cell covers the tiles of its visible points in each view") {
@@ -70,21 +76,21 @@ TEST_CASE("cells are chosen by their added coverage, not by their own value") {
   // 0 and 1 cover the same four tiles and are worth most; 2 covers another tile.
   const std::vector<CellCover> covers{tiles({0, 1, 2, 3}), tiles({0, 1, 2, 3}), tiles({4})};
   const std::vector<double> worth{1, 0.9, 0.3};
-  CHECK(coveringCells(covers, worth, 0, 2, 3) == std::vector<std::size_t>{0, 2});
-  CHECK(coveringCells(covers, worth, 0, 1, 3) == std::vector<std::size_t>{0});
-  CHECK(coveringCells(covers, worth, 0, 0, 3).empty());
-  CHECK(coveringCells(covers, worth, 0, 3, 3) == std::vector<std::size_t>{0, 1, 2});
-  CHECK(coveringCells(covers, worth, 0, 64, 3).size() == 3);
-  CHECK(coveringCells(covers, worth, 0, 1, 1) == std::vector<std::size_t>{1});  // the forced cell
-  CHECK(coveringCells({}, {}, 0, 4, 0).empty());
+  CHECK(chosenOf(covers, worth, 0, 2, 3) == std::vector<std::size_t>{0, 2});
+  CHECK(chosenOf(covers, worth, 0, 1, 3) == std::vector<std::size_t>{0});
+  CHECK(chosenOf(covers, worth, 0, 0, 3).empty());
+  CHECK(chosenOf(covers, worth, 0, 3, 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(chosenOf(covers, worth, 0, 64, 3).size() == 3);
+  CHECK(chosenOf(covers, worth, 0, 1, 1) == std::vector<std::size_t>{1});  // the forced cell
+  CHECK(chosenOf({}, {}, 0, 4, 0).empty());
   // The background, worth 0.5 and then 2, is worth more than the last cell.
-  CHECK(coveringCells(covers, worth, 0.5, 2, 3) == std::vector<std::size_t>{0});
-  CHECK(coveringCells(covers, worth, 0.5, 8, 3) == std::vector<std::size_t>{0});
-  CHECK(coveringCells(covers, worth, 2, 2, 3).empty());
-  CHECK(coveringCells(covers, worth, 2, 2, 1) == std::vector<std::size_t>{1});
+  CHECK(chosenOf(covers, worth, 0.5, 2, 3) == std::vector<std::size_t>{0});
+  CHECK(chosenOf(covers, worth, 0.5, 8, 3) == std::vector<std::size_t>{0});
+  CHECK(chosenOf(covers, worth, 2, 2, 3).empty());
+  CHECK(chosenOf(covers, worth, 2, 2, 1) == std::vector<std::size_t>{1});
   // If no cell gains anything, the given order decides.
   const std::vector<CellCover> none(3);
-  CHECK(coveringCells(none, worth, 0, 2, 3) == std::vector<std::size_t>{0, 1});
+  CHECK(chosenOf(none, worth, 0, 2, 3) == std::vector<std::size_t>{0, 1});
 }
 
 TEST_CASE("the chosen cells cover at least (1 - 1/e) of the optimal coverage") {
@@ -112,8 +118,51 @@ TEST_CASE("the chosen cells cover at least (1 - 1/e) of the optimal coverage") {
     for (unsigned set = 0; set < 1u << kCells; ++set)
       if (std::popcount(set) == int(kMost)) best = std::max(best, value(set));
     unsigned chosen = 0;
-    for (const std::size_t c : coveringCells(covers, worth, 0, kMost, kCells)) chosen |= 1u << c;
+    for (const std::size_t c : chosenOf(covers, worth, 0, kMost, kCells)) chosen |= 1u << c;
     CHECK(std::popcount(chosen) == int(kMost));
     CHECK(value(chosen) >= (1 - 1 / std::numbers::e) * best);
+  }
+}
+
+TEST_CASE("the choice that skips gains which are too small is that of computing all gains") {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const std::size_t count = 1 + random() % 64, most = 1 + random() % 16, forced = random() % (2 * count);
+    const double behind = repeat % 2 ? 0.0 : 0.2 * unit(random);
+    std::vector<CellCover> covers(count);
+    std::vector<double> worth(count);
+    for (std::size_t c = 0; c < count; ++c) {
+      worth[c] = double(1 + random() % 8) / 8;  // equal gains occur
+      for (std::size_t tile = 0; tile < kCoverTiles; ++tile) covers[c][tile] = unit(random) < 0.4;
+    }
+    // Every gain of every step.
+    std::vector<float> covered(kCoverTiles, float(behind));
+    std::vector<std::size_t> all;
+    const auto take = [&](std::size_t c) {
+      all.push_back(c);
+      for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
+        if (covers[c][tile]) covered[tile] = std::max(covered[tile], float(worth[c]));
+    };
+    if (behind == 0 && count <= most) {
+      for (std::size_t c = 0; c < count; ++c) all.push_back(c);
+    } else {
+      if (forced < count) take(forced);
+      while (all.size() < std::min(most, count)) {
+        std::size_t best = count;
+        float largest = -1;
+        for (std::size_t c = 0; c < count; ++c) {
+          if (std::ranges::count(all, c)) continue;
+          float gain = 0;
+          for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
+            gain += std::max(0.0f, (covers[c][tile] ? float(worth[c]) : 0.0f) - covered[tile]);
+          if (gain > largest) largest = gain, best = c;
+        }
+        if (behind > 0 && !(largest > 0)) break;
+        take(best);
+      }
+    }
+    std::ranges::sort(all);
+    CHECK(chosenOf(covers, worth, behind, most, forced) == all);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/plan/photograph_choice.h"
+#include "render/photographs/photograph_choice.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -52,9 +52,17 @@ Camera viewAt(glm::dvec3 position, double yaw = 0) {
   return view;
 }
 
+std::vector<PlannedPhotograph> planned(const Scene& scene, const std::vector<Camera>& views, const Pose& middle,
+                                       std::size_t count) {
+  std::vector<PlannedPhotograph> chosen(3);  // is overwritten
+  choosePhotographs(scene, makePhotographIndex(scene), gatherStatistics(scene), views, middle, count,
+                    std::pmr::get_default_resource(), chosen);
+  return chosen;
+}
+
 std::map<std::string, double> chosen(const Scene& scene, const Camera& view, std::size_t count = kCount) {
   std::map<std::string, double> weights;
-  for (const PlannedPhotograph& one : choosePhotographs(scene, gatherStatistics(scene), {view}, view.pose, count))
+  for (const PlannedPhotograph& one : planned(scene, {view}, view.pose, count))
     CHECK(weights.emplace(scene.nodes[one.node].name, one.weight).second);
   return weights;
 }
@@ -149,7 +157,7 @@ TEST_CASE("both eyes share photographs chosen for either eye's view") {
   const Scene scene = photographed(6, 5);
   const Camera left = viewAt({1.0, 0.8, 0}, 0.2), right = viewAt({1.1, 0.8, 0}, -0.2);
   const Pose middle{{1.05, 0.8, 0}, glm::dquat(1, 0, 0, 0)};
-  CHECK(choosePhotographs(scene, gatherStatistics(scene), {left, right}, middle, kCount).size() == kCount);
+  CHECK(planned(scene, {left, right}, middle, kCount).size() == kCount);
 }
 
 TEST_CASE("photographs without evidence or without a depth texture are not chosen") {

@@ -13,10 +13,22 @@ namespace {
 
 using Order = std::vector<std::uint32_t>;
 
+std::vector<DrawOrderEntry> advanced(const std::vector<DrawOrderEntry>& before, const WantedOrder& wanted,
+                                     double step) {
+  std::vector<DrawOrderEntry> shown{{99, 0.5, true}};  // is overwritten
+  advanceFades(before, wanted, step, std::pmr::get_default_resource(), shown);
+  return shown;
+}
+
+// `hidden`, `visible`: all cells were hidden, and are still visible.
 std::vector<DrawOrderEntry> show(const std::vector<DrawOrderEntry>& before, const Order& cells, double step,
                                  bool hidden = true, bool visible = true) {
-  return advanceFades(before, {cells, [=](std::uint32_t) { return hidden; }, [=](std::uint32_t) { return visible; }},
-                      step);
+  Order all(100);
+  std::iota(all.begin(), all.end(), 0u);
+  WantedOrder wanted{cells, {}, {}};
+  if (hidden) wanted.hidden = all;
+  if (visible) wanted.stillVisible = all;
+  return advanced(before, wanted, step);
 }
 
 Order staying(const std::vector<DrawOrderEntry>& shown) {
@@ -45,13 +57,12 @@ std::map<std::uint32_t, double> shares(const std::vector<DrawOrderEntry>& shown)
 }  // namespace
 
 TEST_CASE("above other content the first cell fades in, and the last cell fades out") {
-  const auto hidden = [](std::uint32_t) { return true; };
   const Order one{7}, none;
-  const std::vector<DrawOrderEntry> in = advanceFades({}, {one, hidden, hidden, true}, 0.25);
+  const std::vector<DrawOrderEntry> in = advanced({}, {one, one, one, true}, 0.25);
   CHECK(in == std::vector<DrawOrderEntry>{{7, 0.25, false}});
-  CHECK(advanceFades({}, {one, hidden, hidden, false}, 0.25) == std::vector<DrawOrderEntry>{{7, 1, false}});
+  CHECK(advanced({}, {one, one, one, false}, 0.25) == std::vector<DrawOrderEntry>{{7, 1, false}});
   const std::vector<DrawOrderEntry> whole{{7, 1, false}};
-  CHECK(advanceFades(whole, {none, hidden, hidden, true}, 0.25) == std::vector<DrawOrderEntry>{{7, 0.75, true}});
+  CHECK(advanced(whole, {none, one, one, true}, 0.25) == std::vector<DrawOrderEntry>{{7, 0.75, true}});
 }
 
 TEST_CASE("an unchanged order is shown without fading") {

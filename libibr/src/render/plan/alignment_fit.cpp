@@ -90,20 +90,19 @@ Motion solved(std::array<Motion, 6> a, Motion b) {
   return b;
 }
 
-MotionFit fitMotion(std::span<const ObservationPair> pairs) {
+MotionFit fitMotion(std::span<const ObservationPair> pairs, std::pmr::memory_resource* memory) {
   MotionFit fit;
-  std::vector<glm::dvec3> seen(pairs.size()), error(pairs.size());
-  std::vector<double> sorted;
+  std::pmr::vector<glm::dvec3> seen(pairs.size(), memory), error(pairs.size(), memory);
+  std::pmr::vector<double> squares(pairs.size(), memory), sorted(memory);
   for (int round = 0; round < kRounds; ++round) {
     const glm::dmat3 turn = glm::mat3_cast(rotationOf(fit.motion));
     const glm::dvec3 translation(fit.motion[3], fit.motion[4], fit.motion[5]);
-    sorted.clear();
     for (std::size_t p = 0; p < pairs.size(); ++p) {
       seen[p] = glm::normalize(turn * pairs[p].from.direction + pairs[p].from.nearness * translation);
       error[p] = pairs[p].to.direction - seen[p];
-      sorted.push_back(glm::dot(error[p], error[p]));
+      squares[p] = glm::dot(error[p], error[p]);
     }
-    std::vector<double> squares = sorted;
+    sorted = squares;
     std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
     const double scale = std::max(kScale * kScale * sorted[sorted.size() / 2], kMinScale * kMinScale);
     Sums sums;

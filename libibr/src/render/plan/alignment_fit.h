@@ -5,6 +5,7 @@
 
 #include <array>
 #include <glm/gtc/type_precision.hpp>
+#include <memory_resource>
 #include <span>
 
 namespace ibr {
@@ -31,7 +32,9 @@ struct MotionFit {
   std::array<Motion, 6> information{};
   double explained = 0;  // 0 … 1: share of the pairs' squared distances that the motion removes
 };
-MotionFit fitMotion(std::span<const ObservationPair> pairs);
+/// `memory` is used for the call.
+MotionFit fitMotion(std::span<const ObservationPair> pairs,
+                    std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 glm::dquat rotationOf(const Motion& motion);
 

@@ -88,7 +88,7 @@ class Lookup {
 void addAnchors(const Scene& scene, const Cell& cell, std::size_t member, const std::vector<bool>& usable,
                 std::vector<CellBounds::Anchor>& anchors) {
   Lookup lookup(scene, cell, member);
-  for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
+  for (std::size_t t = 0, count = cell.mesh.tier0Count(); t < count; ++t) {
     const glm::uvec3 v = cell.mesh.triangles[t];
     if (usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
   }

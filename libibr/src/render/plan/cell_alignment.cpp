@@ -19,11 +19,12 @@ constexpr double kMinAngle = 1e-6;        // radians: smaller motions are droppe
 constexpr std::size_t kMinPairs = 8;
 
 using Anchors = std::span<const CellBounds::Anchor>;
-using Observations = std::vector<Observation>;
+using Observations = std::pmr::vector<Observation>;
+using Motions = std::pmr::vector<Motion>;
 
 // Returns the directions and nearnesses of a cell's anchors, seen from the eye.
 Observations observationsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Weights& weights,
-                            glm::dvec3 eye, const Correction& correction) {
+                            glm::dvec3 eye, const Correction& correction, std::pmr::memory_resource* memory) {
   std::array<glm::dmat3, 4> toWorld;
   glm::dvec3 shift(0.0);
   for (std::size_t i = 0; i < cell.members.size(); ++i) {
@@ -32,7 +33,7 @@ Observations observationsOf(const Scene& scene, const Cell& cell, Anchors anchor
     shift += weights[i] * (pose.position - eye);
   }
   shift = corrected(correction, shift, eye);
-  Observations observations;
+  Observations observations(memory);
   observations.reserve(anchors.size());
   for (const CellBounds::Anchor& anchor : anchors) {
     glm::dvec3 direction = double(anchor.point.inverseDistance) * shift;
@@ -68,10 +69,10 @@ struct CellLink {
 
 class Aligner {
  public:
-  Aligner(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle)
-      : scene_(scene), cells_(cells), middle_(middle) {
+  Aligner(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle, std::pmr::memory_resource* memory)
+      : scene_(scene), cells_(cells), middle_(middle), memory_(memory) {
     for (const CellToAlign& cell : cells)
-      observations_.push_back(observationsOf(scene, *cell.cell, cell.anchors, cell.weights, middle, {}));
+      observations_.push_back(observationsOf(scene, *cell.cell, cell.anchors, cell.weights, middle, {}, memory));
     normaliseNearness();
     findMasses();
     for (std::size_t a = 0; a < cells.size(); ++a)
@@ -79,9 +80,9 @@ class Aligner {
         if (sharePhotograph(*cells[a].cell, *cells[b].cell)) link(a, b);
   }
 
-  std::vector<Correction> run() {
-    const std::vector<Motion> motions = solve();
-    std::vector<Correction> corrections;
+  std::pmr::vector<Correction> run() {
+    const Motions motions = solve();
+    std::pmr::vector<Correction> corrections(memory_);
     for (std::size_t m = 0; m < cells_.size(); ++m) corrections.push_back(correctionOf(motions[m], observations_[m]));
     return corrections;
   }
@@ -132,15 +133,14 @@ class Aligner {
     });
     if (pairs_.size() < kMinPairs) return;
     for (ObservationPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
-    MotionFit fit = fitMotion(pairs_);
+    MotionFit fit = fitMotion(pairs_, memory_);
     // Residuals that a rigid motion does not explain come from wrong matches or shapes, not from poses: scale down.
     for (double& value : fit.motion) value *= fit.explained;
     links_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
   }
 
-  // Returns A·x of the normal equations.
-  std::vector<Motion> applied(const std::vector<Motion>& x) const {
-    std::vector<Motion> result(x.size());
+  // Sets `result` to A·x of the normal equations.
+  void apply(const Motions& x, Motions& result) const {
     for (std::size_t m = 0; m < x.size(); ++m)
       for (std::size_t i = 0; i < 6; ++i) result[m][i] = kRegularisation * masses_[m] * x[m][i];
     for (const CellLink& link : links_) {
@@ -148,9 +148,8 @@ class Aligner {
       for (std::size_t i = 0; i < 6; ++i) apart[i] = x[link.b][i] - x[link.a][i];
       pull(link, apart, result);
     }
-    return result;
   }
-  static void pull(const CellLink& link, const Motion& apart, std::vector<Motion>& to) {
+  static void pull(const CellLink& link, const Motion& apart, Motions& to) {
     for (std::size_t i = 0; i < 6; ++i) {
       double sum = 0;
       for (std::size_t j = 0; j < 6; ++j) sum += link.fit.information[i][j] * apart[j];
@@ -160,40 +159,38 @@ class Aligner {
   }
 
   // Conjugate gradients with a diagonal preconditioner.
-  std::vector<Motion> solve() const {
+  Motions solve() const {
     const std::size_t n = cells_.size();
-    std::vector<Motion> x(n), residual(n), diagonal(n), direction;
+    Motions x(n, memory_), residual(n, memory_), diagonal(n, memory_), preconditioned(n, memory_), image(n, memory_);
     for (std::size_t m = 0; m < n; ++m) diagonal[m].fill(kRegularisation * masses_[m]);
     for (const CellLink& link : links_) {
       pull(link, link.fit.motion, residual);
       for (const std::size_t m : {link.a, link.b})
         for (std::size_t i = 0; i < 6; ++i) diagonal[m][i] += link.strength * link.fit.information[i][i];
     }
-    const auto scaled = [&](const std::vector<Motion>& v) {
-      std::vector<Motion> result = v;
+    const auto precondition = [&] {
       for (std::size_t m = 0; m < n; ++m)
-        for (std::size_t i = 0; i < 6; ++i) result[m][i] /= diagonal[m][i];
-      return result;
+        for (std::size_t i = 0; i < 6; ++i) preconditioned[m][i] = residual[m][i] / diagonal[m][i];
     };
-    const auto dot = [&](const std::vector<Motion>& v, const std::vector<Motion>& w) {
+    const auto dot = [&](const Motions& v, const Motions& w) {
       double sum = 0;
       for (std::size_t m = 0; m < n; ++m)
         for (std::size_t i = 0; i < 6; ++i) sum += v[m][i] * w[m][i];
       return sum;
     };
-    std::vector<Motion> preconditioned = scaled(residual);
-    direction = preconditioned;
+    precondition();
+    Motions direction(preconditioned, memory_);
     double energy = dot(residual, preconditioned);
     const double enough = 1e-20 * energy;
     for (std::size_t step = 0; step < 6 * n && energy > enough && energy > 0; ++step) {
-      const std::vector<Motion> image = applied(direction);
+      apply(direction, image);
       const double length = energy / dot(direction, image);
       for (std::size_t m = 0; m < n; ++m)
         for (std::size_t i = 0; i < 6; ++i) {
           x[m][i] += length * direction[m][i];
           residual[m][i] -= length * image[m][i];
         }
-      preconditioned = scaled(residual);
+      precondition();
       const double next = dot(residual, preconditioned);
       for (std::size_t m = 0; m < n; ++m)
         for (std::size_t i = 0; i < 6; ++i) direction[m][i] = preconditioned[m][i] + next / energy * direction[m][i];
@@ -217,18 +214,20 @@ class Aligner {
   const Scene& scene_;
   std::span<const CellToAlign> cells_;
   glm::dvec3 middle_;
-  std::vector<Observations> observations_;
-  std::vector<double> masses_;
-  std::vector<CellLink> links_;
-  std::vector<ObservationPair> pairs_;
+  std::pmr::memory_resource* memory_;
+  std::pmr::vector<Observations> observations_{memory_};
+  std::pmr::vector<double> masses_{memory_};
+  std::pmr::vector<CellLink> links_{memory_};
+  std::pmr::vector<ObservationPair> pairs_{memory_};
   double unit_ = 1;   // length unit of translations, world units
   double least_ = 0;  // lower bound of squared distances, world units²
 };
 
 }  // namespace
 
-std::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle) {
-  return Aligner(scene, cells, middle).run();
+std::pmr::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle,
+                                        std::pmr::memory_resource* memory) {
+  return Aligner(scene, cells, middle, memory).run();
 }
 
 std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
@@ -247,8 +246,9 @@ std::vector<double> misalignmentsPx(const Scene& scene, const SceneBounds& bound
   std::vector<Drawn> drawn;
   for (const PlannedCell& cell : plan.cells) {
     const Anchors anchors = bounds.anchors->of(scene)[cell.cell];
-    drawn.push_back({anchors, observationsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
-                                             camera.pose.position, corrected ? cell.correction : Correction{})});
+    drawn.push_back(
+        {anchors, observationsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position, camera.pose.position,
+                                 corrected ? cell.correction : Correction{}, std::pmr::get_default_resource())});
   }
   std::vector<double> apart;
   for (std::size_t a = 0; a < drawn.size(); ++a)

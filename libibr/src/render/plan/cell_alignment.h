@@ -10,6 +10,7 @@
 // cells that show it agree there, and they are not moved.
 #pragma once
 
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct CellToAlign {
 };
 
 /// Returns one correction per cell, about the midpoint of the views.
-std::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle);
+std::pmr::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle,
+                                        std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace ibr

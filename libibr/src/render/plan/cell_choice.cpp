@@ -2,6 +2,10 @@
 #include "render/plan/cell_choice.h"
 
 #include <algorithm>
+#include <array>
+#include <compare>
+#include <utility>
+#include <vector>
 
 #include "render/plan/cell_cover.h"
 
@@ -21,6 +25,24 @@ double worthOf(const CellCandidate& cell, double size) {
   return cell.rank == kNotShown ? worth : kWorthHysteresis * worth;
 }
 
+// Sorted poses of a cell's members: an identity that does not depend on the order in the file.
+struct MemberPoses {
+  std::array<std::array<double, 7>, 4> poses{};
+  std::size_t count = 0;
+
+  MemberPoses(const Scene& scene, const Cell& cell) {
+    for (const std::uint32_t member : cell.members) {
+      const auto& [position, rotation] = scene.nodes[member].camera.pose;
+      poses[count] = {position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z};
+      for (std::size_t i = count++; i > 0 && poses[i] < poses[i - 1]; --i) std::swap(poses[i], poses[i - 1]);
+    }
+  }
+  friend auto operator<=>(const MemberPoses& a, const MemberPoses& b) {
+    return std::lexicographical_compare_three_way(a.poses.begin(), a.poses.begin() + std::ptrdiff_t(a.count),
+                                                  b.poses.begin(), b.poses.begin() + std::ptrdiff_t(b.count));
+  }
+};
+
 class Order {
  public:
   explicit Order(const Scene& scene) : scene_(scene) {}
@@ -28,7 +50,8 @@ class Order {
   bool better(const CellCandidate& a, const CellCandidate& b) const {
     if (a.extrapolation != b.extrapolation) return a.extrapolation < b.extrapolation;
     if (a.rotation != b.rotation) return a.rotation < b.rotation;
-    return memberPoses(scene_, scene_.cells[a.cell]) < memberPoses(scene_, scene_.cells[b.cell]);
+    const auto order = MemberPoses(scene_, scene_.cells[a.cell]) <=> MemberPoses(scene_, scene_.cells[b.cell]);
+    return order != 0 ? order < 0 : a.cell < b.cell;
   }
 
   // Sorts with a bonus for cells of the previous frame. A bonus per cell, unlike a margin per pair, is a strict order.
@@ -66,45 +89,40 @@ class Order {
 
 }  // namespace
 
-CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
-                       std::vector<CellCandidate> candidates, std::size_t most, bool gathers) {
+std::size_t chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
+                        std::span<CellCandidate> candidates, std::size_t most, bool gathers,
+                        std::pmr::memory_resource* memory) {
   const Order order(scene);
-  std::ranges::sort(candidates, [&](const auto& a, const auto& b) { return order.ranksBefore(a, b); });
-  std::vector<bool> chosen(candidates.size(), candidates.size() <= most && !gathers);
+  const auto ranksBefore = [&](const auto& a, const auto& b) { return order.ranksBefore(a, b); };
+  const std::size_t count = std::min(candidates.size(), std::max(most, kMaxCoverCandidates));
+  const std::span<CellCandidate> considered = candidates.first(count);
+  if (count < candidates.size())
+    std::nth_element(candidates.begin(), candidates.begin() + std::ptrdiff_t(count), candidates.end(), ranksBefore);
+  std::ranges::sort(considered, ranksBefore);
+  std::size_t chosen = count;
   if (gathers || candidates.size() > most) {
-    std::vector<CellCover> covers;
-    std::vector<double> worths;
-    const std::size_t count = std::min(candidates.size(), std::max(most, kMaxCoverCandidates));
+    std::pmr::vector<CellCover> covers(memory);
+    std::pmr::vector<double> worths(memory);
     std::size_t forced = count;
     for (std::size_t c = 0; c < count; ++c) {
-      const CellCandidate& candidate = candidates[c];
+      const CellCandidate& candidate = considered[c];
       const std::uint32_t first = scene.cells[candidate.cell].members[0];
       covers.push_back(coverOf(bounds.cells[candidate.cell], scene.nodes[first].camera.pose.position, views));
-      worths.push_back(worthOf(candidate, candidates[0].size));
+      worths.push_back(worthOf(candidate, considered[0].size));
       if (candidate.first) forced = c;
     }
-    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGatherWorth : 0.0, most, forced))
-      chosen[c] = true;
+    chosen = 0;  // the chosen ones are moved to the front, in their order
+    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGatherWorth : 0.0, most, forced, memory))
+      std::swap(considered[chosen++], considered[c]);
   }
-  CellChoice choice;
-  for (std::size_t c = 0; c < candidates.size(); ++c) (chosen[c] ? choice.drawn : choice.left).push_back(candidates[c]);
-  // Insertion sort, starting from the order of the previous frame.
-  std::vector<CellCandidate>& drawn = choice.drawn;
-  std::ranges::stable_sort(drawn, {}, &CellCandidate::rank);
-  for (std::size_t i = 1; i < drawn.size(); ++i)
-    for (std::size_t j = i; j > 0 && order.precedes(drawn[j], drawn[j - 1]); --j) std::swap(drawn[j], drawn[j - 1]);
-  return choice;
-}
-
-std::vector<std::array<double, 7>> memberPoses(const Scene& scene, const Cell& cell) {
-  std::vector<std::array<double, 7>> poses;
-  for (std::uint32_t member : cell.members) {
-    const Pose& pose = scene.nodes[member].camera.pose;
-    poses.push_back({pose.position.x, pose.position.y, pose.position.z, pose.rotation.w, pose.rotation.x,
-                     pose.rotation.y, pose.rotation.z});
-  }
-  std::sort(poses.begin(), poses.end());
-  return poses;
+  // Insertion sorts, the second of which starts from the order of the previous frame.
+  const auto sort = [drawn = considered.first(chosen)](auto before) {
+    for (std::size_t i = 1; i < drawn.size(); ++i)
+      for (std::size_t j = i; j > 0 && before(drawn[j], drawn[j - 1]); --j) std::swap(drawn[j], drawn[j - 1]);
+  };
+  sort([](const CellCandidate& a, const CellCandidate& b) { return a.rank < b.rank; });
+  sort([&](const CellCandidate& a, const CellCandidate& b) { return order.precedes(a, b); });
+  return chosen;
 }
 
 }  // namespace ibr

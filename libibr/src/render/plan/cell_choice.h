@@ -4,12 +4,11 @@
 // border between two cells does not flicker.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory_resource>
 #include <span>
-#include <vector>
 
 #include "ibr/frame_plan.h"
 #include "ibr/scene.h"
@@ -30,20 +29,14 @@ struct CellCandidate {
   std::size_t index;  // of the caller
 };
 
-struct CellChoice {
-  std::vector<CellCandidate> drawn;  // at most the requested number, best first
-  std::vector<CellCandidate> left;
-};
-
 /// Maximum number of candidates, best first, that the cover search considers.
 inline constexpr std::size_t kMaxCoverCandidates = 64;
 
-/// Chooses at most `most` of the candidates; all if there are no more and nothing is gathered. `gathers`: the gather
-/// draws what cells leave open, so only cells worth more than the gather are chosen. `bounds`: of the scene.
-CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
-                       std::vector<CellCandidate> candidates, std::size_t most, bool gathers);
-
-/// Returns the sorted poses of a cell's members: an identity that does not depend on the order in the file.
-std::vector<std::array<double, 7>> memberPoses(const Scene& scene, const Cell& cell);
+/// Chooses at most `most` of the candidates; all if there are no more and nothing is gathered. Moves the chosen ones to
+/// the front, best first, and returns their number. `gathers`: the gather draws what cells leave open, so only cells
+/// worth more than the gather are chosen. `bounds`: of the scene.
+std::size_t chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
+                        std::span<CellCandidate> candidates, std::size_t most, bool gathers,
+                        std::pmr::memory_resource* memory);
 
 }  // namespace ibr

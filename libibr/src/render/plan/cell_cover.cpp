@@ -3,74 +3,116 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
+#include <limits>
+
+#include "base/wide.h"
 
 namespace ibr {
 namespace {
 
+// A view's projection to tiles.
+struct Tiling {
+  glm::mat3 turn;
+  glm::vec3 shift;
+  glm::vec2 focal, middle;
+};
+
+// Arguments by value: references of std::max would prevent vectorisation of the loop below.
+[[gnu::always_inline]] inline float inRange(float value, float most) {
+  const float positive = value > 0 ? value : 0;
+  return positive < most ? positive : most;
+}
+
+// Sets the tile that shows each point; −1: none. `points`: four values each, as in CellBounds::surface.
+[[gnu::always_inline]] inline void tilesOf(const Tiling* tiling, const float* __restrict points,
+                                           std::int32_t* __restrict tile, std::size_t count) {
+  const Tiling t = *tiling;
+  constexpr float kColumns = kCoverColumns, kRows = kCoverRows;
+  for (std::size_t p = 0; p < count; ++p) {
+    const float px = points[4 * p], py = points[4 * p + 1], pz = points[4 * p + 2], w = points[4 * p + 3];
+    const float x = t.turn[0].x * px + t.turn[1].x * py + t.turn[2].x * pz + w * t.shift.x;
+    const float y = t.turn[0].y * px + t.turn[1].y * py + t.turn[2].y * pz + w * t.shift.y;
+    const float z = t.turn[0].z * px + t.turn[1].z * py + t.turn[2].z * pz + w * t.shift.z;
+    const float column = t.middle.x + t.focal.x * x / -z, row = t.middle.y - t.focal.y * y / -z;
+    const int at = int(inRange(row, kRows - 1)) * int(kCoverColumns) + int(inRange(column, kColumns - 1));
+    const bool shown = (z < 0) & (column >= 0) & (row >= 0) & (column < kColumns) & (row < kRows);
+    tile[p] = shown ? at : -1;
+  }
+}
+
 using Worths = std::array<float, kCoverTiles>;
 
-float gain(const Worths& covered, const Worths& cell) {
+float gain(const Worths& covered, const CellCover& cell, float worth) {
   float sum = 0;
-  for (std::size_t tile = 0; tile < kCoverTiles; ++tile) sum += std::max(0.0f, cell[tile] - covered[tile]);
+  for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
+    if (cell[tile]) sum += std::max(0.0f, worth - covered[tile]);
   return sum;
 }
 
 }  // namespace
 
 CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Camera> views) {
+  constexpr std::size_t kChunk = 128;
   CellCover cover;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& view = views[v];
     const Intrinsics& k = view.intrinsics;
-    const glm::mat3 turn(glm::mat3_cast(glm::conjugate(view.pose.rotation)));
-    const glm::vec3 shift(glm::conjugate(view.pose.rotation) * (origin - view.pose.position));
     // Position in tiles = middle + focal · tangent.
     const glm::vec2 tiles(kCoverColumns, kCoverRows), size(k.width, k.height);
-    const glm::vec2 focal = glm::vec2(k.fx, k.fy) * tiles / size, middle = glm::vec2(k.cx, k.cy) * tiles / size;
-    for (const glm::vec4& point : cell.surface) {
-      const glm::vec3 direction = turn * glm::vec3(point) + point.w * shift;
-      if (!(direction.z < 0)) continue;
-      const glm::vec2 at = middle + focal * glm::vec2(direction.x, -direction.y) / -direction.z;
-      if (at.x >= 0 && at.y >= 0 && at.x < tiles.x && at.y < tiles.y)
-        cover.set((v * kCoverRows + std::size_t(at.y)) * kCoverColumns + std::size_t(at.x));
+    const Tiling tiling{glm::mat3(glm::mat3_cast(glm::conjugate(view.pose.rotation))),
+                        glm::vec3(glm::conjugate(view.pose.rotation) * (origin - view.pose.position)),
+                        glm::vec2(k.fx, k.fy) * tiles / size, glm::vec2(k.cx, k.cy) * tiles / size};
+    for (std::size_t first = 0; first < cell.surface.size(); first += kChunk) {
+      std::array<std::int32_t, kChunk> tile;
+      const std::size_t count = std::min(kChunk, cell.surface.size() - first);
+      runVectorised<tilesOf>(&tiling, &cell.surface[first].x, tile.data(), count);
+      for (std::size_t p = 0; p < count; ++p)
+        if (tile[p] >= 0) cover.set(v * kCoverRows * kCoverColumns + std::size_t(tile[p]));
     }
   }
   return cover;
 }
 
-std::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth, double behind,
-                                       std::size_t most, std::size_t forced) {
+// Gains never grow while cells are chosen, not even when rounded: each is a sum of the same terms in the same order. A
+// previous gain is therefore an upper bound, and few gains are computed again.
+std::pmr::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth,
+                                            double behind, std::size_t most, std::size_t forced,
+                                            std::pmr::memory_resource* memory) {
   const std::size_t count = covers.size();
-  const bool all = behind == 0 && count <= most;
-  std::vector<bool> chosen(count, all);
-  if (!all) {
-    std::vector<Worths> cells(count);
-    for (std::size_t c = 0; c < count; ++c)
-      for (std::size_t tile = 0; tile < kCoverTiles; ++tile) cells[c][tile] = covers[c][tile] ? float(worth[c]) : 0.0f;
-    Worths covered;
-    covered.fill(float(behind));
-    const auto take = [&](std::size_t cell) {
-      chosen[cell] = true;
-      for (std::size_t tile = 0; tile < kCoverTiles; ++tile) covered[tile] = std::max(covered[tile], cells[cell][tile]);
-    };
-    if (forced < count) take(forced);
-    for (std::size_t taken = forced < count ? 1 : 0; taken < std::min(most, count); ++taken) {
-      std::size_t best = count;
-      float largest = -1;
-      for (std::size_t c = 0; c < count; ++c) {
-        if (chosen[c]) continue;
-        if (const float here = gain(covered, cells[c]); here > largest) largest = here, best = c;
-      }
-      if (behind > 0 && !(largest > 0)) break;
-      take(best);
-    }
+  std::pmr::vector<std::size_t> chosen(memory);
+  if (behind == 0 && count <= most) {
+    for (std::size_t c = 0; c < count; ++c) chosen.push_back(c);
+    return chosen;
   }
-  std::vector<std::size_t> result;
-  for (std::size_t c = 0; c < count; ++c)
-    if (chosen[c]) result.push_back(c);
-  return result;
+  Worths covered;
+  covered.fill(float(behind));
+  std::pmr::vector<float> bound(count, std::numeric_limits<float>::infinity(), memory);  // −1: chosen
+  const auto take = [&](std::size_t cell) {
+    chosen.push_back(cell);
+    bound[cell] = -1;
+    for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
+      if (covers[cell][tile]) covered[tile] = std::max(covered[tile], float(worth[cell]));
+  };
+  if (forced < count) take(forced);
+  while (chosen.size() < std::min(most, count)) {
+    std::size_t best = count;
+    float largest = -1;
+    // Starts with the largest bound, which is likely to be the largest gain. Among equal gains the first cell wins.
+    const auto highest = std::size_t(std::ranges::max_element(bound) - bound.begin());
+    for (std::size_t i = 0; i <= count; ++i) {
+      const std::size_t c = i == 0 ? highest : i - 1;
+      if (bound[c] < 0 || bound[c] < largest || (bound[c] == largest && c >= best)) continue;
+      bound[c] = gain(covered, covers[c], float(worth[c]));
+      if (bound[c] > largest || (bound[c] == largest && c < best)) largest = bound[c], best = c;
+    }
+    if (behind > 0 && !(largest > 0)) break;
+    take(best);
+  }
+  std::ranges::sort(chosen);
+  return chosen;
 }
 
 }  // namespace ibr

@@ -4,6 +4,7 @@
 
 #include <bitset>
 #include <cstddef>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -26,8 +27,9 @@ CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Cam
 ///
 /// A tile without a cell is worth `behind`, >= 0. With 0, cells that add nothing are chosen in the given order; with
 /// more, the choice stops when nothing is gained. `worth`: of each cell, > 0. `forced`: index of a cell that is chosen
-/// in any case; the number of cells: none. Returns indices, ascending. Time is proportional to cells × most.
-std::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth, double behind,
-                                       std::size_t most, std::size_t forced);
+/// in any case; the number of cells: none. Returns indices, ascending.
+std::pmr::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth,
+                                            double behind, std::size_t most, std::size_t forced,
+                                            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace ibr

@@ -18,4 +18,7 @@ struct CellDistance {
 /// of their members, so that only the direction distinguishes stacked cells.
 CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view);
 
+/// CellDistance::weights alone.
+Barycentric cellWeights(const Scene& scene, const Cell& cell, glm::dvec3 position);
+
 }  // namespace ibr

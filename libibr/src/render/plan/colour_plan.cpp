@@ -11,10 +11,10 @@ constexpr std::int64_t kNoOwner = -1;
 
 // A cell that was drawn in the previous frame keeps its slot; other slots are free. Only the plan's current cells get
 // new tables. A cell that fades out, or of the previous draw order, uses the table that it had, or the identity.
-void assignSlots(const PlanState& state, FramePlan& plan) {
+void assignSlots(const PlanState& state, FramePlan& plan, std::pmr::memory_resource* memory) {
   std::vector<std::int64_t>& slots = plan.next.colourSlots;
   slots.assign(kColourSlotCount, kNoOwner);
-  std::vector<PlannedCell*> drawn;
+  std::pmr::vector<PlannedCell*> drawn(memory);
   for (PlannedCell& cell : plan.cells) drawn.push_back(&cell);
   for (FadingOutCell& cell : plan.fadingOut) drawn.push_back(&cell.planned);
   for (PlannedCell& cell : plan.previous) drawn.push_back(&cell);
@@ -48,7 +48,7 @@ void markNeeded(FramePlan& plan) {
 
 }  // namespace
 
-void planColours(double seconds, const PlanState& state, FramePlan& plan) {
+void planColours(double seconds, const PlanState& state, FramePlan& plan, std::pmr::memory_resource* memory) {
   const RenderSettings& settings = plan.settings;
   ColourPlan& colour = plan.colour;
   if (settings.colourMapping == ColourMapping::off) return;
@@ -58,7 +58,7 @@ void planColours(double seconds, const PlanState& state, FramePlan& plan) {
     plan.fadingOut.clear();
     plan.previousWeight = 0;
   }
-  assignSlots(state, plan);
+  assignSlots(state, plan, memory);
   markNeeded(plan);
   const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
   const double left = switched ? settings.colourFadeSeconds : state.colourFadeSecondsLeft;

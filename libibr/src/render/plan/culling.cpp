@@ -11,16 +11,6 @@
 #include "render/plan/correction.h"
 
 namespace ibr {
-namespace {
-
-// Returns the maximum of n·x over a box, n and x in the same axes.
-double support(glm::dvec3 n, glm::vec3 low, glm::vec3 high) {
-  double sum = 0;
-  for (int a = 0; a < 3; ++a) sum += std::max(n[a] * low[a], n[a] * high[a]);
-  return sum;
-}
-
-}  // namespace
 
 std::array<glm::dvec3, 4> frustum(const Camera& view) {
   const Intrinsics& k = view.intrinsics;
@@ -31,34 +21,50 @@ std::array<glm::dvec3, 4> frustum(const Camera& view) {
           toWorld * glm::dvec3(0, -1, -top)};
 }
 
-// Bounds each term of n·D = Σ λ_i n·C R_i q_i + ρ n·t by itself, and |D| likewise.
+DirectionBounds::DirectionBounds(const Scene& scene, const Cell& cell, const CellBounds& bounds,
+                                 const Placement& placement, const glm::dquat& axes)
+    : count_(cell.members.size()), shift_(0.0), ours_(placement.morph == Morph::ours) {
+  const glm::dquat turn = glm::conjugate(placement.correction.rotation) * axes;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Pose& pose = scene.nodes[cell.members[i]].camera.pose;
+    const CellBounds::Member& box = bounds.members[i];
+    Member& member = members_[i];
+    member.turn = placement.weights[i] * glm::mat3_cast(glm::conjugate(pose.rotation) * turn);
+    member.low = ours_ ? box.low : box.unitLow;
+    member.high = ours_ ? box.high : box.unitHigh;
+    member.weight = std::abs(placement.weights[i]);
+    shift_ += placement.weights[i] * (pose.position - placement.eye);
+  }
+  shift_ = ours_ ? double(bounds.maxInverseDistance) *
+                       (glm::conjugate(axes) * corrected(placement.correction, shift_, placement.eye))
+                 : glm::dvec3(0.0);
+}
+
+double DirectionBounds::most(glm::dvec3 n) const {
+  double sum = std::max(0.0, glm::dot(n, shift_));
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Member& member = members_[i];
+    const glm::dvec3 turned = member.turn * n;
+    for (int a = 0; a < 3; ++a) sum += std::max(turned[a] * member.low[a], turned[a] * member.high[a]);
+  }
+  return sum;
+}
+
+double DirectionBounds::reach() const {
+  double sum = glm::length(shift_);
+  for (std::size_t i = 0; i < count_; ++i)
+    sum += members_[i].weight *
+           (ours_ ? glm::length(glm::max(glm::abs(members_[i].low), glm::abs(members_[i].high))) : 1.0);
+  return sum;
+}
+
 bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds,
                   const std::array<glm::dvec3, 4>& planes, const Placement& placement, double margin) {
-  const bool ours = placement.morph == Morph::ours;
-  glm::dvec3 shift(0.0);
-  for (std::size_t i = 0; i < cell.members.size(); ++i)
-    shift += placement.weights[i] * (scene.nodes[cell.members[i]].camera.pose.position - placement.eye);
-  shift = corrected(placement.correction, shift, placement.eye);
-  double reach = 0;
-  for (std::size_t i = 0; margin > 0 && i < cell.members.size(); ++i) {
-    const CellBounds::Member& box = bounds.members[i];
-    reach += std::abs(placement.weights[i]) *
-             (ours ? double(glm::length(glm::max(glm::abs(box.low), glm::abs(box.high)))) : 1.0);
-  }
-  if (ours) reach += bounds.maxInverseDistance * glm::length(shift);
-  for (const glm::dvec3& plane : planes) {
-    double most = ours ? std::max(0.0, bounds.maxInverseDistance * glm::dot(plane, shift)) : 0.0;
-    if (margin > 0) most += margin * reach * glm::length(plane);
-    const glm::dvec3 turned = glm::conjugate(placement.correction.rotation) * plane;
-    for (std::size_t i = 0; i < cell.members.size(); ++i) {
-      const CellBounds::Member& box = bounds.members[i];
-      const glm::dvec3 n =
-          placement.weights[i] * (glm::conjugate(scene.nodes[cell.members[i]].camera.pose.rotation) * turned);
-      most += ours ? support(n, box.low, box.high) : support(n, box.unitLow, box.unitHigh);
-    }
-    if (most < 0.0) return false;
-  }
-  return true;
+  const DirectionBounds directions(scene, cell, bounds, placement);
+  const double reach = margin > 0 ? margin * directions.reach() : 0;
+  return std::ranges::none_of(planes, [&](glm::dvec3 plane) {
+    return directions.most(plane) + (reach > 0 ? reach * glm::length(plane) : 0) < 0.0;
+  });
 }
 
 }  // namespace ibr

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <glm/mat3x3.hpp>
 
 #include "ibr/frame_plan.h"
 #include "render/plan/barycentric.h"
@@ -18,6 +20,31 @@ struct Placement {
   Morph morph;
   glm::dvec3 eye;
   Correction correction;
+};
+
+/// Bounds of the directions D = C·Σ λ_i R_i q_i + ρ·t of a mesh's vertices (correction.h), in chosen axes.
+class DirectionBounds {
+ public:
+  /// `axes`: rotation of the axes to world axes.
+  DirectionBounds(const Scene& scene, const Cell& cell, const CellBounds& bounds, const Placement& placement,
+                  const glm::dquat& axes = glm::dquat(1, 0, 0, 0));
+
+  /// Returns an upper bound of n·D; bounds each term by itself.
+  double most(glm::dvec3 n) const;
+
+  /// Returns an upper bound of |D|.
+  double reach() const;
+
+ private:
+  struct Member {
+    glm::dmat3 turn;       // λ_i times the rotation of the chosen axes to the member's
+    glm::dvec3 low, high;  // of q_i
+    double weight;         // |λ_i|
+  };
+  std::array<Member, 4> members_;
+  std::size_t count_;
+  glm::dvec3 shift_;  // t times the largest ρ
+  bool ours_;
 };
 
 /// Returns false only if every vertex lies outside one plane by more than `margin` (radians), at these weights.

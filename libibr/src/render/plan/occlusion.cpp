@@ -2,116 +2,72 @@
 #include "render/plan/occlusion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <optional>
+#include <limits>
+#include <vector>
 
 #include "render/plan/correction.h"
+#include "render/plan/cover_mask.h"
 #include "render/plan/culling.h"
 
 namespace ibr {
-
-CoverMask::CoverMask(int width, int height, double marginPx)
-    : width_(width),
-      height_(height),
-      columns_((width + kTile - 1) / kTile),
-      rows_((height + kTile - 1) / kTile),
-      margin_(marginPx),
-      covered_(std::size_t(columns_) * std::size_t(rows_)) {}
-
-// Marks tiles that come within the margin of the edge, row by row.
-void CoverMask::touch(const Edge& edge) {
-  const glm::dvec2 a = edge.from.y < edge.to.y ? edge.from : edge.to, b = edge.from.y < edge.to.y ? edge.to : edge.from;
-  const auto tile = [](double at, int count) {
-    return int(std::clamp(std::floor(at / kTile), 0.0, double(count - 1)));
-  };
-  if (b.y + margin_ < 0 || a.y - margin_ > rows_ * kTile) return;
-  for (int row = tile(a.y - margin_, rows_), last = tile(b.y + margin_, rows_); row <= last; ++row) {
-    double left = std::min(a.x, b.x), right = std::max(a.x, b.x);
-    if (b.y > a.y) {
-      const auto xAt = [&](double y) { return a.x + (b.x - a.x) * std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0); };
-      const double top = xAt(row * kTile - margin_), bottom = xAt((row + 1) * kTile + margin_);
-      left = std::min(top, bottom);
-      right = std::max(top, bottom);
-    }
-    if (right + margin_ < 0 || left - margin_ > columns_ * kTile) continue;
-    for (int column = tile(left - margin_, columns_), end = tile(right + margin_, columns_); column <= end; ++column)
-      touched_[index(column, row)] = true;
-  }
-}
-
-// Counts a crossing in every row of tile centres that the edge passes: winding changes for all centres to its right.
-void CoverMask::cross(const Edge& edge) {
-  const double low = std::min(edge.from.y, edge.to.y), high = std::max(edge.from.y, edge.to.y);
-  const auto firstCentre = [](double at, int count) {  // at or after the coordinate
-    return int(std::clamp(std::ceil(at / kTile - 0.5), 0.0, double(count)));
-  };
-  for (int row = firstCentre(low, rows_); row < rows_ && (row + 0.5) * kTile < high; ++row) {
-    const double share = ((row + 0.5) * kTile - edge.from.y) / (edge.to.y - edge.from.y);
-    const int column = firstCentre(edge.from.x + share * (edge.to.x - edge.from.x), columns_);
-    if (column < columns_) winding_[index(column, row)] += edge.from.y < edge.to.y ? 1 : -1;
-  }
-}
-
-void CoverMask::add(std::span<const Edge> outline) {
-  touched_.assign(covered_.size(), false);
-  winding_.assign(covered_.size(), 0);
-  for (const Edge& edge : outline) {
-    touch(edge);
-    cross(edge);
-  }
-  for (int row = 0; row < rows_; ++row)
-    for (int column = 0, winding = 0; column < columns_; ++column) {
-      winding += winding_[index(column, row)];
-      if (winding != 0 && !touched_[index(column, row)]) covered_[index(column, row)] = true;
-    }
-}
-
-std::vector<CoverMask::Rectangle> CoverMask::open() const {
-  constexpr int kBlock = 8;  // tiles; one rectangle per block
-  std::vector<Rectangle> rectangles;
-  for (int y0 = 0; y0 < rows_; y0 += kBlock)
-    for (int x0 = 0; x0 < columns_; x0 += kBlock) {
-      int left = columns_, right = -1, top = rows_, bottom = -1;
-      for (int y = y0; y < std::min(y0 + kBlock, rows_); ++y)
-        for (int x = x0; x < std::min(x0 + kBlock, columns_); ++x)
-          if (!covered(x, y)) {
-            left = std::min(left, x), right = std::max(right, x);
-            top = std::min(top, y), bottom = std::max(bottom, y);
-          }
-      if (right >= 0)
-        rectangles.push_back({left * kTile - margin_, top * kTile - margin_,
-                              std::min((right + 1) * kTile, width_) + margin_,
-                              std::min((bottom + 1) * kTile, height_) + margin_});
-    }
-  return rectangles;
-}
-
 namespace {
 
 // Cover of the cells drawn so far in one view, and the open rest of the image.
 class ViewCover {
  public:
-  ViewCover(const Scene& scene, const FramePlan& plan, std::size_t view)
+  ViewCover(const Scene& scene, const FramePlan& plan, std::size_t view, std::pmr::memory_resource* memory)
       : scene_(scene),
         camera_(plan.views[view]),
-        mask_(camera_.intrinsics.width, camera_.intrinsics.height,
-              1.5 * std::max(1.0, 1.0 / plan.settings.renderScale)) {
+        mask_(camera_.intrinsics.width, camera_.intrinsics.height, 1.5 * std::max(1.0, 1.0 / plan.settings.renderScale),
+              memory),
+        open_(memory),
+        corners_(memory),
+        edges_(memory) {
     findOpen();
   }
 
   glm::dvec3 eye() const { return camera_.pose.position; }
 
   bool mayShow(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
-    return std::ranges::any_of(open_, [&](const std::array<glm::dvec3, 4>& planes) {
-      return mayBeVisible(scene_, cell, bounds, planes, placement);
+    const DirectionBounds directions(scene_, cell, bounds, placement, camera_.pose.rotation);
+    return std::ranges::any_of(open_, [&](const Opening& part) {
+      return !(directions.most({1, 0, part.left}) < 0 || directions.most({-1, 0, -part.right}) < 0 ||
+               directions.most({0, 1, part.bottom}) < 0 || directions.most({0, -1, -part.top}) < 0);
     });
   }
 
   void draw(const Cell& cell, const CellBounds& bounds, const Placement& placement) {
     if (bounds.outline.empty() || !isInFront(cell, bounds, placement)) return;
+    if (!projectCorners(cell, bounds, placement)) return;
+    edges_.clear();
+    for (const CellBounds::OutlineEdge& edge : bounds.outline) {
+      const Corner &from = corners_[edge.from], &to = corners_[edge.to];
+      const double margin = marginPx(edge, from, to, cell, placement);
+      if (!std::isfinite(margin)) return;
+      edges_.push_back({from.pixel, to.pixel, margin});
+    }
+    mask_.add(edges_);
+    findOpen();
+  }
+
+ private:
+  struct Opening {  // an open rectangle, tangents
+    double left, right, bottom, top;
+  };
+  struct Corner {
+    glm::dvec2 pixel;
+    glm::dvec3 direction;  // D in camera axes
+  };
+
+  // Returns false where a corner is not seen at a finite pixel.
+  bool projectCorners(const Cell& cell, const CellBounds& bounds, const Placement& placement) {
     const auto& [weights, morph, eye, correction] = placement;
+    const Intrinsics& k = camera_.intrinsics;
     const glm::dquat rotation = glm::conjugate(camera_.pose.rotation);
     glm::dvec3 shift(0.0);
     std::array<glm::dmat3, 4> toView;
@@ -121,68 +77,76 @@ class ViewCover {
       shift += weights[i] * (pose.position - eye);
     }
     shift = rotation * corrected(correction, shift, eye);
-    std::vector<glm::dvec2> pixels;
+    shift_ = morph == Morph::paper ? 0.0 : glm::length(shift);
+    corners_.clear();
     for (const CellBounds::Corner& corner : bounds.corners) {
       glm::dvec3 d = morph == Morph::paper ? glm::dvec3(0.0) : double(corner.inverseDistance) * shift;
       for (std::size_t i = 0; i < cell.members.size(); ++i) {
         const glm::dvec3 q(corner.point[i]);
         d += toView[i] * (morph == Morph::paper ? glm::normalize(q) : q);
       }
-      const Intrinsics& k = camera_.intrinsics;
       const glm::dvec2 at(k.cx - k.fx * d.x / d.z, k.cy + k.fy * d.y / d.z);
-      if (!(std::abs(at.x) < 1e7 && std::abs(at.y) < 1e7)) return;
-      pixels.push_back(at);
+      if (!(std::abs(at.x) < 1e7 && std::abs(at.y) < 1e7)) return false;
+      corners_.push_back({at, d});
     }
-    std::vector<CoverMask::Edge> outline;
-    for (const glm::uvec2 edge : bounds.outline) outline.push_back({pixels[edge.x], pixels[edge.y]});
-    mask_.add(outline);
-    findOpen();
+    return true;
   }
 
- private:
+  // Largest distance in the image of an edge from the chain that it stands for: the chain's D differ by at most r from
+  // a point of the edge, whose pixel moves by at most f·r·√(1 + tan²) / (z − r). Infinite where r reaches the eye.
+  double marginPx(const CellBounds::OutlineEdge& edge, const Corner& from, const Corner& to, const Cell& cell,
+                  const Placement& placement) const {
+    double r = double(edge.inverseDistanceDeviation) * shift_;
+    for (std::size_t i = 0; i < cell.members.size(); ++i)
+      r += std::abs(placement.weights[i]) * double(edge.deviation[i]);
+    if (r == 0) return 0;
+    const auto tangents = [](glm::dvec3 d) { return glm::abs(glm::dvec2(d) / d.z); };
+    const double left = std::min(-from.direction.z, -to.direction.z) - r;
+    if (!(left > 0)) return std::numeric_limits<double>::infinity();
+    const glm::dvec2 tangent = glm::max(tangents(from.direction), tangents(to.direction));
+    const Intrinsics& k = camera_.intrinsics;
+    return r / left * std::sqrt(k.fx * k.fx * (1 + tangent.x * tangent.x) + k.fy * k.fy * (1 + tangent.y * tangent.y));
+  }
+
   // True if all vertices are in front of the camera, by their bounding boxes: behind it, a projection is not a map.
   bool isInFront(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
-    const glm::dvec3 backward = camera_.pose.rotation * glm::dvec3(0, 0, 1);
-    const std::array<glm::dvec3, 4> planes{backward, backward, backward, backward};
-    return !mayBeVisible(scene_, cell, bounds, planes, placement);
+    return DirectionBounds(scene_, cell, bounds, placement, camera_.pose.rotation).most({0, 0, 1}) < 0;
   }
 
   void findOpen() {
     open_.clear();
-    for (const CoverMask::Rectangle& part : mask_.open()) {
+    mask_.forOpen([&](const CoverMask::Rectangle& part) {
       const Intrinsics& k = camera_.intrinsics;
-      open_.push_back({});
-      const double left = (part.left - k.cx) / k.fx, right = (part.right - k.cx) / k.fx;
-      const double bottom = (k.cy - part.bottom) / k.fy, top = (k.cy - part.top) / k.fy;
-      const std::array<glm::dvec3, 4> inward{
-          {{1, 0, left}, {-1, 0, -right}, {0, 1, bottom}, {0, -1, -top}}};  // as render/plan/culling.cpp
-      for (std::size_t p = 0; p < 4; ++p) open_.back()[p] = camera_.pose.rotation * inward[p];
-    }
+      open_.push_back({(part.left - k.cx) / k.fx, (part.right - k.cx) / k.fx, (k.cy - part.bottom) / k.fy,
+                       (k.cy - part.top) / k.fy});
+    });
   }
 
   const Scene& scene_;
-  Camera camera_;
+  const Camera& camera_;
   CoverMask mask_;
-  std::vector<std::array<glm::dvec3, 4>> open_;  // planes of each open rectangle
+  std::pmr::vector<Opening> open_;
+  std::pmr::vector<Corner> corners_;  // of the cell that is being drawn
+  std::pmr::vector<CoverMask::Edge> edges_;
+  double shift_ = 0;  // |t| of that cell: what a deviation of ρ is multiplied by
 };
 
 }  // namespace
 
-void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) {
-  std::vector<ViewCover> views;
-  for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v);
-  const auto hidden = [&](const Cell& cell, const CellBounds& cellBounds, const auto& placementIn) {
-    for (std::size_t v = 0; v < views.size(); ++v)
-      if (views[v].mayShow(cell, cellBounds, placementIn(v))) return false;
-    return true;
-  };
+void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan, std::pmr::memory_resource* memory) {
+  std::pmr::vector<ViewCover> views(memory);
+  views.reserve(plan.views.size());
+  for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v, memory);
   for (PlannedCell& planned : plan.cells) {  // cells that fade out are drawn too, but hide nothing
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     const auto placementIn = [&](std::size_t v) {
       return Placement{planned.view[v].position, plan.settings.morph, views[v].eye(), planned.correction};
     };
-    planned.hidden = hidden(cell, cellBounds, placementIn);
+    planned.hidden = true;
+    for (std::size_t v = 0; planned.hidden && v < views.size(); ++v)
+      planned.hidden = !views[v].mayShow(cell, cellBounds, placementIn(v));
+    if (&planned == &plan.cells.back()) break;                                     // there is nothing behind it
     if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) continue;  // masks leave holes
     for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
   }

@@ -11,7 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -20,16 +20,16 @@
 namespace ibr {
 
 struct WantedOrder {
-  std::span<const std::uint32_t> cells;                  // best first, each once
-  std::function<bool(std::uint32_t cell)> wasHidden;     // in view in the previous frame, but not drawn
-  std::function<bool(std::uint32_t cell)> stillVisible;  // for a cell that is not wanted any more
-  bool backed = false;                                   // something else is drawn where there is no cell
+  std::span<const std::uint32_t> cells;         // best first, each once
+  std::span<const std::uint32_t> hidden;        // in view in the previous frame, but not drawn; ascending
+  std::span<const std::uint32_t> stillVisible;  // in view and in the previous order, but not wanted any more; ascending
+  bool backed = false;                          // something else is drawn where there is no cell
 };
 
-/// Returns the cells of this frame: the wanted cells in their order, and between them at most kMaxFadingOutCount that
+/// Computes the cells of this frame: the wanted cells in their order, and between them at most kMaxFadingOutCount that
 /// fade out. `step`: this frame's share of a fade; 1 or more cuts. Also cuts, unless the order is backed, if `before`
-/// is empty or leaves nothing in view.
-std::vector<DrawOrderEntry> advanceFades(std::span<const DrawOrderEntry> before, const WantedOrder& wanted,
-                                         double step);
+/// is empty or leaves nothing in view. `shown` is overwritten; `memory` is used for the call.
+void advanceFades(std::span<const DrawOrderEntry> before, const WantedOrder& wanted, double step,
+                  std::pmr::memory_resource* memory, std::vector<DrawOrderEntry>& shown);
 
 }  // namespace ibr

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "render/photographs/photograph_choice.h"
 #include "render/plan/draw_order.h"
-#include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
 #include "shared/gather.h"
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "render/plan/photograph_choice.h"
+#include "render/photographs/photograph_choice.h"
 
 namespace ibr {
 namespace {

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/photographs/photograph_index.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "render/photographs/photograph_choice.h"
+#include "render/photographs/photograph_values.h"
+#include "shared/gather.h"
+
+namespace ibr {
+namespace {
+
+using TreeNode = PhotographIndex::Node;
+using Photograph = PhotographIndex::Photograph;
+
+constexpr double kPi = std::numbers::pi;
+// Angle that a displacement along the viewing axis causes, relative to the same displacement across: the mean tangent
+// of a view's rays.
+constexpr double kAlong = 0.35;
+constexpr double kMargin = 1e-5;  // for the rounding of angles
+
+// Angle between two vectors, radians: Abramowitz and Stegun, 4.4.49, error below 1e-7.
+double angle(glm::dvec3 a, glm::dvec3 b) {
+  const glm::dvec3 normal = glm::cross(a, b);
+  const double y = std::sqrt(glm::dot(normal, normal)), x = glm::dot(a, b), across = std::abs(x);
+  const double ratio = std::min(across, y) / std::max({across, y, std::numeric_limits<double>::min()}),
+               s = ratio * ratio;
+  double sum = 0.0028662257;
+  for (const double term :
+       {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944, 0.1999355085, -0.3333314528})
+    sum = sum * s + term;
+  const double low = ratio + ratio * s * sum, acute = y > across ? 0.5 * kPi - low : low;
+  return x < 0 ? kPi - acute : acute;
+}
+
+double fieldOf(const Intrinsics& k) {
+  if (k.model == CameraModel::equirectangular) return kPi;
+  double largest = 0;
+  for (const double x : {0.0, double(k.width)})
+    for (const double y : {0.0, double(k.height)})
+      largest = std::max(largest, std::atan(std::hypot((x - k.cx) / k.fx, (y - k.cy) / k.fy)));
+  return largest;
+}
+
+Photograph photographOf(const Scene& scene, std::uint32_t backdrop) {
+  const std::uint32_t node = scene.backdrops[backdrop].members[0];
+  const Camera& camera = scene.nodes[node].camera;
+  return {node, backdrop, camera.pose.position, glm::normalize(viewAxis(camera.pose)), fieldOf(camera.intrinsics)};
+}
+
+class Builder {
+ public:
+  Builder(std::uint32_t leafSize, PhotographIndex& index)
+      : photographs_(index.photographs), leafSize_(leafSize), index_(index) {
+    if (!photographs_.empty()) build(0, std::uint32_t(photographs_.size()));
+  }
+
+ private:
+  void build(std::uint32_t first, std::uint32_t end) {
+    const std::size_t at = index_.nodes.size();
+    index_.nodes.push_back(around({&photographs_[first], end - first}));
+    index_.nodes[at].first = first;
+    index_.nodes[at].end = end;
+    if (end - first <= leafSize_) return;
+    const std::uint32_t half = first + (end - first) / 2;
+    split({&photographs_[first], end - first}, half - first);
+    build(first, half);
+    index_.nodes[at].second = std::uint32_t(index_.nodes.size());
+    build(half, end);
+  }
+
+  static TreeNode around(std::span<const Photograph> photographs) {
+    TreeNode node;
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low), axes(0.0);
+    for (const Photograph& one : photographs) {
+      low = glm::min(low, one.position);
+      high = glm::max(high, one.position);
+      axes += one.axis;
+      node.field = std::max(node.field, one.field);
+    }
+    node.centre = 0.5 * (low + high);
+    const double length = glm::length(axes);
+    node.axis = length > 0 ? axes / length : glm::dvec3(0, 0, -1);
+    for (const Photograph& one : photographs) {
+      node.radius = std::max(node.radius, glm::distance(node.centre, one.position));
+      node.spread = std::max(node.spread, angle(node.axis, one.axis) + 1e-6);
+    }
+    return node;
+  }
+
+  // Halves by direction while directions differ widely, else by the longest side of the positions' box.
+  static void split(std::span<Photograph> photographs, std::size_t half) {
+    const TreeNode node = around(photographs);
+    std::array<double, 6> low, high;
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+    const auto key = [](const Photograph& one, std::size_t axis) {
+      return axis < 3 ? one.position[int(axis)] : one.axis[int(axis) - 3];
+    };
+    for (const Photograph& one : photographs)
+      for (std::size_t a = 0; a < 6; ++a) {
+        low[a] = std::min(low[a], key(one, a));
+        high[a] = std::max(high[a], key(one, a));
+      }
+    const bool byDirection = photographs.size() <= kMixed && node.spread > kWide;
+    const std::size_t from = byDirection ? 3 : 0;
+    std::size_t widest = from;
+    for (std::size_t a = from; a < from + 3; ++a)
+      if (high[a] - low[a] > high[widest] - low[widest]) widest = a;
+    std::nth_element(photographs.begin(), photographs.begin() + std::ptrdiff_t(half), photographs.end(),
+                     [&](const Photograph& a, const Photograph& b) {
+                       return key(a, widest) != key(b, widest) ? key(a, widest) < key(b, widest)
+                                                               : a.backdrop < b.backdrop;
+                     });
+  }
+
+  static constexpr std::size_t kMixed = 64;  // photographs; larger nodes are split by position
+  static constexpr double kWide = 0.6;       // radians
+
+  std::vector<Photograph>& photographs_;
+  std::uint32_t leafSize_;
+  PhotographIndex& index_;
+};
+
+// Angle that a displacement of t depths causes: 0 to 1.57, at first t.
+double angleOfShift(double t) {
+  return t / (1 + 2 / kPi * t);
+}
+
+// Promises in a view.
+class Promise {
+ public:
+  Promise(const std::vector<Camera>& views, const Pose& middle, double medianInverseDepth)
+      : position_(middle.position), forward_(glm::normalize(viewAxis(middle))) {
+    for (const Camera& view : views)
+      field_ = std::max(field_, fieldOf(view.intrinsics) + angle(forward_, viewAxis(view.pose)));
+    for (std::size_t d = 0; d < kSampleDepths.size(); ++d) nearness_[d] = kSampleDepths[d] * medianInverseDepth;
+  }
+
+  double of(const Photograph& one) const { return most(one.position, 0, one.axis, 0, one.field); }
+
+  // Upper bound for all photographs of a node.
+  double of(const TreeNode& node) const {
+    const double radius = node.radius * (1 + 1e-9) + 1e-12 * glm::distance(node.centre, position_);
+    return most(node.centre, radius, node.axis, node.spread, node.field) * (1 + kMargin) + kMargin;
+  }
+
+ private:
+  double most(glm::dvec3 centre, double radius, glm::dvec3 axis, double spread, double field) const {
+    const glm::dvec3 offset = centre - position_;
+    const double along = glm::dot(offset, forward_), across = glm::length(offset - along * forward_);
+    const double leastAcross = std::max(0.0, across - radius), leastAlong = std::max(0.0, std::abs(along) - radius);
+    double sum = 0;
+    for (const double nearness : nearness_) {
+      // The point at this depth as seen from the photograph: D, and the relative error of D at most.
+      const glm::dvec3 direction = forward_ - nearness * offset;
+      const double length = glm::length(direction), error = nearness * radius;
+      double off = 0;
+      if (length > error) {
+        const double sine = error / length;  // asin(x) <= x + (π/2 − 1) x³
+        off = angle(axis, direction) - spread - sine * (1 + (0.5 * kPi - 1) * sine * sine);
+      }
+      const double overlap = std::clamp((field + field_ - off) / (2 * field_), 0.0, 1.0);
+      const double ahead = std::clamp(1 - nearness * (along - radius), 0.0, 1.0);  // shows no points behind itself
+      const double apart = angleOfShift(nearness * leastAcross) + kAlong * angleOfShift(nearness * leastAlong);
+      sum += overlap * ahead / std::sqrt(double(shader::kGatherAngleFloor) + apart);
+    }
+    return sum;
+  }
+
+  glm::dvec3 position_, forward_;
+  double field_ = 0;  // radians
+  std::array<double, kSampleDepths.size()> nearness_{};
+};
+
+}  // namespace
+
+PhotographIndex makePhotographIndex(const Scene& scene, std::uint32_t leafSize) {
+  PhotographIndex index;
+  for (const std::uint32_t b : gatherableBackdrops(scene)) index.photographs.push_back(photographOf(scene, b));
+  Builder(leafSize, index);
+  return index;
+}
+
+std::pmr::vector<Photograph> promisingPhotographs(const PhotographIndex& index, const std::vector<Camera>& views,
+                                                  const Pose& middle, double medianInverseDepth, std::size_t most,
+                                                  std::pmr::memory_resource* memory) {
+  std::pmr::vector<Photograph> found(memory);
+  if (index.photographs.size() <= most) {
+    found.assign(index.photographs.begin(), index.photographs.end());
+  } else {
+    // Best first: a node stands for its photographs until it has the greatest promise of all that is left.
+    struct Open {
+      double promise;
+      std::uint32_t backdrop;  // of a photograph
+      std::uint32_t at;        // in nodes or photographs
+      bool isNode;
+    };
+    const auto isWorse = [](const Open& a, const Open& b) {
+      if (a.promise != b.promise) return a.promise < b.promise;
+      return a.isNode != b.isNode ? b.isNode : a.backdrop > b.backdrop;
+    };
+    const Promise promise(views, middle, medianInverseDepth);
+    std::pmr::vector<Open> open(memory);
+    const auto put = [&](const Open& one) {
+      open.push_back(one);
+      std::push_heap(open.begin(), open.end(), isWorse);
+    };
+    put({promise.of(index.nodes[0]), 0, 0, true});
+    while (found.size() < most) {
+      std::pop_heap(open.begin(), open.end(), isWorse);
+      const Open best = open.back();
+      open.pop_back();
+      if (!best.isNode) {
+        found.push_back(index.photographs[best.at]);
+        continue;
+      }
+      const TreeNode& node = index.nodes[best.at];
+      if (node.second != 0) {
+        put({promise.of(index.nodes[best.at + 1]), 0, best.at + 1, true});
+        put({promise.of(index.nodes[node.second]), 0, node.second, true});
+        continue;
+      }
+      for (std::uint32_t p = node.first; p < node.end; ++p)
+        put({promise.of(index.photographs[p]), index.photographs[p].backdrop, p, false});
+    }
+  }
+  std::ranges::sort(found, {}, &Photograph::backdrop);
+  return found;
+}
+
+}  // namespace ibr

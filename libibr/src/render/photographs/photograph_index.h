@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hierarchy of balls over the photographs that can be gathered from: finds the most promising ones for a view in time
+// that hardly depends on the number of the others. Pure.
+//
+// The promise of a photograph estimates its coverage (photograph_values.h) at the middle of the view, for points at two
+// depths d: Σ overlap / √(kGatherAngleFloor + angle). It decreases with the photograph's distance across and along the
+// viewing axis, and with the angle between its axis and the point. A node's promise is that at the least distances and
+// angles of its photographs.
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "ibr/frame_plan.h"
+
+namespace ibr {
+
+struct PhotographIndex {
+  struct Photograph {
+    std::uint32_t node = 0, backdrop = 0;  // indices into Scene::nodes and backdrops
+    glm::dvec3 position{0.0}, axis{0.0};   // of the camera, world; the axis has length 1
+    double field = 0;                      // largest angle between the axis and a corner, radians
+  };
+  struct Node {
+    glm::dvec3 centre{0.0};  // of a ball with the positions
+    double radius = 0;
+    glm::dvec3 axis{0.0};              // of a cone with the optical axes
+    double spread = 0;                 // half the cone's angle, radians; π: any direction
+    double field = 0;                  // largest of the photographs', radians
+    std::uint32_t first = 0, end = 0;  // in `photographs`
+    std::uint32_t second = 0;          // the second child; the first one follows the node. 0: a leaf
+  };
+  std::vector<Node> nodes;              // the first is the root; none without photographs
+  std::vector<Photograph> photographs;  // in the order of the leaves
+};
+
+/// Indexes backdrops with evidence in the mesh and a depth texture. A leaf has at most `leafSize` photographs, >= 1.
+PhotographIndex makePhotographIndex(const Scene& scene, std::uint32_t leafSize = 4);
+
+/// Returns the `most` photographs of the greatest promise, among equals the first backdrops; sorted by backdrop.
+std::pmr::vector<PhotographIndex::Photograph> promisingPhotographs(const PhotographIndex& index,
+                                                                   const std::vector<Camera>& views, const Pose& middle,
+                                                                   double medianInverseDepth, std::size_t most,
+                                                                   std::pmr::memory_resource* memory);
+
+}  // namespace ibr

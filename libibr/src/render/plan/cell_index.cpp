@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/plan/cell_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+
+#include "render/plan/cell_distance.h"
+
+namespace ibr {
+namespace {
+
+using TreeNode = CellIndex::Node;
+
+// Relative margin of all tests: boxes of directions are stored as floats, weights sum to 1 within rounding.
+constexpr double kMargin = 1e-6;
+
+// TreeNode of a single cell, and a point by which cells are grouped: position in cell sizes, mean direction.
+struct Entry {
+  TreeNode node;
+  std::array<double, 6> key{};
+  std::uint32_t cell = 0;
+};
+
+Entry entryOf(const Scene& scene, const CellBounds& bounds, std::uint32_t index) {
+  const Cell& cell = scene.cells[index];
+  Entry entry;
+  entry.cell = index;
+  TreeNode& node = entry.node;
+  node.low = node.high = scene.nodes[cell.members[0]].camera.pose.position;
+  node.minSize = node.maxSize = bounds.size;
+  node.maxInverseDistance = bounds.maxInverseDistance;
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (std::size_t i = 0; i < cell.members.size(); ++i) {
+    const Pose& pose = scene.nodes[cell.members[i]].camera.pose;
+    const CellBounds::Member& box = bounds.members[i];
+    node.low = glm::min(node.low, pose.position);
+    node.high = glm::max(node.high, pose.position);
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 point(corner & 1 ? box.low.x : box.high.x, corner & 2 ? box.low.y : box.high.y,
+                             corner & 4 ? box.low.z : box.high.z);
+      const glm::dvec3 shown = pose.rotation * point;
+      low = glm::min(low, shown);
+      high = glm::max(high, shown);
+      node.reach = std::max(node.reach, glm::length(point));
+    }
+  }
+  node.shownLow = glm::vec3(low);
+  node.shownHigh = glm::vec3(high);
+  const glm::dvec3 middle = 0.5 * (low + high), position = 0.5 * (node.low + node.high);
+  for (std::size_t a = 0; a < 3; ++a) {
+    entry.key[a] = position[int(a)];
+    entry.key[a + 3] = node.reach > 0 ? middle[int(a)] / node.reach : 0;
+  }
+  return entry;
+}
+
+void extend(TreeNode& node, const TreeNode& other) {
+  node.low = glm::min(node.low, other.low);
+  node.high = glm::max(node.high, other.high);
+  node.shownLow = glm::min(node.shownLow, other.shownLow);
+  node.shownHigh = glm::max(node.shownHigh, other.shownHigh);
+  node.minSize = std::min(node.minSize, other.minSize);
+  node.maxSize = std::max(node.maxSize, other.maxSize);
+  node.reach = std::max(node.reach, other.reach);
+  node.maxInverseDistance = std::max(node.maxInverseDistance, other.maxInverseDistance);
+}
+
+// The axis along which the entries differ most. Positions count in sizes of the largest cell.
+std::size_t widestAxis(std::span<const Entry> entries, double size) {
+  std::size_t widest = 0;
+  double most = -1;
+  for (std::size_t a = 0; a < 6; ++a) {
+    const auto [low, high] = std::ranges::minmax_element(entries, {}, [a](const Entry& e) { return e.key[a]; });
+    const double apart = (high->key[a] - low->key[a]) / (a < 3 ? std::max(size, 1e-300) : 1.0);
+    if (apart > most) most = apart, widest = a;
+  }
+  return widest;
+}
+
+class Builder {
+ public:
+  Builder(std::vector<Entry> entries, std::uint32_t leafSize, CellIndex& index)
+      : entries_(std::move(entries)), leafSize_(leafSize), index_(index) {
+    if (!entries_.empty()) build(0, std::uint32_t(entries_.size()));
+    for (const Entry& entry : entries_) index.cells.push_back(entry.cell);
+  }
+
+ private:
+  void build(std::uint32_t first, std::uint32_t end) {
+    const std::size_t at = index_.nodes.size();
+    TreeNode node = entries_[first].node;
+    for (std::uint32_t e = first + 1; e < end; ++e) extend(node, entries_[e].node);
+    node.first = first;
+    node.end = end;
+    index_.nodes.push_back(node);
+    if (end - first <= leafSize_) return;
+    const std::uint32_t half = first + (end - first) / 2;
+    const std::size_t axis = widestAxis({&entries_[first], end - first}, node.maxSize);
+    std::nth_element(entries_.begin() + first, entries_.begin() + half, entries_.begin() + end,
+                     [axis](const Entry& a, const Entry& b) {
+                       return a.key[axis] != b.key[axis] ? a.key[axis] < b.key[axis] : a.cell < b.cell;
+                     });
+    build(first, half);
+    index_.nodes[at].second = std::uint32_t(index_.nodes.size());
+    build(half, end);
+  }
+
+  std::vector<Entry> entries_;
+  std::uint32_t leafSize_;
+  CellIndex& index_;
+};
+
+double largest(glm::dvec3 v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+// True if cellDistance is certainly beyond the limit for all cells of a node.
+bool certainlyFar(const TreeNode& node, const CellQuery& query) {
+  const glm::dvec3 eye = query.middle.position;
+  const glm::dvec3 outside = glm::max(glm::max(node.low - eye, eye - node.high), glm::dvec3(0.0));
+  const double distance = (1 - kMargin) * glm::length(outside);
+  const double magnitude = std::max({largest(eye), largest(node.low), largest(node.high)});
+  // cellDistance counts smaller distances as 0.
+  const double tolerance = std::max(2e-9 * node.maxSize, 16.0 * std::numeric_limits<double>::epsilon() * magnitude);
+  return distance > tolerance && distance > query.limit * node.maxSize;  // false for a limit of NaN
+}
+
+// True if cellDistance is certainly within the limit for all cells of a node.
+bool certainlyNear(const TreeNode& node, const CellQuery& query) {
+  const glm::dvec3 eye = query.middle.position;
+  const double farthest = glm::length(glm::max(glm::abs(node.low - eye), glm::abs(node.high - eye)));
+  return !((1 + kMargin) * farthest > query.limit * node.minSize);
+}
+
+// Returns the maximum of n·x over a box.
+double support(glm::dvec3 n, glm::dvec3 low, glm::dvec3 high) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) sum += std::max(n[a] * low[a], n[a] * high[a]);
+  return sum;
+}
+
+// True if mayBeVisible is certainly false in the view for all cells of a node, with clamped weights and no correction.
+bool certainlyOutside(const TreeNode& node, const CellQuery::View& view) {
+  const glm::dvec3 low = node.low - view.eye, high = node.high - view.eye;
+  const double farthest = glm::length(glm::max(glm::abs(low), glm::abs(high)));
+  const double margin = kMargin * (node.reach + double(node.maxInverseDistance) * farthest);
+  return std::ranges::any_of(view.planes, [&](glm::dvec3 plane) {
+    const double most = double(node.maxInverseDistance) * std::max(0.0, support(plane, low, high)) +
+                        support(plane, node.shownLow, node.shownHigh);
+    return most < -margin * glm::length(plane);
+  });
+}
+
+}  // namespace
+
+CellIndex makeCellIndex(const Scene& scene, std::span<const CellBounds> cells, std::uint32_t leafSize) {
+  std::vector<Entry> entries;
+  entries.reserve(cells.size());
+  for (std::uint32_t c = 0; c < cells.size(); ++c) entries.push_back(entryOf(scene, cells[c], c));
+  CellIndex index;
+  Builder(std::move(entries), leafSize, index);
+  return index;
+}
+
+CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, const CellIndex& index,
+                      const CellQuery& query, std::pmr::vector<std::uint32_t>& found) {
+  struct Open {
+    std::uint32_t node;
+    bool outside;  // of all frusta
+  };
+  CulledCells culled;
+  std::array<Open, 64> open;  // deeper than any tree, whose subtrees halve the number of cells
+  std::size_t count = 0;
+  if (!index.nodes.empty()) open[count++] = {0, false};
+  while (count > 0) {
+    auto [at, outside] = open[--count];
+    const TreeNode& node = index.nodes[at];
+    if (certainlyFar(node, query)) {
+      culled.byDistance += node.end - node.first;
+      continue;
+    }
+    outside |= query.byFrustum && std::ranges::all_of(query.views, [&](const CellQuery::View& view) {
+                 return certainlyOutside(node, view);
+               });
+    if (outside && certainlyNear(node, query)) {
+      culled.byFrustum += node.end - node.first;
+    } else if (node.second != 0) {
+      open[count++] = {node.second, outside};
+      open[count++] = {at + 1, outside};
+    } else {
+      for (std::uint32_t c = node.first; c < node.end; ++c) {
+        const std::uint32_t cell = index.cells[c];
+        if (!outside) {
+          found.push_back(cell);
+          continue;
+        }
+        const double size = bounds[cell].size;
+        const bool far = cellDistance(scene, scene.cells[cell], size, query.middle).extrapolation > query.limit * size;
+        ++(far ? culled.byDistance : culled.byFrustum);
+      }
+    }
+  }
+  std::ranges::sort(found);
+  return culled;
+}
+
+}  // namespace ibr

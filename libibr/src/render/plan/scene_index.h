@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What planning looks up in a scene, computed once by sceneBounds.
+#pragma once
+
+#include "render/photographs/photograph_index.h"
+#include "render/plan/cell_index.h"
+
+namespace ibr {
+
+struct SceneBounds::Index {
+  CellIndex cells;
+  PhotographIndex photographs;
+  bool masked = false;  // any photograph has a mask
+};
+
+}  // namespace ibr
