@@ -76,6 +76,7 @@ RendererOptions rendererOptions(const SmallScene& place, const RenderSettings& s
   options.uncertaintyScene = &place.scene();
   if (settings.overlay != Overlay::none) options.hiddenArea[0] = {{-1, -1}, {-0.5, -1}, {-1, -0.5}};
   options.uploads = uploads;
+  options.readerThreads = 0;
   return options;
 }
 
@@ -114,6 +115,7 @@ GpuSceneOptions sceneOptions(const Textures& textures, std::uint64_t budget, Upl
   options.depthSource = farDepths;
   options.blocks = BlockTextureMode::keep;
   options.uploads = uploads;
+  options.readerThreads = 0;
   return options;
 }
 
