@@ -238,7 +238,7 @@ TEST_CASE("random walks keep the residency rules") {
         std::shuffle(wanted.begin(), wanted.end(), random);
         wanted.resize(20);
       } else {
-        completed = frame - 3;  // steady state
+        completed = std::max(completed, frame - 3);  // steady state
       }
       last = device.frame(wanted, 10, frame, completed, frame < 60 ? 1 + int(random() % 8) : 1000);
     }
@@ -265,8 +265,8 @@ TEST_CASE("loads use an array before it exists, and are absent again if it canno
   CHECK(residency.next(false)->photograph == 0);  // into the layer beside photograph 2
   CHECK_FALSE(residency.next(true));              // the budget was lowered
   const auto counts = residency.endFrame();
-  CHECK(counts.waiting == 1);
-  CHECK(counts.overBudget == 2);
+  CHECK(counts.waiting == 3);  // 0 is loading, 1 has claimed the layer of 2
+  CHECK(counts.overBudget == 1);
 }
 
 TEST_CASE("the layer of a cancelled load is free at once, and the photograph is requested again") {
