@@ -76,7 +76,6 @@ RendererOptions rendererOptions(const SmallScene& place, const RenderSettings& s
   options.uncertaintyScene = &place.scene();
   if (settings.overlay != Overlay::none) options.hiddenArea[0] = {{-1, -1}, {-0.5, -1}, {-1, -0.5}};
   options.uploads = uploads;
-  options.readerThreads = 0;
   return options;
 }
 
