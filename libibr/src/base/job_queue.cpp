@@ -6,7 +6,6 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <utility>
 
 namespace ibr {
@@ -134,9 +133,10 @@ JobQueue::JobQueue(unsigned threads, Executor executor, std::size_t capacity) : 
     for (unsigned i = 0; i < threads; ++i) Ticket::addReady(control_);
     return;
   }
+  threads_.reserve(threads);
   try {
     for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([shared = control_] { shared->runThread(); });
-  } catch (const std::system_error&) {  // fewer threads; without any, jobs run on the calling thread
+  } catch (const std::exception&) {  // fewer threads; without any, jobs run on the calling thread
     control.concurrency = unsigned(threads_.size());
   }
 }
