@@ -44,17 +44,28 @@ TextureSource watched(Before before) {
   };
 }
 
-struct Reads {
-  std::mutex mutex;
-  std::vector<std::size_t> nodes;
-  std::set<std::thread::id> threads;
+class Reads {
+ public:
   TextureSource source() {
     return watched([this](std::size_t node) {
-      const std::lock_guard lock(mutex);
-      nodes.push_back(node);
-      threads.insert(std::this_thread::get_id());
+      const std::lock_guard lock(mutex_);
+      nodes_.push_back(node);
+      threads_.insert(std::this_thread::get_id());
     });
   }
+  std::vector<std::size_t> nodes() {
+    const std::lock_guard lock(mutex_);
+    return nodes_;
+  }
+  std::set<std::thread::id> threads() {
+    const std::lock_guard lock(mutex_);
+    return threads_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::size_t> nodes_;
+  std::set<std::thread::id> threads_;
 };
 
 Image8 frameUntilLoaded(Walker& walker, const FramePlan& plan) {
@@ -108,8 +119,8 @@ TEST_CASE("no photograph is read on the thread that streams, and memory stays wi
   }
   CHECK(sharesOf(walker.frame(walker.planAt({11, 0, 11})), 143).own > 0.99);
   CHECK(walker.most <= 12 * kMiB);
-  CHECK_FALSE(reads.nodes.empty());
-  CHECK_FALSE(reads.threads.contains(std::this_thread::get_id()));
+  CHECK_FALSE(reads.nodes().empty());
+  CHECK_FALSE(reads.threads().contains(std::this_thread::get_id()));
 }
 
 TEST_CASE("the most urgent photographs of the last frame are read first, and those left behind are not read") {
@@ -131,7 +142,7 @@ TEST_CASE("the most urgent photographs of the last frame are read first, and tho
   for (const Cell& cell : scene.cells) cells.push_back(cell.members);
   WantedNodes wanted(cells, scene.nodes.size());
   wanted.update(here, 4);
-  CHECK(reads.nodes == std::vector<std::size_t>(wanted.nodes().begin(), wanted.nodes().begin() + 4));
+  CHECK(reads.nodes() == std::vector<std::size_t>(wanted.nodes().begin(), wanted.nodes().begin() + 4));
 }
 
 TEST_CASE("photographs that were read in vain are read again when they are needed") {
@@ -189,7 +200,7 @@ TEST_CASE("jobs of a destroyed scene have no effect") {
     CHECK(hand.jobs.size() == 2);
   }
   hand.runAll();
-  CHECK(reads.nodes.empty());
+  CHECK(reads.nodes().empty());
 }
 
 TEST_CASE("a scene is destroyed while photographs are read") {
