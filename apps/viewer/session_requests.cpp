@@ -79,7 +79,8 @@ void ViewerSession::startVideoJob() {
 
 void ViewerSession::takeScreenshot(const fs::path& file) {
   OpenItem* item = viewer_.item();
-  check(item && sceneImage_, ErrorCode::invalidInput, "{}: no screenshot: no scene is open", file.string());
+  check(item && sceneImage_ && currentItemOnDevice(), ErrorCode::invalidInput, "{}: no screenshot: {}", file.string(),
+        item ? "the scene is still loading" : "no scene is open");
   waitIdle(device_);
   const VkExtent2D extent = sceneImage_->target().extent;
   const Image8 image = currentItemOnDevice()->picture(extent, frame_);
@@ -91,7 +92,7 @@ void ViewerSession::takeScreenshot(const fs::path& file) {
 // because its photographs are streamed by then.
 void ViewerSession::runSceneQueries() {
   OpenItem* item = viewer_.item();
-  ItemOnDevice* drawn = item ? currentItemOnDevice() : nullptr;
+  ItemOnDevice* drawn = currentItemOnDevice();
   if (!drawn || !sceneImage_) return;
   const VkExtent2D extent = sceneImage_->target().extent;
   if (const auto pixel = std::exchange(item->pickPixel, std::nullopt)) {

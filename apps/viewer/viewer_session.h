@@ -5,9 +5,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
+#include "base/background.h"
 #include "ibr/offscreen.h"
 #include "ibr/shader_reload.h"
 #include "viewer/control/memory_budget.h"
@@ -49,7 +51,7 @@ class ViewerSession {
   void run();
 
   /// Number of messages from the validation layer.
-  std::uint64_t validationMessages() const noexcept { return device_.validationMessages(); }
+  std::uint64_t validationMessages() const noexcept { return owner_.validationMessages(); }
 
  private:
   double pause() const;  // s to wait for events; 0: something moves
@@ -66,13 +68,19 @@ class ViewerSession {
   void runSceneQueries();
   void releaseClosedItems();
   void reloadShaders();
-  ItemOnDevice* currentItemOnDevice();
+  Device sharedDevice();                // the same device for another thread
+  ItemOnDevice* currentItemOnDevice();  // nullptr: no item, or it is being uploaded
+  ItemOnDevice* uploadCurrentItem();    // starts the upload, and takes its result
+  Background<UploadedScene> startUpload(std::shared_ptr<const OpenItem> item);
+  bool isUploading() { return viewer_.item() && !currentItemOnDevice(); }
 
   Window& window_;
   Interface& interface_;
   Viewer& viewer_;
   const SessionOptions& options_;
-  Device device_;
+  Device owner_;           // owns the Vulkan device
+  std::mutex queueMutex_;  // held by the threads that submit
+  Device device_;          // owner_ with this lock
   MemoryMeter memory_;
   Swapchain swapchain_;
   std::optional<InterfaceDrawer> drawer_;
@@ -80,6 +88,7 @@ class ViewerSession {
   std::array<std::size_t, kFramesInFlight> timed_{};  // numbers of the frames that the timers measure
   std::optional<ShaderReloader> shaders_;
   std::map<std::uint64_t, std::unique_ptr<ItemOnDevice>> itemsOnDevice_;  // by OpenItem::number
+  std::map<std::uint64_t, Background<UploadedScene>> uploads_;            // likewise
   std::unique_ptr<Offscreen> sceneImage_;  // image without the interface, with the window's size
   std::uint64_t frame_ = 0;                // number of the last frame, shown or being recorded
   int redraws_ = 3;                        // frames to draw before drawing pauses: the interface settles within two

@@ -48,7 +48,7 @@ VrApp::VrApp(VrState& state)
 }
 
 VrApp::~VrApp() {
-  if (loading_.valid()) loading_.wait();
+  loading_ = {};
   waitIdle(device_);
 }
 

@@ -3,9 +3,9 @@
 // another one loads a scene, meanwhile the head is tracked over a grid.
 #pragma once
 
-#include <future>
 #include <optional>
 
+#include "base/background.h"
 #include "shared/camera/up.h"
 #include "vr/headset/eye_capture.h"
 #include "vr/headset/eye_images.h"
@@ -23,7 +23,7 @@ class VrApp {
   explicit VrApp(VrState& state);
   VrApp(const VrApp&) = delete;
   VrApp& operator=(const VrApp&) = delete;
-  ~VrApp();  // waits for the device, and for a scene that is being loaded
+  ~VrApp();  // stops the loading of a scene, and waits for the device
 
   /// Runs until the user leaves, VrOptions::frames frames were shown, or Ctrl-C. Throws Error; after deviceLost another
   /// VrApp may be created.
@@ -90,9 +90,9 @@ class VrApp {
   MenuLayer menu_;
   std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
-  std::unique_ptr<StereoScene> scene_;                 // null while a scene is loading
-  std::future<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
-  std::optional<std::size_t> nextScene_;               // index into options().places: loaded once the view is black
+  std::unique_ptr<StereoScene> scene_;                // null while a scene is loading
+  Background<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
+  std::optional<std::size_t> nextScene_;              // index into options().places: loaded once the view is black
   GovernorState governor_;
 
   // State of the current frame.

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "ibr/camera.h"
@@ -65,8 +66,8 @@ struct SceneBounds {
   struct Anchors;                    // for RenderSettings::alignCells; computed by the first frame that needs them
   std::shared_ptr<Anchors> anchors;  // thread-safe
 };
-/// Precondition: validate(scene) is empty.
-IBR_API SceneBounds sceneBounds(const Scene& scene);
+/// Precondition: validate(scene) is empty. A requested stop throws Error{cancelled} before the next cell.
+IBR_API SceneBounds sceneBounds(const Scene& scene, const std::stop_token& stop = {});
 
 struct FrameInput {
   /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the

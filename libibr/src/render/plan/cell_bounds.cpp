@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/stop.h"
 #include "ibr/frame_plan.h"
 #include "render/plan/anchors.h"
 #include "render/plan/photograph_choice.h"
@@ -92,10 +93,13 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
 
 }  // namespace
 
-SceneBounds sceneBounds(const Scene& scene) {
+SceneBounds sceneBounds(const Scene& scene, const std::stop_token& stop) {
   SceneBounds bounds;
-  for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
-  if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherStatistics(scene);
+  for (const Cell& cell : scene.cells) {
+    checkStop(stop, "computing a scene's bounds");
+    bounds.cells.push_back(boundsOf(scene, cell));
+  }
+  if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherStatistics(scene, stop);
   bounds.anchors = std::make_shared<SceneBounds::Anchors>();
   return bounds;
 }

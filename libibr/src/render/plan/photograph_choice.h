@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 #include <vector>
 
 #include "ibr/frame_plan.h"
@@ -24,7 +25,7 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
                                                  const std::vector<Camera>& views, const Pose& middle,
                                                  std::size_t count);
 
-/// GatherStatistics of a scene.
-GatherStatistics gatherStatistics(const Scene& scene);
+/// GatherStatistics of a scene. A requested stop throws Error{cancelled}.
+GatherStatistics gatherStatistics(const Scene& scene, const std::stop_token& stop = {});
 
 }  // namespace ibr
