@@ -62,6 +62,11 @@ ViewerSession::~ViewerSession() {
   uploads_.clear();
   waitIdle(device_);
   viewer_.takePosted();
+  try {
+    reportPictures(writer_.finish());
+  } catch (const Error& e) {
+    viewer_.logMessage(LogLevel::error, e.what());
+  }
 }
 
 double ViewerSession::pause() const {
@@ -85,6 +90,7 @@ void ViewerSession::run() {
     }
     if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty() || isUploading())
       redraws_ = std::max(redraws_, 1);
+    if (writer_.hasResults()) reportPictures(writer_.takeResults());
     if (interface_.hasPendingKeys()) redraws_ = 3;
     if (shaders_) reloadShaders();
     if (redraws_ == 0 && !imageOutdated_) continue;
@@ -98,6 +104,7 @@ void ViewerSession::run() {
     if (options_.frames > 0 && ready && ++shown >= options_.frames) break;
   }
   if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
+  reportPictures(writer_.finish());
 }
 
 Device ViewerSession::sharedDevice() {

@@ -12,6 +12,7 @@
 #include "base/background.h"
 #include "ibr/offscreen.h"
 #include "ibr/shader_reload.h"
+#include "shared/draw/picture_writer.h"
 #include "viewer/control/memory_budget.h"
 #include "viewer/control/viewer.h"
 #include "viewer/open/item_on_device.h"
@@ -64,7 +65,8 @@ class ViewerSession {
   void paste();
   std::filesystem::path saveCameraPath();  // returns the written file; empty: nothing to save
   void startVideoJob();
-  void takeScreenshot(const std::filesystem::path& file);
+  void takeScreenshot(const std::filesystem::path& file);  // empty: the next free one of the folder for screenshots
+  void reportPictures(const std::vector<PictureResult>& results);  // throws the error of a required one
   void runSceneQueries();
   void releaseClosedItems();
   void reloadShaders();
@@ -90,9 +92,10 @@ class ViewerSession {
   std::map<std::uint64_t, std::unique_ptr<ItemOnDevice>> itemsOnDevice_;  // by OpenItem::number
   std::map<std::uint64_t, Background<UploadedScene>> uploads_;            // likewise
   std::unique_ptr<Offscreen> sceneImage_;  // image without the interface, with the window's size
-  std::uint64_t frame_ = 0;                // number of the last frame, shown or being recorded
-  int redraws_ = 3;                        // frames to draw before drawing pauses: the interface settles within two
-  bool imageOutdated_ = true;              // the scene's image must be drawn again
+  PictureWriter writer_{wakeWindow};
+  std::uint64_t frame_ = 0;    // number of the last frame, shown or being recorded
+  int redraws_ = 3;            // frames to draw before drawing pauses: the interface settles within two
+  bool imageOutdated_ = true;  // the scene's image must be drawn again
   std::chrono::steady_clock::time_point last_;
   bool drawingPaused_ = true;  // drawing has paused since the last frame, so the next frame time is not recorded
 };

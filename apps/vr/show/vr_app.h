@@ -7,6 +7,7 @@
 
 #include "base/background.h"
 #include "shared/camera/up.h"
+#include "shared/draw/picture_writer.h"
 #include "vr/headset/eye_capture.h"
 #include "vr/headset/eye_images.h"
 #include "vr/headset/hands.h"
@@ -23,7 +24,7 @@ class VrApp {
   explicit VrApp(VrState& state);
   VrApp(const VrApp&) = delete;
   VrApp& operator=(const VrApp&) = delete;
-  ~VrApp();  // stops the loading of a scene, and waits for the device
+  ~VrApp();  // stops the loading of a scene, waits for the device, writes screenshots
 
   /// Runs until the user leaves, VrOptions::frames frames were shown, or Ctrl-C. Throws Error; after deviceLost another
   /// VrApp may be created.
@@ -34,6 +35,8 @@ class VrApp {
 
   const VrOptions& options() const noexcept { return state_.options; }
   void logMessage(LogLevel level, const std::string& text) const;
+
+  void showFrames();
 
   // Steps of a frame.
   void handleSessionEvents(const SessionEvents& events);
@@ -71,12 +74,18 @@ class VrApp {
   void returnToSpot();
   void cycleComposition();
 
-  // Statistics and screenshots.
+  // Statistics.
   void recordStatistics(const XrFrameTiming& timing, double seconds, double processorMs);
   void finishStatistics(std::uint32_t slot, double deviceMs);
   void updateStatusLine(const FrameLogEntry& times, double periodMs);
-  bool screenshotDue() const;
-  void writePictures(const std::vector<Camera>& eyes);
+
+  // Screenshots.
+  struct Capture;
+  Capture* dueCapture();
+  void keepCapture(Capture& capture, std::uint64_t frame, const std::vector<Camera>& eyes);
+  void writeCaptures(std::uint64_t completed);
+  void reportPictures(const std::vector<PictureResult>& results);
+  void finishPictures();
 
   VrState& state_;
   Headset headset_;
@@ -86,7 +95,8 @@ class VrApp {
   Hands hands_;
   FrameRing ring_;
   ShapesPass shapesPass_;
-  EyeCapture capture_;
+  std::array<std::unique_ptr<Capture>, 3> captures_;
+  PictureWriter writer_;  // declared after the captures that it reads
   MenuLayer menu_;
   std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
@@ -128,7 +138,7 @@ class VrApp {
   std::array<std::optional<Pending>, FrameRing::kSlots> pending_;
   std::uint32_t slot_ = 0;
   XrTime lastTime_ = 0;    // 0: the previous frame was not just before
-  double excludedMs_ = 0;  // of this frame: waiting for images and the device, writing files
+  double excludedMs_ = 0;  // of this frame: waiting for images, the device and the writer
   bool maskChanged_ = false, exitRequested_ = false, screenshotRequested_ = false, menuShown_ = false;
 };
 
