@@ -30,7 +30,7 @@ void ViewerSession::handleRequests() {
     if (pastes) paste();
     if (saves) saveCameraPath();
     if (rendersVideo) startVideoJob();
-    if (takesScreenshot) takeScreenshot(freeFile(fs::absolute(options_.screenshots), "view", ".png"));
+    if (takesScreenshot) takeScreenshot({});
     runSceneQueries();
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost) throw;
@@ -79,19 +79,38 @@ void ViewerSession::startVideoJob() {
 
 void ViewerSession::takeScreenshot(const fs::path& file) {
   OpenItem* item = viewer_.item();
-  check(item && sceneImage_, ErrorCode::invalidInput, "{}: no screenshot: no scene is open", file.string());
+  check(item && sceneImage_ && currentItemOnDevice(), ErrorCode::invalidInput, "{}: no screenshot: {}", file.string(),
+        item ? "the scene is still loading" : "no scene is open");
   waitIdle(device_);
   const VkExtent2D extent = sceneImage_->target().extent;
-  const Image8 image = currentItemOnDevice()->picture(extent, frame_);
-  writeScreenshot(file, image, *item, extent, options_.gpuScene);
-  viewer_.show(fmt::format("{} written", file.string()));
+  PictureJob job =
+      screenshotJob(file, fs::absolute(options_.screenshots), currentItemOnDevice()->picture(extent, frame_),
+                    item->scene.has_value(), recordOf(*item, extent, options_.gpuScene));
+  job.required = !file.empty();
+  writer_.add(std::move(job));
+}
+
+void ViewerSession::reportPictures(const std::vector<PictureResult>& results) {
+  for (const PictureResult& result : results) {
+    redraws_ = 3;
+    if (!result.error) {
+      for (const fs::path& file : result.files) viewer_.show(fmt::format("{} written", file.string()));
+      continue;
+    }
+    try {
+      std::rethrow_exception(result.error);
+    } catch (const Error& e) {
+      if (result.required) throw;
+      viewer_.logMessage(LogLevel::error, e.what());
+    }
+  }
 }
 
 // Executes requests about the scene, and measures trust once the view rests. Runs after the frame was submitted,
 // because its photographs are streamed by then.
 void ViewerSession::runSceneQueries() {
   OpenItem* item = viewer_.item();
-  ItemOnDevice* drawn = item ? currentItemOnDevice() : nullptr;
+  ItemOnDevice* drawn = currentItemOnDevice();
   if (!drawn || !sceneImage_) return;
   const VkExtent2D extent = sceneImage_->target().extent;
   if (const auto pixel = std::exchange(item->pickPixel, std::nullopt)) {

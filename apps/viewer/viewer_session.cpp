@@ -22,13 +22,12 @@ constexpr std::uint32_t kScopes = 64;
 constexpr double kMaxStepSeconds = 0.1;  // s: limits the motion after a pause in drawing
 
 Device makeDevice(const SessionOptions& options, Viewer& viewer) {
-  return Device::create(
-      {.device = options.device,
-       .validation = options.validation,
-       .instanceExtensions = Window::instanceExtensions(),
-       .deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME},
-       .log = [&viewer](LogLevel level, std::string_view text) { viewer.logMessage(level, std::string(text)); },
-       .pipelineCache = options.pipelineCache});
+  return Device::create({.device = options.device,
+                         .validation = options.validation,
+                         .instanceExtensions = Window::instanceExtensions(),
+                         .deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME},
+                         .log = [&viewer](LogLevel level, std::string_view text) { viewer.post(level, text); },
+                         .pipelineCache = options.pipelineCache});
 }
 
 // The previous frame may still be copying from the image.
@@ -49,7 +48,8 @@ ViewerSession::ViewerSession(Window& window, Interface& interface, Viewer& viewe
       interface_(interface),
       viewer_(viewer),
       options_(options),
-      device_(makeDevice(options, viewer)),
+      owner_(makeDevice(options, viewer)),
+      device_(sharedDevice()),
       memory_(device_),
       swapchain_(device_, window, {.onlySrgb = options.onlySrgb}),
       last_(std::chrono::steady_clock::now()) {
@@ -58,14 +58,23 @@ ViewerSession::ViewerSession(Window& window, Interface& interface, Viewer& viewe
 }
 
 ViewerSession::~ViewerSession() {
+  for (auto& [number, upload] : uploads_) upload.requestStop();
+  uploads_.clear();
   waitIdle(device_);
+  viewer_.takePosted();
+  try {
+    reportPictures(writer_.finish());
+  } catch (const Error& e) {
+    viewer_.logMessage(LogLevel::error, e.what());
+  }
 }
 
 double ViewerSession::pause() const {
   if (redraws_ > 0 || imageOutdated_) return 0;
   const auto now = std::chrono::steady_clock::now();
   // Wake up to remove a message and to take results of loading and jobs.
-  return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.jobs.empty() ? 0.1 : 3600;
+  const bool waits = !viewer_.opening.empty() || !viewer_.jobs.empty() || !uploads_.empty();
+  return shaders_ || viewer_.messageUntil > now || waits ? 0.1 : 3600;
 }
 
 void ViewerSession::run() {
@@ -79,7 +88,9 @@ void ViewerSession::run() {
       redraws_ = 3;
       imageOutdated_ = true;
     }
-    if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
+    if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty() || isUploading())
+      redraws_ = std::max(redraws_, 1);
+    if (writer_.hasResults()) reportPictures(writer_.takeResults());
     if (interface_.hasPendingKeys()) redraws_ = 3;
     if (shaders_) reloadShaders();
     if (redraws_ == 0 && !imageOutdated_) continue;
@@ -89,22 +100,61 @@ void ViewerSession::run() {
     }
     redraws_ = std::max(0, redraws_ - 1);
     releaseClosedItems();
-    const bool ready = viewer_.opening.empty() && viewer_.jobs.empty();
+    const bool ready = viewer_.opening.empty() && viewer_.jobs.empty() && !isUploading();
     if (options_.frames > 0 && ready && ++shown >= options_.frames) break;
   }
   if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
+  reportPictures(writer_.finish());
+}
+
+Device ViewerSession::sharedDevice() {
+  return Device::adopt({.instance = owner_.instance(),
+                        .physicalDevice = owner_.physicalDevice(),
+                        .device = owner_.handle(),
+                        .queue = owner_.queue(),
+                        .queueFamily = owner_.queueFamily(),
+                        .optionalFeatures = Device::featuresFor(owner_.physicalDevice()),
+                        .log = [this](LogLevel level, std::string_view text) { viewer_.post(level, text); },
+                        .pipelineCache = owner_.pipelineCache(),
+                        .queueMutex = &queueMutex_});
 }
 
 ItemOnDevice* ViewerSession::currentItemOnDevice() {
+  const OpenItem* item = viewer_.item();
+  const auto found = item ? itemsOnDevice_.find(item->number) : itemsOnDevice_.end();
+  return found == itemsOnDevice_.end() ? nullptr : found->second.get();
+}
+
+Background<UploadedScene> ViewerSession::startUpload(std::shared_ptr<const OpenItem> item) {
+  const auto device = std::make_shared<Device>(sharedDevice());
+  return Background<UploadedScene>([this, item = std::move(item), device](const std::stop_token&) {
+    struct Wake {
+      ~Wake() { wakeWindow(); }
+    } wake;
+    GpuSceneOptions options = options_.gpuScene;
+    options.log = [this](LogLevel level, std::string_view text) { viewer_.post(level, text); };
+    return uploadScene(std::move(*device), *item->scene, options);
+  });
+}
+
+ItemOnDevice* ViewerSession::uploadCurrentItem() {
   OpenItem* item = viewer_.item();
   if (!item) return nullptr;
-  std::unique_ptr<ItemOnDevice>& drawn = itemsOnDevice_[item->number];
-  if (!drawn) {
-    GpuSceneOptions options = options_.gpuScene;
-    options.log = [this](LogLevel level, std::string_view text) { viewer_.logMessage(level, std::string(text)); };
-    drawn = uploadItem(device_, *item, options);
+  if (ItemOnDevice* drawn = currentItemOnDevice()) return drawn;
+  std::unique_ptr<ItemOnDevice> drawn;
+  if (item->scene) {
+    const auto [upload, isNew] = uploads_.try_emplace(item->number);
+    if (isNew) upload->second = startUpload(viewer_.items[viewer_.current]);
+    if (!upload->second.isReady()) return nullptr;
+    Background<UploadedScene> done = std::move(upload->second);
+    uploads_.erase(upload);
+    drawn = sceneOnDevice(device_, *item, done.take());
+  } else {
+    drawn = modelOnDevice(device_, *item);
   }
-  return drawn.get();
+  imageOutdated_ = true;
+  redraws_ = 3;
+  return (itemsOnDevice_[item->number] = std::move(drawn)).get();
 }
 
 void ViewerSession::reloadShaders() {
@@ -134,9 +184,12 @@ void ViewerSession::reloadShaders() {
 }
 
 void ViewerSession::releaseClosedItems() {
+  const auto isClosed = [&](const auto& entry) {
+    return std::ranges::none_of(viewer_.items, [&](const auto& item) { return item->number == entry.first; });
+  };
+  std::erase_if(uploads_, isClosed);
   std::erase_if(itemsOnDevice_, [&](const auto& entry) {
-    const bool closed =
-        std::ranges::none_of(viewer_.items, [&](const auto& item) { return item->number == entry.first; });
+    const bool closed = isClosed(entry);
     if (closed) waitIdle(device_);
     return closed;
   });
@@ -150,7 +203,7 @@ void ViewerSession::recordImage(const Swapchain::Frame& frame, double seconds) {
     sceneImage_ = std::make_unique<Offscreen>(device_, frame.extent);
     imageOutdated_ = true;
   }
-  ItemOnDevice* drawn = currentItemOnDevice();
+  ItemOnDevice* drawn = uploadCurrentItem();
   if (drawn && imageOutdated_) {
     Target target = sceneImage_->target();
     target.initialUse = kImageInitialUse;
@@ -187,6 +240,7 @@ void ViewerSession::showPanels() {
   PanelInput input{viewer_, window_, device_.name(), device_.kind()};
   input.sceneBudget = options_.gpuScene.budgetBytes;
   input.budget = memory_.read();
+  input.uploading = isUploading();
   if (OpenItem* item = viewer_.item())
     if (const auto found = itemsOnDevice_.find(item->number); found != itemsOnDevice_.end()) {
       input.plan = found->second->plan();
@@ -249,7 +303,7 @@ bool ViewerSession::draw() {
     return true;
   }
   if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
-  const OpenItem* shown = viewer_.item();
+  const OpenItem* shown = currentItemOnDevice() ? viewer_.item() : nullptr;
   if (shown && !viewer_.firstPicture) {
     waitIdle(device_);
     viewer_.firstPicture = std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.begun).count();

@@ -5,11 +5,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
+#include "base/background.h"
 #include "ibr/offscreen.h"
 #include "ibr/shader_reload.h"
+#include "shared/draw/picture_writer.h"
 #include "viewer/control/memory_budget.h"
 #include "viewer/control/viewer.h"
 #include "viewer/open/item_on_device.h"
@@ -49,7 +52,7 @@ class ViewerSession {
   void run();
 
   /// Number of messages from the validation layer.
-  std::uint64_t validationMessages() const noexcept { return device_.validationMessages(); }
+  std::uint64_t validationMessages() const noexcept { return owner_.validationMessages(); }
 
  private:
   double pause() const;  // s to wait for events; 0: something moves
@@ -62,17 +65,24 @@ class ViewerSession {
   void paste();
   std::filesystem::path saveCameraPath();  // returns the written file; empty: nothing to save
   void startVideoJob();
-  void takeScreenshot(const std::filesystem::path& file);
+  void takeScreenshot(const std::filesystem::path& file);  // empty: the next free one of the folder for screenshots
+  void reportPictures(const std::vector<PictureResult>& results);  // throws the error of a required one
   void runSceneQueries();
   void releaseClosedItems();
   void reloadShaders();
-  ItemOnDevice* currentItemOnDevice();
+  Device sharedDevice();                // the same device for another thread
+  ItemOnDevice* currentItemOnDevice();  // nullptr: no item, or it is being uploaded
+  ItemOnDevice* uploadCurrentItem();    // starts the upload, and takes its result
+  Background<UploadedScene> startUpload(std::shared_ptr<const OpenItem> item);
+  bool isUploading() { return viewer_.item() && !currentItemOnDevice(); }
 
   Window& window_;
   Interface& interface_;
   Viewer& viewer_;
   const SessionOptions& options_;
-  Device device_;
+  Device owner_;           // owns the Vulkan device
+  std::mutex queueMutex_;  // held by the threads that submit
+  Device device_;          // owner_ with this lock
   MemoryMeter memory_;
   Swapchain swapchain_;
   std::optional<InterfaceDrawer> drawer_;
@@ -80,10 +90,12 @@ class ViewerSession {
   std::array<std::size_t, kFramesInFlight> timed_{};  // numbers of the frames that the timers measure
   std::optional<ShaderReloader> shaders_;
   std::map<std::uint64_t, std::unique_ptr<ItemOnDevice>> itemsOnDevice_;  // by OpenItem::number
+  std::map<std::uint64_t, Background<UploadedScene>> uploads_;            // likewise
   std::unique_ptr<Offscreen> sceneImage_;  // image without the interface, with the window's size
-  std::uint64_t frame_ = 0;                // number of the last frame, shown or being recorded
-  int redraws_ = 3;                        // frames to draw before drawing pauses: the interface settles within two
-  bool imageOutdated_ = true;              // the scene's image must be drawn again
+  PictureWriter writer_{wakeWindow};
+  std::uint64_t frame_ = 0;    // number of the last frame, shown or being recorded
+  int redraws_ = 3;            // frames to draw before drawing pauses: the interface settles within two
+  bool imageOutdated_ = true;  // the scene's image must be drawn again
   std::chrono::steady_clock::time_point last_;
   bool drawingPaused_ = true;  // drawing has paused since the last frame, so the next frame time is not recorded
 };

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images of the eyes: the runtime's swapchain images, screenshots, and the output of `ibr render --stereo` for the same
 // poses are equal.
+#include <fmt/format.h>
+
+#include <iterator>
+
 #include "io/image_file.h"
 
 #include <nlohmann/json.hpp>
@@ -130,5 +134,24 @@ TEST_CASE("hidden areas of the lenses are not drawn, but screenshots are complet
     CHECK(hidden == left);
     CHECK(wrong == 0);
     CHECK(!isEmpty(kept));
+  }
+}
+
+TEST_CASE("after Ctrl-C the screenshots of all frames are complete") {
+  XrSetup setup;
+  TemporaryFolder folder;
+  Visitor visitor(setup, {"--no-governor", "--screenshots", folder.path(), "--screenshot-every", "1"});
+  visitor.move(lookingAhead());
+  visitor.waitForScene();
+  visitor.pass(10);
+  const json report = visitor.leave();
+  const json& files = report["pictures"];
+  CHECK(files.size() >= 2 * report["frames"]["frames"].get<std::size_t>());
+  CHECK(files.size() == std::size_t(std::distance(fs::directory_iterator(folder.path()), {})));
+  for (std::size_t i = 0; i < files.size(); i += 2) {
+    const std::string left = files[i], right = files[i + 1];
+    CHECK(left == (folder / (fmt::format("view_{:04d}_l.png", i / 2 + 1))).string());
+    CHECK(!isEmpty(readImage(left)));
+    CHECK(!isEmpty(readImage(right)));
   }
 }

@@ -2,13 +2,16 @@
 #include "viewer/control/screenshot.h"
 
 #include <fmt/format.h>
+
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "base/file.h"
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/settings.h"
 #include "shared/draw/image_operations.h"
-#include "shared/draw/picture_record.h"
 
 namespace fs = std::filesystem;
 
@@ -29,12 +32,19 @@ nlohmann::ordered_json settingsOf(const OpenItem& item, const GpuSceneOptions& g
   return settings;
 }
 
-void writeScreenshot(const fs::path& file, const Image8& image, const OpenItem& item, VkExtent2D extent,
-                     const GpuSceneOptions& gpuScene) {
-  if (file.has_parent_path()) makeFolders(file.parent_path());
-  const Camera camera = cameraOf(item, extent);
-  const std::optional<double> time = item.video ? std::optional(item.time) : std::nullopt;
-  writePicture(file, item.scene ? rgb(image) : image, {camera, time, settingsOf(item, gpuScene)});
+PictureRecord recordOf(const OpenItem& item, VkExtent2D extent, const GpuSceneOptions& gpuScene) {
+  return {cameraOf(item, extent), item.video ? std::optional(item.time) : std::nullopt, settingsOf(item, gpuScene)};
+}
+
+PictureJob screenshotJob(const fs::path& file, const fs::path& folder, Image8 image, bool opaque,
+                         PictureRecord record) {
+  const auto picture = std::make_shared<const Image8>(std::move(image));
+  return {.name = file.empty() ? folder.string() : file.string(), .write = [=, record = std::move(record)] {
+            const fs::path written = file.empty() ? freeFile(folder, "view", ".png") : file;
+            if (written.has_parent_path()) makeFolders(written.parent_path());
+            writePicture(written, opaque ? rgb(*picture) : *picture, record);
+            return std::vector{written};
+          }};
 }
 
 }  // namespace ibr::app

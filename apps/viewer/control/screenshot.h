@@ -3,10 +3,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 
 #include "ibr/gpu_scene.h"
 #include "ibr/image.h"
+#include "shared/draw/picture_record.h"
+#include "shared/draw/picture_writer.h"
 #include "viewer/open/open_item.h"
 
 namespace ibr::app {
@@ -17,8 +18,12 @@ std::filesystem::path freeFile(const std::filesystem::path& folder, const char* 
 /// Returns all settings that determine the image, in the format that `ibr render` reports.
 nlohmann::ordered_json settingsOf(const OpenItem& item, const GpuSceneOptions& gpuScene);
 
-/// Writes the same image file as `ibr render` for the same view and settings. Throws Error{io}.
-void writeScreenshot(const std::filesystem::path& file, const Image8& image, const OpenItem& item, VkExtent2D extent,
-                     const GpuSceneOptions& gpuScene);
+/// Returns the record of the current view.
+PictureRecord recordOf(const OpenItem& item, VkExtent2D extent, const GpuSceneOptions& gpuScene);
+
+/// Returns a job that writes the same image file as `ibr render` for the same view and settings. `opaque`: the file has
+/// no alpha. Without a file, the job takes freeFile(folder, "view", ".png").
+PictureJob screenshotJob(const std::filesystem::path& file, const std::filesystem::path& folder, Image8 image,
+                         bool opaque, PictureRecord record);
 
 }  // namespace ibr::app

@@ -46,11 +46,11 @@ void Viewer::open(const fs::path& path) {
     logMessage(LogLevel::info, fmt::format("building a scene from {}", path.string()));
     return;
   }
-  opening.push_back({path, std::async(std::launch::async, [path] {
+  opening.push_back({path, Background<OpenItem>([path](const std::stop_token& stop) {
                        struct Wake {
                          ~Wake() { wakeWindow(); }
                        } wake;
-                       return openItem(path);
+                       return openItem(path, stop);
                      })});
 }
 
@@ -75,14 +75,15 @@ bool Viewer::collectFinishedJobs() {
 }
 
 bool Viewer::collectOpenedItems() {
+  takePosted();
   bool any = collectFinishedJobs();
   // Takes results in the order of the requests.
-  while (!opening.empty() && opening[0].item.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+  while (!opening.empty() && opening[0].item.isReady()) {
     Opening done = std::move(opening[0]);
     opening.erase(opening.begin());
     any = true;
     try {
-      items.push_back(std::make_unique<OpenItem>(done.item.get()));
+      items.push_back(std::make_shared<OpenItem>(done.item.take()));
       current = items.size() - 1;
       item()->settings = first;
       if (initialCameraPath) {
@@ -127,6 +128,20 @@ void Viewer::logMessage(LogLevel level, std::string text) {
   }
   log.push_back({level, std::move(text)});
   if (log.size() > kLines) log.pop_front();
+}
+
+void Viewer::post(LogLevel level, std::string_view text) {
+  const std::lock_guard lock(postedMutex_);
+  posted_.push_back({level, std::string(text)});
+}
+
+void Viewer::takePosted() {
+  std::vector<LogLine> lines;
+  {
+    const std::lock_guard lock(postedMutex_);
+    lines.swap(posted_);
+  }
+  for (LogLine& line : lines) logMessage(line.level, std::move(line.text));
 }
 
 }  // namespace ibr::app

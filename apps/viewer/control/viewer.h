@@ -5,12 +5,13 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
-#include <future>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/background.h"
 #include "ibr/log.h"
 #include "ibr/scope_timer.h"
 #include "viewer/control/frame_times.h"
@@ -27,11 +28,11 @@ struct LogLine {
 /// A scene whose files are being read.
 struct Opening {
   std::filesystem::path path;
-  std::future<OpenItem> item;
+  Background<OpenItem> item;
 };
 
 struct Viewer {
-  std::vector<std::unique_ptr<OpenItem>> items;  // in the order of opening
+  std::vector<std::shared_ptr<OpenItem>> items;  // in the order of opening; a thread that uploads shares its item
   std::size_t current = 0;                       // index into items; unused if empty
   std::size_t activeTab = 0;                     // index into items, of the panel's tab
   std::vector<Opening> opening;
@@ -82,6 +83,12 @@ struct Viewer {
   bool collectFinishedJobs();                         // takes finished jobs; a scene that was rebuilt is opened again
   void show(std::string text);                        // writes to the log, and over the image for 3 s
   void logMessage(LogLevel level, std::string text);  // writes to the log; warnings also over the image
+  void post(LogLevel level, std::string_view text);   // the same from any thread, at the next call of takePosted
+  void takePosted();
+
+ private:
+  std::mutex postedMutex_;
+  std::vector<LogLine> posted_;
 };
 
 }  // namespace ibr::app

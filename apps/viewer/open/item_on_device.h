@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "ibr/device.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/image.h"
 #include "ibr/scope_timer.h"
@@ -70,7 +71,19 @@ class ItemOnDevice {
   virtual std::optional<GpuScene::StreamStatus> streamed() const { return std::nullopt; }
 };
 
-/// `item` must outlive the result and may change meanwhile as OpenItem allows. Uploads and waits. Throws Error.
-std::unique_ptr<ItemOnDevice> uploadItem(Device& device, OpenItem& item, const GpuSceneOptions& options);
+/// A scene on the device, and the Device that it was uploaded with.
+struct UploadedScene {
+  std::unique_ptr<Device> device;
+  GpuScene scene;
+};
+
+/// May run on any thread, with a device of its own; afterwards one thread uses all devices. The scene must outlive the
+/// result. Throws Error.
+UploadedScene uploadScene(Device device, const Scene& scene, const GpuSceneOptions& options);
+
+// `item` must outlive the result and may change meanwhile as OpenItem allows.
+std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded);
+/// For harmonised models and 3D video. Uploads and waits. Throws Error.
+std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, OpenItem& item);
 
 }  // namespace ibr::app

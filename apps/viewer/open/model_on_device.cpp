@@ -10,7 +10,6 @@
 #include "shared/draw/htm_model_renderer.h"
 #include "shared/draw/image_operations.h"
 #include "viewer/open/item_on_device.h"
-#include "viewer/open/open_item_kinds.h"
 
 namespace ibr::app {
 namespace {
@@ -134,10 +133,6 @@ class ModelOnDevice final : public ItemOnDevice {
 
 std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, OpenItem& item) {
   return std::make_unique<ModelOnDevice>(device, item);
-}
-
-std::unique_ptr<ItemOnDevice> uploadItem(Device& device, OpenItem& item, const GpuSceneOptions& options) {
-  return item.scene ? sceneOnDevice(device, item, options) : modelOnDevice(device, item);
 }
 
 }  // namespace ibr::app

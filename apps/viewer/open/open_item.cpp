@@ -46,7 +46,7 @@ std::size_t middleOf(const std::vector<Pose>& poses) {
 
 }  // namespace
 
-OpenItem openItem(const fs::path& path) {
+OpenItem openItem(const fs::path& path, const std::stop_token& stop) {
   static std::atomic<std::uint64_t> opened = 0;
   OpenItem item{.number = ++opened, .path = path, .name = folderName(path)};
   const std::optional<AssetKind> kind = assetKind(path);
@@ -54,7 +54,8 @@ OpenItem openItem(const fs::path& path) {
         fs::exists(path) ? "is not a scene, harmonised model or 3D video" : "does not exist");
   switch (*kind) {
     case AssetKind::scene:
-      item.scene = loadScene(path);
+      item.scene = loadScene(path, stop);
+      item.sceneBounds = sceneBounds(*item.scene, false, stop);
       for (const Node& node : item.scene->nodes) item.viewpoints.push_back({node.name, node.camera});
       break;
     case AssetKind::htmModel:

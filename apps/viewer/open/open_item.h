@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,10 @@ struct OpenItem {
   std::unique_ptr<HtmSequence> video;
 
   std::vector<Viewpoint> viewpoints;
-  double step = 1;       // median distance of a photograph to its nearest neighbour, world units
-  RoamingBounds bounds;  // region near the photographs, where views may be trusted
-  GraphView map;         // projection for the map of capture sites
+  double step = 1;          // median distance of a photograph to its nearest neighbour, world units
+  RoamingBounds bounds;     // region near the photographs, where views may be trusted
+  SceneBounds sceneBounds;  // of `scene`
+  GraphView map;            // projection for the map of capture sites
 
   // The user's view and settings.
   Navigation navigation;
@@ -72,8 +74,9 @@ struct OpenItem {
   void flyToViewpoint(std::size_t viewpoint, double seconds = 0.6);
 };
 
-/// Reads the files. May run on any thread. Throws Error that names the file.
-OpenItem openItem(const std::filesystem::path& path);
+/// Reads the files. May run on any thread. Throws Error that names the file, and Error{cancelled} soon after a stop was
+/// requested.
+OpenItem openItem(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 /// Returns the current view as a pinhole camera for an image of this size.
 Camera cameraOf(const OpenItem& item, VkExtent2D extent);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/stopwatch.h"
 #include "base/vulkan/submit.h"
@@ -9,7 +10,6 @@
 #include "shared/draw/graph_lines.h"
 #include "shared/report/statistics.h"
 #include "viewer/open/item_on_device.h"
-#include "viewer/open/open_item_kinds.h"
 #include "viewer/open/trust_probe.h"
 
 namespace ibr::app {
@@ -37,8 +37,8 @@ bool canDraw(const RendererOptions& has, const RendererOptions& needs) {
 
 class SceneOnDevice final : public ItemOnDevice {
  public:
-  SceneOnDevice(Device& device, OpenItem& item, const GpuSceneOptions& options)
-      : device_(device), item_(item), bounds_(sceneBounds(*item.scene)), gpuScene_(device, *item.scene, options) {}
+  SceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded)
+      : device_(device), item_(item), bounds_(item.sceneBounds), uploaded_(std::move(uploaded)) {}
 
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     const Camera view = cameraOf(item_, target.extent);
@@ -162,8 +162,9 @@ class SceneOnDevice final : public ItemOnDevice {
 
   Device& device_;
   OpenItem& item_;
-  SceneBounds bounds_;
-  GpuScene gpuScene_;
+  const SceneBounds& bounds_;
+  UploadedScene uploaded_;
+  GpuScene& gpuScene_ = uploaded_.scene;
   RendererOptions options_;
   std::optional<Renderer> renderer_;
   std::optional<GraphOverlay> graph_;
@@ -179,8 +180,14 @@ class SceneOnDevice final : public ItemOnDevice {
 
 }  // namespace
 
-std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, const GpuSceneOptions& options) {
-  return std::make_unique<SceneOnDevice>(device, item, options);
+UploadedScene uploadScene(Device device, const Scene& scene, const GpuSceneOptions& options) {
+  auto own = std::make_unique<Device>(std::move(device));
+  GpuScene uploaded(*own, scene, options);
+  return {std::move(own), std::move(uploaded)};
+}
+
+std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded) {
+  return std::make_unique<SceneOnDevice>(device, item, std::move(uploaded));
 }
 
 }  // namespace ibr::app

@@ -143,8 +143,8 @@ void showAll(PanelInput& input) {
   }
   if (viewer.showHelp) showHelp(input);
   showOpen(input);
-  if (viewer.showInterface || viewer.messageIsWarning || !viewer.opening.empty() || !viewer.jobs.empty() ||
-      !viewer.shaderErrors.empty())
+  if (viewer.showInterface || viewer.messageIsWarning || !viewer.opening.empty() || input.uploading ||
+      !viewer.jobs.empty() || !viewer.shaderErrors.empty())
     showMessage(input);
 }
 
@@ -186,13 +186,15 @@ void showMessage(PanelInput& input) {
   Viewer& viewer = input.viewer;
   const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
   if (!still) viewer.message.clear();
-  if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderErrors.empty()) return;
+  if (!still && viewer.opening.empty() && !input.uploading && viewer.jobs.empty() && viewer.shaderErrors.empty())
+    return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const bool aboveTimeLine = viewer.showInterface && viewer.item() && viewer.item()->video;
   beginCard(kMessage, {0.5f * size.x, size.y - (aboveTimeLine ? 5 * ImGui::GetFontSize() : 16)}, {0.5f, 1},
             viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
-  for (const Opening& opening : viewer.opening)
-    ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
+  const char spinner = "|/-\\"[int(ImGui::GetTime() * 6) & 3];
+  for (const Opening& opening : viewer.opening) ImGui::Text("%c  opening %s", spinner, opening.path.string().c_str());
+  if (input.uploading && viewer.item()) ImGui::Text("%c  uploading %s", spinner, viewer.item()->name.c_str());
   for (const auto& [file, text] : viewer.shaderErrors)
     ImGui::TextColored({0.95f, 0.7f, 0.3f, 1}, "%s\n%s", file.c_str(), text.c_str());
   for (const auto& job : viewer.jobs) {

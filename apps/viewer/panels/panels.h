@@ -21,11 +21,12 @@ struct PanelInput {
   Window& window;
   std::string device;
   DeviceKind deviceKind;
-  const FramePlan* plan = nullptr;  // of the previous frame; nullptr for harmonised models
+  const FramePlan* plan = nullptr;  // of the previous frame; nullptr for harmonised models and during an upload
   std::vector<MemoryClass> memory = {};
   std::uint64_t sceneBudget = 0;  // --vram-budget; 0: none
   MemoryBudget budget = {};
   std::optional<GpuScene::StreamStatus> streamed = {};
+  bool uploading = false;  // the current item is not on the device yet
 };
 
 /// Draws the whole interface. Call within an ImGui frame.

@@ -24,6 +24,11 @@ void EyeCapture::record(VkCommandBuffer commands, const EyeImages& images) {
   bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
 }
 
+void EyeCapture::submitted(std::uint64_t frame) noexcept {
+  frame_ = frame;
+  free_ = false;
+}
+
 std::array<Image8, 2> EyeCapture::read() const {
   std::array<Image8, 2> pictures;
   for (std::size_t eye = 0; eye < 2; ++eye) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/stop.h"
 #include "ibr/asset.h"
 #include "ibr/requirements.h"
 #include "shared/camera/roaming.h"
@@ -55,12 +56,12 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
 
 }  // namespace
 
-LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre) {
+LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, const std::stop_token& stop) {
   check(assetKind(path).value_or(AssetKind::scene) == AssetKind::scene, ErrorCode::unsupported,
         "{}: ibr-vr shows scenes only; open harmonised models in ibr-viewer", path.string());
-  LoadedScene files{.path = path, .scene = loadScene(path)};
+  LoadedScene files{.path = path, .scene = loadScene(path, stop)};
   check(!files.scene.nodes.empty(), ErrorCode::invalidInput, "{}: the scene has no photographs", path.string());
-  files.bounds = sceneBounds(files.scene);
+  files.bounds = sceneBounds(files.scene, false, stop);
   const std::vector<Pose> poses = posesOf(files.scene);
   const std::optional<glm::dvec3> up = upOf(poses);
   files.canBeGathered = requirementsOf(files.scene, {}).gatherable > 0;
@@ -73,12 +74,13 @@ LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre) {
 
 StereoScene::StereoScene(Device device, std::shared_ptr<const LoadedScene> files,
                          std::span<const RenderSettings> levels, bool floor, const EyeFormat& eyes,
-                         const GpuSceneOptions& options)
+                         const GpuSceneOptions& options, const std::stop_token& stop)
     : device_(std::move(device)),
       files_(std::move(files)),
       gpuScene_(device_, files_->scene, options),
       eyes_(eyes),
       floor_(floor) {
+  checkStop(stop, "uploading the scene");
   setLevels(levels);
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,9 @@ struct LoadedScene {
   bool level = true;  // false: the up direction is unknown, because photographs were held in too many ways; y is used
 };
 
-/// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. Throws Error that names the file.
-LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre);
+/// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. Throws Error that names the file, and
+/// Error{cancelled} soon after a stop was requested.
+LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, const std::stop_token& stop);
 
 /// Format of the eyes' images.
 struct EyeFormat {
@@ -42,9 +44,10 @@ struct EyeFormat {
 class StereoScene {
  public:
   /// Uploads the scene. May run on any thread that has the device to itself; afterwards one thread uses both. `levels`:
-  /// all settings that the scene will be drawn with. Submits and waits. Throws Error.
+  /// all settings that the scene will be drawn with. Submits and waits. Throws Error, and Error{cancelled} if a stop
+  /// was requested before the renderer is made.
   StereoScene(Device device, std::shared_ptr<const LoadedScene> files, std::span<const RenderSettings> levels,
-              bool floor, const EyeFormat& eyes, const GpuSceneOptions& options);
+              bool floor, const EyeFormat& eyes, const GpuSceneOptions& options, const std::stop_token& stop);
   StereoScene(const StereoScene&) = delete;
   StereoScene& operator=(const StereoScene&) = delete;
 

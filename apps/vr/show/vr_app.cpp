@@ -8,7 +8,9 @@
 
 #include "base/stopwatch.h"
 #include "base/vulkan/submit.h"
+#include "ibr/error.h"
 #include "shared/cli/signals.h"
+#include "vr/show/vr_capture.h"
 
 namespace ibr::app {
 namespace {
@@ -35,7 +37,6 @@ VrApp::VrApp(VrState& state)
       hands_(headset_, session_),
       ring_(device_),
       shapesPass_(device_, images_.format(), images_.depthFormat(), FrameRing::kSlots),
-      capture_(device_),
       menu_(headset_, device_, session_, state.context.log()),
       head_{{0, state.eyeHeight, 0}, {1, 0, 0, 0}} {
   state_.headset = headset_.name();
@@ -43,14 +44,23 @@ VrApp::VrApp(VrState& state)
   logMessage(LogLevel::info, session_.spaceKind() == SpaceKind::stage
                                  ? "STAGE space: floor of the room"
                                  : fmt::format("LOCAL space: initial eye height {:.2f} m", state.eyeHeight));
+  for (auto& capture : captures_) capture = std::make_unique<Capture>(device_);
   makeMirror();
   beginLoading();
 }
 
 VrApp::~VrApp() {
-  stopLoading_.request_stop();
-  if (loading_.valid()) loading_.wait();
+  loading_ = {};
   waitIdle(device_);
+  // After a lost device, the copies that the writer already has are still written.
+  for (const bool lost : {false, true}) try {
+      if (lost)
+        reportPictures(writer_.finish());
+      else
+        finishPictures();
+    } catch (const Error& e) {
+      logMessage(LogLevel::error, fmt::format("screenshots: {}", e.what()));
+    }
 }
 
 void VrApp::logMessage(LogLevel level, const std::string& text) const {
@@ -58,6 +68,11 @@ void VrApp::logMessage(LogLevel level, const std::string& text) const {
 }
 
 void VrApp::run() {
+  showFrames();
+  finishPictures();
+}
+
+void VrApp::showFrames() {
   while (!session_.ended()) {
     handleSessionEvents(session_.handleEvents());
     if (state_.window) {

@@ -3,11 +3,12 @@
 // another one loads a scene, meanwhile the head is tracked over a grid.
 #pragma once
 
-#include <future>
 #include <optional>
 #include <stop_token>
 
+#include "base/background.h"
 #include "shared/camera/up.h"
+#include "shared/draw/picture_writer.h"
 #include "vr/headset/eye_capture.h"
 #include "vr/headset/eye_images.h"
 #include "vr/headset/hands.h"
@@ -24,7 +25,7 @@ class VrApp {
   explicit VrApp(VrState& state);
   VrApp(const VrApp&) = delete;
   VrApp& operator=(const VrApp&) = delete;
-  ~VrApp();  // waits for the device, and for a scene that is being loaded
+  ~VrApp();  // stops the loading of a scene, waits for the device, writes screenshots
 
   /// Runs until the user leaves, VrOptions::frames frames were shown, or Ctrl-C. Throws Error; after deviceLost another
   /// VrApp may be created.
@@ -35,6 +36,8 @@ class VrApp {
 
   const VrOptions& options() const noexcept { return state_.options; }
   void logMessage(LogLevel level, const std::string& text) const;
+
+  void showFrames();
 
   // Steps of a frame.
   void handleSessionEvents(const SessionEvents& events);
@@ -72,12 +75,18 @@ class VrApp {
   void returnToSpot();
   void cycleComposition();
 
-  // Statistics and screenshots.
+  // Statistics.
   void recordStatistics(const XrFrameTiming& timing, double seconds, double processorMs);
   void finishStatistics(std::uint32_t slot, double deviceMs);
   void updateStatusLine(const FrameLogEntry& times, double periodMs);
-  bool screenshotDue() const;
-  void writePictures(const std::vector<Camera>& eyes);
+
+  // Screenshots.
+  struct Capture;
+  Capture* dueCapture();
+  void keepCapture(Capture& capture, std::uint64_t frame, const std::vector<Camera>& eyes);
+  void writeCaptures(std::uint64_t completed);
+  void reportPictures(const std::vector<PictureResult>& results);
+  void finishPictures();
 
   VrState& state_;
   Headset headset_;
@@ -87,14 +96,14 @@ class VrApp {
   Hands hands_;
   FrameRing ring_;
   ShapesPass shapesPass_;
-  EyeCapture capture_;
+  std::array<std::unique_ptr<Capture>, 3> captures_;
+  PictureWriter writer_;  // declared after the captures that it reads
   MenuLayer menu_;
   std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
-  std::unique_ptr<StereoScene> scene_;                 // null while a scene is loading
-  std::stop_source stopLoading_;                       // requested when the program ends
-  std::future<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
-  std::optional<std::size_t> nextScene_;               // index into options().places: loaded once the view is black
+  std::unique_ptr<StereoScene> scene_;                // null while a scene is loading
+  Background<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
+  std::optional<std::size_t> nextScene_;              // index into options().places: loaded once the view is black
   GovernorState governor_;
 
   // State of the current frame.
@@ -130,7 +139,7 @@ class VrApp {
   std::array<std::optional<Pending>, FrameRing::kSlots> pending_;
   std::uint32_t slot_ = 0;
   XrTime lastTime_ = 0;    // 0: the previous frame was not just before
-  double excludedMs_ = 0;  // of this frame: waiting for images and the device, writing files
+  double excludedMs_ = 0;  // of this frame: waiting for images, the device and the writer
   bool maskChanged_ = false, exitRequested_ = false, screenshotRequested_ = false, menuShown_ = false;
 };
 

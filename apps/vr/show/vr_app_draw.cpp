@@ -5,7 +5,7 @@
 #include "base/vulkan/functions.h"
 #include "base/vulkan/rendering.h"
 #include "ibr/error.h"
-#include "vr/show/vr_app.h"
+#include "vr/show/vr_capture.h"
 
 namespace ibr::app {
 namespace {
@@ -30,18 +30,20 @@ void VrApp::draw(double seconds) {
     inSpace.push_back({lens, eye.pose});
     cameras.push_back({lens, inWorld(walkOutput_.tracking, eye.pose)});
   }
+  Capture* const capture = scene_ ? dueCapture() : nullptr;
   const Stopwatch waiting;
   const std::array<Target, 2> targets = images_.acquire(walkOutput_.tracking.unitsPerMetre);
   const FrameRing::Frame frame = ring_.begin();
   excludedMs_ += 1e3 * waiting.seconds();
   slot_ = frame.slot;
   finishStatistics(slot_, ring_.deviceMs());
-  const bool captures = scene_ && screenshotDue();
+  writeCaptures(frame.completed);
+  if (writer_.hasResults()) reportPictures(writer_.takeResults());
   if (scene_)
-    recordScene(frame, seconds, cameras, targets, captures);
+    recordScene(frame, seconds, cameras, targets, capture != nullptr);
   else
     recordBackground(frame.commands, targets);
-  if (captures) capture_.record(frame.commands, images_);
+  if (capture) capture->images.record(frame.commands, images_);
   shapesPass_.setShapes(frame.slot, shapes());
   for (std::size_t eye = 0; eye < 2; ++eye)
     shapesPass_.record(frame.commands, frame.slot, inSpace[eye], targets[eye], EyeImages::kNearPlane,
@@ -50,10 +52,10 @@ void VrApp::draw(double seconds) {
   if (menuShown_) menu_.record(frame);
   images_.finish(frame.commands);
   ring_.submit(frame);
+  if (capture) keepCapture(*capture, frame.number, cameras);
   if (window_) showInMirror();
   images_.release();
   if (menuShown_) menu_.release();
-  if (captures) writePictures(cameras);
 }
 
 void VrApp::recordScene(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,

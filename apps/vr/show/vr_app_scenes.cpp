@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // VrApp: loads, shows and leaves a scene.
-#include <chrono>
 #include <utility>
 
 #include "ibr/error.h"
@@ -9,8 +8,6 @@
 
 namespace ibr::app {
 
-using namespace std::chrono_literals;
-
 EyeFormat VrApp::eyeFormat() const {
   return {images_.extent(), images_.format(), {session_.hiddenArea(0), session_.hiddenArea(1)}};
 }
@@ -18,17 +15,17 @@ EyeFormat VrApp::eyeFormat() const {
 void VrApp::beginLoading() {
   loadingSeconds_ = 0;
   // The main thread does not change the parts of the state that the loading thread uses.
-  loading_ = std::async(std::launch::async, [this, eyes = eyeFormat()] {
+  loading_ = Background<std::unique_ptr<StereoScene>>([this, eyes = eyeFormat()](const std::stop_token& stop) {
     std::shared_ptr<const LoadedScene>& files = state_.files[state_.current];
     if (!files)
       files = std::make_shared<LoadedScene>(
-          readScene(options().places[state_.current], state_.initialScale(state_.current)));
+          readScene(options().places[state_.current], state_.initialScale(state_.current), stop));
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = state_.context.log();
-    gpuScene.stop = stopLoading_.get_token();
+    gpuScene.stop = stop;
     return std::make_unique<StereoScene>(headset_.device(nullptr), files, levelsOf(*files), options().floor, eyes,
-                                         gpuScene);
+                                         gpuScene, stop);
   });
 }
 
@@ -40,9 +37,9 @@ std::vector<RenderSettings> VrApp::levelsOf(const LoadedScene& files) const {
 }
 
 void VrApp::collectLoadedScene() {
-  if (!loading_.valid() || loading_.wait_for(0s) != std::future_status::ready) return;
+  if (!loading_.isReady()) return;
   try {
-    enterScene(loading_.get());
+    enterScene(loading_.take());
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost || !state_.previousScene) throw;
     returnToPreviousScene(e.what());

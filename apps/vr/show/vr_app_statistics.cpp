@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// VrApp: frame statistics and screenshots.
+// VrApp: frame statistics.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/stopwatch.h"
-#include "ibr/error.h"
-#include "shared/cli/settings.h"
-#include "vr/headset/eye_pictures.h"
 #include "vr/show/vr_app.h"
 
 namespace ibr::app {
@@ -53,32 +48,6 @@ void VrApp::updateStatusLine(const FrameLogEntry& times, double periodMs) {
                             periodMs, times.cells);
   if (times.level > 0)
     statusLine_ += fmt::format(", detail reduced by {} of {} levels", times.level, governor_.levels.size() - 1);
-}
-
-bool VrApp::screenshotDue() const {
-  const std::uint64_t number = state_.shown + 1;
-  const bool last = number == options().frames && !options().screenshot.empty();
-  return last || screenshotRequested_ || (options().screenshotEvery > 0 && number % options().screenshotEvery == 0);
-}
-
-void VrApp::writePictures(const std::vector<Camera>& eyes) {
-  const Stopwatch writing;
-  ring_.wait();
-  const bool last = state_.shown + 1 == options().frames && !options().screenshot.empty();
-  try {
-    const std::filesystem::path file = last ? options().screenshot : freePicture(options().screenshots);
-    const auto written =
-        writeEyes(file, capture_.read(), eyes, pictureSettingsJson(drawnSettings_, options().gpuScene, floor_));
-    state_.pictures.insert(state_.pictures.end(), written.begin(), written.end());
-    logMessage(LogLevel::info, fmt::format("{} and {} written", written[0].string(), written[1].string()));
-  } catch (const std::exception& e) {
-    if (last) throw;  // the requested screenshot failed, so the program fails
-    lastError_ = e.what();
-    logMessage(LogLevel::error, lastError_);
-  }
-  screenshotRequested_ = false;
-  excludedMs_ += 1e3 * writing.seconds();
-  ignoreNextFrames(governor_);
 }
 
 }  // namespace ibr::app

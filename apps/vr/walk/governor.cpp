@@ -14,13 +14,16 @@ namespace {
 constexpr std::size_t kRecent = 8, kMinRecent = 3;  // number of recent frames that decide
 constexpr int kInFlight = 3;                        // frames begun before a step takes effect
 constexpr int kIgnoredFrames = 5;                   // and the late frame after a pause
-constexpr double kStepDownShare = 0.85, kHeadroomShare = 0.6,
-                 kDoubleStepShare = 1.25;  // of the period: step down, step up, two steps down
+constexpr double kStepDownShare = 0.85, kFitShare = 0.78,
+                 kDoubleStepShare = 1.25;  // of the period: step down, predicted to fit, two steps down
+constexpr double kMissShare = 0.6;         // of the period: a second frame above it confirms a missed one
 constexpr double kMissedShare = 0.5;  // of the period: a missed frame that took less was not missed because of its work
-constexpr double kHeadroomSeconds = 1.5;  // of room before a step up, at first
+constexpr double kHeadroomSeconds = 1.5;  // for which the better level must be predicted to fit
+constexpr double kAssumedRatio = 1.3;     // of steps that were not measured: steps up begin below 0.6 of the period
+constexpr double kMaxRatio = 2.5;         // of one step; a higher one was measured while the load fell
+constexpr double kMemorySeconds = 60;     // for which a ratio above the assumed one prevents a step up
 constexpr double kReversalSeconds = 10;   // a step up that is reversed within this time counts as a mistake
-constexpr int kMaxDoublings = 6;          // max. doublings of kHeadroomSeconds
-constexpr double kLoadDropShare = 0.8;    // of the cost at which a step up was reversed: below, the wait is reset
+constexpr int kMaxDoublings = 2;          // max. doublings of kMemorySeconds
 
 bool isPositive(double value) {
   return std::isfinite(value) && value > 0;
@@ -34,34 +37,51 @@ double highest(const GovernorState& state) {
   return costs[1];
 }
 
-double waitAt(const GovernorState& state, std::size_t level) {
-  return kHeadroomSeconds * double(1 << state.reversals[level]);
+// Ratio of the cost of this level to the cost of the next cheaper one.
+double ratioOf(const GovernorState& state, std::size_t level) {
+  const auto [ratio, measuredAt] = state.ratios[level];
+  if (ratio <= 0) return kAssumedRatio;
+  const double memory = kMemorySeconds * double(1 << state.reversals[level]);
+  return state.seconds - measuredAt < memory ? ratio : std::min(ratio, kAssumedRatio);
 }
 
-// Records that the step up to this level is reversed. If reversed soon, the next attempt waits twice as long.
-void recordReversal(GovernorState& state) {
-  int& reversals = state.reversals[state.level];
-  const bool soon = state.levelSeconds < kReversalSeconds * double(1 << reversals);
-  reversals = soon ? std::min(reversals + 1, kMaxDoublings) : 0;
-  state.reversedCostMs[state.level] = state.costBeforeStepUpMs;
+// Measures the ratios of the last step's levels from the cost of the present level. A step of two levels gives both the
+// same ratio. A better level that seems cheaper is no measurement, since the load has changed.
+void measureStep(GovernorState& state, double costMs) {
+  if (!state.lastStep || std::exchange(state.lastStepMeasured, true)) return;
+  const auto [from, before] = *state.lastStep;
+  const bool up = from > state.level;
+  const std::size_t better = std::min(from, state.level), cheaper = std::max(from, state.level);
+  const double ratio = std::pow(up ? costMs / before : before / costMs, 1 / double(cheaper - better));
+  if (!std::isfinite(ratio) || ratio < 1) return;
+  for (std::size_t i = better; i < cheaper; ++i) state.ratios[i] = {std::min(ratio, kMaxRatio), state.seconds};
+}
+
+// Returns true if the last step went up and is a mistake when it is reversed.
+bool isFreshStepUp(const GovernorState& state) {
+  return state.lastStep && state.lastStep->from > state.level && state.levelSeconds < kReversalSeconds;
 }
 
 // Measurement behind a decision.
 struct Reason {
   double workMs;  // 0: unknown
   bool missed;
+  double predictedMs = 0;  // of the better level; 0: not a step up
 };
 
 std::string line(const GovernorState& state, const Reason& why, const std::string& what) {
-  const std::string work =
-      why.workMs > 0 ? fmt::format("{:.1f} ms of {:.1f} ms{}", why.workMs, state.periodMs, why.missed ? ", missed" : "")
-                     : std::string("missed");
+  std::string work = "missed";
+  if (why.workMs > 0) {
+    work = fmt::format("{:.1f} ms of {:.1f} ms{}", why.workMs, state.periodMs, why.missed ? ", missed" : "");
+    if (why.predictedMs > 0) work += fmt::format(", {:.1f} ms predicted", why.predictedMs);
+  }
   return fmt::format("frame {}: {}: {}", state.frame, work, what);
 }
 
-Decision stepTo(GovernorState& state, std::size_t level, const Reason& why) {
+Decision stepTo(GovernorState& state, std::size_t level, double costMs, const Reason& why) {
   Decision decision{level, line(state, why, levelChange(state.levels[state.level], state.levels[level]))};
-  state.lastStepWasUp = level < state.level;
+  state.lastStep = {state.level, costMs};
+  state.lastStepMeasured = false;
   state.level = level;
   state.recent.clear();
   state.ignored = kInFlight;
@@ -69,20 +89,23 @@ Decision stepTo(GovernorState& state, std::size_t level, const Reason& why) {
   return decision;
 }
 
-Decision stepDown(GovernorState& state, const Reason& why, std::size_t steps) {
+Decision stepDown(GovernorState& state, double costMs, const Reason& why, std::size_t steps) {
   state.headroomSeconds = 0;
+  measureStep(state, costMs);
   if (state.level + 1 == state.levels.size()) {
     if (std::exchange(state.lowestLevelReported, true)) return {state.level, ""};
     return {state.level, line(state, why, "the lowest level of detail is reached")};
   }
-  if (state.lastStepWasUp) recordReversal(state);
-  return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), why);
+  const bool reverses = isFreshStepUp(state);
+  int& reversals = state.reversals[state.level];
+  reversals = reverses ? std::min(reversals + 1, kMaxDoublings) : 0;
+  if (reverses) steps = 1;  // the level below has held
+  return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), costMs, why);
 }
 
 Decision stepUp(GovernorState& state, double costMs) {
-  state.costBeforeStepUpMs = costMs;
   state.lowestLevelReported = false;
-  return stepTo(state, state.level - 1, {costMs, false});
+  return stepTo(state, state.level - 1, costMs, {costMs, false, predictedMs(state)});
 }
 
 void remember(GovernorState& state, double ms) {
@@ -95,8 +118,8 @@ void remember(GovernorState& state, double ms) {
 GovernorState startGovernor(std::vector<RenderSettings> ladder) {
   GovernorState state;
   state.levels = std::move(ladder);
+  state.ratios.assign(state.levels.size(), {});
   state.reversals.assign(state.levels.size(), 0);
-  state.reversedCostMs.assign(state.levels.size(), 0);
   return state;
 }
 
@@ -104,6 +127,7 @@ void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder) {
   GovernorState fresh = startGovernor(std::move(ladder));
   fresh.level = std::min(state.level, fresh.levels.size() - 1);
   fresh.frame = state.frame;
+  fresh.seconds = state.seconds;
   fresh.periodMs = state.periodMs;
   fresh.ignored = kInFlight;
   state = std::move(fresh);
@@ -111,6 +135,11 @@ void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder) {
 
 void ignoreNextFrames(GovernorState& state) {
   state.ignored = std::max(state.ignored, kIgnoredFrames);
+  state.lastStep.reset();  // the load may differ after the pause
+}
+
+double predictedMs(const GovernorState& state) {
+  return state.level == 0 ? 0 : highest(state) * ratioOf(state, state.level - 1);
 }
 
 Decision govern(GovernorState& state, const FrameCost& cost) {
@@ -119,6 +148,7 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
   const double period = state.periodMs;
   const Decision same{state.level, ""};
   if (!(period > 0)) return same;
+  state.seconds += period / 1000;
   state.levelSeconds += period / 1000;
   if (state.ignored > 0) {
     --state.ignored;
@@ -131,15 +161,15 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
   if (!known && !missed) return same;
   remember(state, missed ? std::max(known ? cost.workMs : 0, period) : cost.workMs);
   const double high = highest(state);
-  if ((missed && high > kHeadroomShare * period) ||
-      (state.recent.size() >= kMinRecent && high > kStepDownShare * period))
-    return stepDown(state, {missed ? (known ? cost.workMs : 0) : high, missed},
+  if ((missed && high > kMissShare * period) || (state.recent.size() >= kMinRecent && high > kStepDownShare * period))
+    return stepDown(state, high, {missed ? (known ? cost.workMs : 0) : high, missed},
                     high > kDoubleStepShare * period ? 2 : 1);
-  state.headroomSeconds = high < kHeadroomShare * period ? state.headroomSeconds + period / 1000 : 0;
-  if (state.level == 0 || state.recent.size() < kRecent) return same;
-  const std::size_t above = state.level - 1;
-  if (state.reversals[above] > 0 && high < kLoadDropShare * state.reversedCostMs[above]) state.reversals[above] = 0;
-  return state.headroomSeconds >= waitAt(state, above) ? stepUp(state, high) : same;
+  const bool full = state.recent.size() == kRecent;
+  if (full) measureStep(state, high);
+  if (state.level == 0) return same;
+  const bool fits = predictedMs(state) < kFitShare * period;
+  state.headroomSeconds = fits ? state.headroomSeconds + period / 1000 : 0;
+  return full && state.headroomSeconds >= kHeadroomSeconds ? stepUp(state, high) : same;
 }
 
 }  // namespace ibr::app

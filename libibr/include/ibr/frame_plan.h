@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "ibr/camera.h"
@@ -71,9 +72,9 @@ struct SceneBounds {
   std::shared_ptr<Anchors> anchors;    // thread-safe
 };
 /// Time is linear in the number of vertices. `alignCells`: computes what RenderSettings::alignCells needs, too, which
-/// takes several times as long; otherwise the first frame that aligns cells does so. Precondition: validate(scene) is
-/// empty.
-IBR_API SceneBounds sceneBounds(const Scene& scene, bool alignCells = false);
+/// takes several times as long; otherwise the first frame that aligns cells does so. A requested stop throws
+/// Error{cancelled} before the next cell. Precondition: validate(scene) is empty.
+IBR_API SceneBounds sceneBounds(const Scene& scene, bool alignCells = false, const std::stop_token& stop = {});
 
 struct FrameInput {
   /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the

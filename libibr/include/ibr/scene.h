@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <glm/gtc/type_precision.hpp>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -138,8 +139,9 @@ IBR_API bool isMasked(const Scene& scene, const Cell& cell);
 IBR_API std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
 
 /// Reads a scene from its folder or its scene.gltf; opens no photographs and textures. Throws Error (io, invalidInput)
-/// that names file and JSON pointer. A reference to a file outside the scene's folder is invalidInput.
-IBR_API Scene loadScene(const std::filesystem::path& path);
+/// that names file and JSON pointer. A reference to a file outside the scene's folder is invalidInput. A requested stop
+/// throws Error{cancelled} before the next mesh or photograph is read.
+IBR_API Scene loadScene(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 /// Returns the faults of a scene's files, at most `limit`: those that loadScene throws, and photographs, masks and
 /// textures that are missing or do not match. A file that cannot be read is a fault, not an exception.

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <span>
+#include <stop_token>
 
 #include "ibr/camera.h"
 
 namespace ibr {
 
 /// b: median distance from a camera to the nearest one at another capture site, world units; 1 if all are at one site.
-/// Positions less than 1e-6 of the cameras' extent apart are one site.
-double captureSpacing(std::span<const Camera> cameras);
+/// Positions less than 1e-6 of the cameras' extent apart are one site. A requested stop throws Error{cancelled}.
+double captureSpacing(std::span<const Camera> cameras, const std::stop_token& stop = {});
 
 }  // namespace ibr

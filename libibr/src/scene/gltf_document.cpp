@@ -23,8 +23,8 @@ std::size_t optionalCount(const JsonValue& json, const char* key) {
 
 }  // namespace
 
-GltfDocument::GltfDocument(const fs::path& file)
-    : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), json_(parse(file)) {
+GltfDocument::GltfDocument(const fs::path& file, const std::stop_token& stop)
+    : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), json_(parse(file, stop)) {
   if (const JsonValue version = root()["asset"]["version"]; !version.string().starts_with("2."))
     version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
   if (root().has("extensionsRequired"))
@@ -41,10 +41,10 @@ GltfDocument::GltfDocument(const fs::path& file)
 }
 
 // A .glb is a header and two chunks, the JSON text and the first buffer; its first four bytes identify it.
-nlohmann::json GltfDocument::parse(const fs::path& file) {
+nlohmann::json GltfDocument::parse(const fs::path& file, const std::stop_token& stop) {
   const std::vector<std::byte> bytes = readFile(file);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (!text.starts_with("glTF")) return parseJson(text);
+  if (!text.starts_with("glTF")) return parseJson(text, stop);
   const auto word = [&](std::size_t at) {
     std::uint32_t value = 0;
     if (at + sizeof value > bytes.size()) throw JsonFault("", "the binary file is truncated");
@@ -66,7 +66,7 @@ nlohmann::json GltfDocument::parse(const fs::path& file) {
     const auto* first = reinterpret_cast<const std::byte*>(binary.data());
     binaryChunk_.assign(first, first + binary.size());
   }
-  return parseJson(json);
+  return parseJson(json, stop);
 }
 
 JsonValue GltfDocument::element(const char* list, const JsonValue& index) const {

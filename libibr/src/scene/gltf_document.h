@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <set>
+#include <stop_token>
 #include <vector>
 
 #include "scene/json_check.h"
@@ -15,7 +16,8 @@ namespace ibr {
 
 class GltfDocument {
  public:
-  explicit GltfDocument(const std::filesystem::path& file);
+  /// A requested stop throws Error{cancelled} while the document is parsed.
+  explicit GltfDocument(const std::filesystem::path& file, const std::stop_token& stop = {});
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
@@ -46,7 +48,7 @@ class GltfDocument {
 
  private:
   const std::vector<std::byte>& buffer(const JsonValue& index);
-  nlohmann::json parse(const std::filesystem::path& file);
+  nlohmann::json parse(const std::filesystem::path& file, const std::stop_token& stop);
 
   std::filesystem::path folder_;
   std::vector<std::byte> binaryChunk_;  // of a .glb

@@ -6,6 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -93,15 +94,15 @@ void readNamed(const JsonValue& list, const char* what, const char* dependents, 
   if (items.size() != list.size()) list.fault(fmt::format("has faults, so {} were not checked", dependents));
 }
 
-/// Loads a document without faults by `readAll`. Throws Error with the file and its first fault.
-template <class Content>
-Content loadDocument(const std::filesystem::path& file,
-                     Content (*readAll)(const std::filesystem::path& file, FaultSink& sink)) {
+/// Loads a document without faults by `readAll`. Throws Error with the file and its first fault. `firstFault` returns
+/// the faults of the content, one at most.
+template <class ReadAll, class FirstFault>
+auto loadDocument(const std::filesystem::path& file, ReadAll&& readAll, FirstFault&& firstFault) {
   FaultSink sink(file, nullptr, 0);
-  Content content;
+  std::invoke_result_t<ReadAll, const std::filesystem::path&, FaultSink&> content;
   sink.run([&] { content = readAll(file, sink); });
   // readAll has made all these checks; this one protects renderers against a gap in them.
-  if (const std::vector<Fault> faults = validate(content, 1); !faults.empty())
+  if (const std::vector<Fault> faults = firstFault(content); !faults.empty())
     fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
   return content;
 }

@@ -144,7 +144,8 @@ void checkFiles(const HtmModel& model, FaultSink& sink) {
 }  // namespace
 
 HtmModel loadHtmModel(const fs::path& path) {
-  return loadDocument(documentFile(path, kHtmModelFileName), readAll);
+  return loadDocument(documentFile(path, kHtmModelFileName), readAll,
+                      [](const HtmModel& model) { return validate(model, 1); });
 }
 
 std::vector<Fault> validateHtmModelFiles(const fs::path& path, std::size_t limit) {

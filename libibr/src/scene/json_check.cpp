@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/stop.h"
+
 namespace ibr {
 namespace {
 
@@ -29,7 +31,7 @@ std::string escaped(std::string_view key) {
 // list.
 class Builder {
  public:
-  explicit Builder(Json& document) : document_(&document) {}
+  Builder(Json& document, const std::stop_token& stop) : document_(&document), stop_(stop) {}
 
   bool null() { return add(nullptr); }
   bool boolean(bool value) { return add(value); }
@@ -61,7 +63,9 @@ class Builder {
 
   Json* place(Json&& value) {
     constexpr std::size_t kMaxValues = std::size_t(1) << 25;
+    constexpr std::size_t kValuesPerCheck = 4096;
     if (++values_ > kMaxValues) throw JsonFault(pointer(), fmt::format("has more than {} values", kMaxValues));
+    if (values_ % kValuesPerCheck == 0) checkStop(stop_, "reading JSON");
     if (levels_.empty()) return &(*document_ = std::move(value));
     Json& parent = *levels_.back().value;
     return parent.is_array() ? &parent.emplace_back(std::move(value)) : &(*member_ = std::move(value));
@@ -96,6 +100,7 @@ class Builder {
   }
 
   Json* document_;
+  const std::stop_token& stop_;
   std::vector<Level> levels_;
   Json* member_ = nullptr;
   std::size_t values_ = 0;
@@ -132,9 +137,9 @@ std::string shown(const Json& value) {
 
 }  // namespace
 
-Json parseJson(std::string_view text) {
+Json parseJson(std::string_view text, const std::stop_token& stop) {
   Json document;
-  Builder builder(document);
+  Builder builder(document, stop);
   Json::sax_parse(text.begin(), text.end(), &builder);
   return document;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -23,8 +24,9 @@ class JsonFault : public std::runtime_error {
 };
 
 /// Parses a text of at most 64 levels and 2^25 values without duplicate keys in objects. Throws JsonFault, with line
-/// and column of a syntax error in the message. The same in every locale with a decimal point of one character.
-nlohmann::json parseJson(std::string_view text);
+/// and column of a syntax error in the message. The same in every locale with a decimal point of one character. A
+/// requested stop throws Error{cancelled} within some thousand values.
+nlohmann::json parseJson(std::string_view text, const std::stop_token& stop = {});
 
 /// A value and its location. Getters throw JsonFault. Cheap to copy; the document must outlive it.
 class JsonValue {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/stop.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_faults.h"
 #include "scene/scene_file.h"
@@ -141,9 +142,15 @@ void checkDepth(const Node& node, const std::string& at, Faults& faults) {
 }  // namespace
 
 std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
+  return faultsOf(scene, limit, {});
+}
+
+std::vector<Fault> faultsOf(const Scene& scene, std::size_t limit, const std::stop_token& stop) {
+  constexpr const char* kStage = "checking the scene";
   Faults faults(limit);
   std::set<std::string> names;
   for (std::size_t n = 0; n < scene.nodes.size() && !faults.full(); ++n) {
+    checkStop(stop, kStage);
     const std::string at = fmt::format("nodes[{}]", n);
     if (scene.nodes[n].name.empty()) faults.add(at + ".name", "is empty");
     checkCamera(scene.nodes[n].camera, at + ".camera", faults);
@@ -152,10 +159,13 @@ std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
     if (!names.insert(scene.nodes[n].name).second)
       faults.add(at + ".name", "\"{}\" is not unique", scene.nodes[n].name);
   }
-  for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)
+  for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c) {
+    checkStop(stop, kStage);
     checkCell(scene.cells[c], scene.nodes.size(), 2, 4, fmt::format("cells[{}]", c), faults);
+  }
   std::set<std::uint32_t> covered;
   for (std::size_t b = 0; b < scene.backdrops.size() && !faults.full(); ++b) {
+    checkStop(stop, kStage);
     const std::string at = fmt::format("backdrops[{}]", b);
     checkCell(scene.backdrops[b], scene.nodes.size(), 1, 1, at, faults);
     if (scene.backdrops[b].members.size() == 1 && !covered.insert(scene.backdrops[b].members[0]).second)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,10 @@ class Faults {
   std::size_t limit_;
   std::vector<Fault> list_;
 };
+
+/// Returns the faults that validate() returns. A requested stop throws Error{cancelled} before the next photograph or
+/// cell.
+std::vector<Fault> faultsOf(const Scene& scene, std::size_t limit, const std::stop_token& stop);
 
 /// Adds faults of size, intrinsics and pose; `at` is the field that holds the camera.
 void checkCamera(const Camera& camera, const std::string& at, Faults& faults);

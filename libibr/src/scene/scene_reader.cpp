@@ -9,11 +9,13 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/stop.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_values.h"
 #include "scene/mesh_buffer.h"
+#include "scene/scene_faults.h"
 #include "scene/scene_file.h"
 
 namespace ibr {
@@ -22,9 +24,11 @@ namespace {
 
 using Accessor = GltfDocument::Accessor;
 
+constexpr const char* kStage = "loading the scene";  // for errors
+
 class SceneReader {
  public:
-  explicit SceneReader(const fs::path& file) : gltf_(file) {}
+  SceneReader(const fs::path& file, const std::stop_token& stop) : gltf_(file, stop) {}
 
   JsonValue extension() const {
     return extensionOf(gltf_, kSceneExtension,
@@ -215,20 +219,25 @@ class SceneReader {
 };
 
 // Reads as much as possible; skips cells if nodes have faults, since cells refer to them.
-Scene readAll(const fs::path& file, FaultSink& sink) {
-  SceneReader reader(file);
+Scene readAll(const fs::path& file, FaultSink& sink, const std::stop_token& stop) {
+  SceneReader reader(file, stop);
   Scene scene;
   sink.run([&] { reader.facts(scene); });
   bool whole = sink.run([&] {
-    readNamed(reader.extension()["photographs"], "photograph", "cells", scene.nodes, sink,
-              [&](const JsonValue& entry) { return reader.node(entry); });
+    readNamed(reader.extension()["photographs"], "photograph", "cells", scene.nodes, sink, [&](const JsonValue& entry) {
+      checkStop(stop, kStage);
+      return reader.node(entry);
+    });
   });
   if (!whole) return scene;
   const auto read = [&](const char* list, std::size_t least, std::size_t most, std::vector<Cell>& cells) {
     sink.run([&] {
       const JsonValue entries = reader.extension()[list];
       for (std::size_t c = 0; c < entries.size() && !sink.full(); ++c)
-        sink.run([&] { cells.push_back(reader.cell(entries.at(c), scene, least, most)); });
+        sink.run([&] {
+          checkStop(stop, kStage);
+          cells.push_back(reader.cell(entries.at(c), scene, least, most));
+        });
     });
   };
   read("cells", 2, 4, scene.cells);
@@ -291,12 +300,17 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
 
 }  // namespace
 
-Scene loadScene(const fs::path& path) {
-  return loadDocument(documentFile(path, kSceneFileName), readAll);
+Scene loadScene(const fs::path& path, const std::stop_token& stop) {
+  return loadDocument(
+      documentFile(path, kSceneFileName),
+      [&](const fs::path& file, FaultSink& sink) { return readAll(file, sink, stop); },
+      [&](const Scene& scene) { return faultsOf(scene, 1, stop); });
 }
 
 std::vector<Fault> validateSceneFiles(const fs::path& path, std::size_t limit) {
-  return faultsOfDocument(documentFile(path, kSceneFileName), limit, readAll, checkFiles);
+  return faultsOfDocument<Scene>(
+      documentFile(path, kSceneFileName), limit,
+      [](const fs::path& file, FaultSink& sink) { return readAll(file, sink, {}); }, checkFiles);
 }
 
 }  // namespace ibr

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents of the viewer: opening, closing, several at once, and background builds.
+#include "ibr/scene.h"
 #include "support/json.h"
 #include "viewer_harness.h"
 
@@ -35,6 +36,23 @@ TEST_CASE("several open scenes have a view each") {
   CHECK(forwards(second) > 0.01);
   CHECK(first["rotation"] == begin["rotation"]);
   CHECK(second["rotation"] != begin["rotation"]);
+}
+
+TEST_CASE("closing the window while a scene is read or uploaded is no error") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  Scene many = loadScene(tinyScene());
+  REQUIRE(!many.cells.empty());
+  many.cells.resize(300, many.cells[0]);
+  saveSceneWithLinks(many, folder / "many");
+  Outcome outcome;
+  {
+    const Hands hands([](const std::string&) {});  // closes the window at once
+    outcome = view({folder / "many", "--size", "320x240"});
+  }
+  INFO(outcome.err);
+  CHECK(outcome.code == 0);
+  CHECK(parseJson(outcome.out)["warnings"].empty());
 }
 
 TEST_CASE("a click on a tab shows its scene") {

@@ -10,11 +10,13 @@
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <stop_token>
 
 #include "ibr/error.h"
 #include "ibr/frame_plan.h"
 #include "render/passes/draw_list.h"
 #include "render/plan/cell_distance.h"
+#include "support/error_of.h"
 
 using namespace ibr;
 
@@ -78,6 +80,15 @@ FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings
 }
 
 }  // namespace
+
+TEST_CASE("a requested stop ends the computation of bounds before the first cell") {
+  std::stop_source stop;
+  const Scene scene = stackedGrid();
+  CHECK(sceneBounds(scene, false, stop.get_token()).cells.size() == scene.cells.size());
+  stop.request_stop();
+  CHECK(test::errorOf([&] { sceneBounds(scene, false, stop.get_token()); }).code() == ErrorCode::cancelled);
+  CHECK(sceneBounds(Scene{}, false, stop.get_token()).cells.empty());
+}
 
 TEST_CASE("the main cell contains the camera, and other cells follow by distance, then angle") {
   const Scene scene = stackedGrid();

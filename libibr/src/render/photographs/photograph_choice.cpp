@@ -77,11 +77,11 @@ void choosePhotographs(const Scene& scene, const PhotographIndex& index, const G
   }
 }
 
-GatherStatistics gatherStatistics(const Scene& scene) {
+GatherStatistics gatherStatistics(const Scene& scene, const std::stop_token& stop) {
   GatherStatistics bounds;
   std::vector<Camera> cameras;
   for (const Node& node : scene.nodes) cameras.push_back(node.camera);
-  if (!cameras.empty()) bounds.spacing = captureSpacing(cameras);
+  if (!cameras.empty()) bounds.spacing = captureSpacing(cameras, stop);
   std::vector<double> confirmed, residuals;
   for (const Cell& backdrop : scene.backdrops)
     for (std::size_t p = 0; p < backdrop.mesh.confirmations.size(); ++p)

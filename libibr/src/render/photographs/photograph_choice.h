@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <memory_resource>
+#include <stop_token>
 #include <vector>
 
 #include "ibr/frame_plan.h"
@@ -33,6 +34,6 @@ void choosePhotographs(const Scene& scene, const PhotographIndex& index, const G
                        std::pmr::memory_resource* memory, std::vector<PlannedPhotograph>& chosen);
 
 /// GatherStatistics of a scene.
-GatherStatistics gatherStatistics(const Scene& scene);
+GatherStatistics gatherStatistics(const Scene& scene, const std::stop_token& stop = {});
 
 }  // namespace ibr

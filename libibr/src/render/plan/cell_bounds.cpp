@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 
+#include "base/stop.h"
 #include "ibr/frame_plan.h"
 #include "render/photographs/photograph_choice.h"
 #include "render/plan/anchors.h"
@@ -38,14 +39,17 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
 
 }  // namespace
 
-SceneBounds sceneBounds(const Scene& scene, bool alignCells) {
+SceneBounds sceneBounds(const Scene& scene, bool alignCells, const std::stop_token& stop) {
   SceneBounds bounds;
-  for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
+  for (const Cell& cell : scene.cells) {
+    checkStop(stop, "computing a scene's bounds");
+    bounds.cells.push_back(boundsOf(scene, cell));
+  }
   const auto index = std::make_shared<SceneBounds::Index>();
   index->masked = std::ranges::any_of(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); });
   index->cells = makeCellIndex(scene, bounds.cells);
   index->photographs = makePhotographIndex(scene);
-  if (!index->photographs.photographs.empty()) bounds.gather = gatherStatistics(scene);
+  if (!index->photographs.photographs.empty()) bounds.gather = gatherStatistics(scene, stop);
   bounds.index = index;
   bounds.anchors = std::make_shared<SceneBounds::Anchors>();
   if (alignCells) bounds.anchors->of(scene);
