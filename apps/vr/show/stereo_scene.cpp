@@ -74,13 +74,13 @@ LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, c
 
 StereoScene::StereoScene(Device device, std::shared_ptr<const LoadedScene> files,
                          std::span<const RenderSettings> levels, bool floor, const EyeFormat& eyes,
-                         const GpuSceneOptions& options, const std::stop_token& stop)
+                         const GpuSceneOptions& options)
     : device_(std::move(device)),
       files_(std::move(files)),
       gpuScene_(device_, files_->scene, options),
       eyes_(eyes),
       floor_(floor) {
-  checkStop(stop, "uploading the scene");
+  checkStop(options.stop, "uploading the scene");
   setLevels(levels);
 }
 

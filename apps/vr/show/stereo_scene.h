@@ -44,10 +44,10 @@ struct EyeFormat {
 class StereoScene {
  public:
   /// Uploads the scene. May run on any thread that has the device to itself; afterwards one thread uses both. `levels`:
-  /// all settings that the scene will be drawn with. Submits and waits. Throws Error, and Error{cancelled} if a stop
-  /// was requested before the renderer is made.
+  /// all settings that the scene will be drawn with. Submits and waits. Throws Error; a stop of the options may be
+  /// requested until the renderer is made.
   StereoScene(Device device, std::shared_ptr<const LoadedScene> files, std::span<const RenderSettings> levels,
-              bool floor, const EyeFormat& eyes, const GpuSceneOptions& options, const std::stop_token& stop);
+              bool floor, const EyeFormat& eyes, const GpuSceneOptions& options);
   StereoScene(const StereoScene&) = delete;
   StereoScene& operator=(const StereoScene&) = delete;
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <optional>
-#include <stop_token>
 
 #include "base/background.h"
 #include "shared/camera/up.h"

@@ -25,7 +25,7 @@ void VrApp::beginLoading() {
     gpuScene.log = state_.context.log();
     gpuScene.stop = stop;
     return std::make_unique<StereoScene>(headset_.device(nullptr), files, levelsOf(*files), options().floor, eyes,
-                                         gpuScene, stop);
+                                         gpuScene);
   });
 }
 
