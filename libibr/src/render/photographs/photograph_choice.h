@@ -22,7 +22,7 @@ namespace ibr {
 std::vector<std::uint32_t> gatherableBackdrops(const Scene& scene);
 
 /// Number of the most promising photographs that are evaluated, and of those that take part in the choice.
-inline constexpr std::size_t kMaxPromising = 128;
+inline constexpr std::size_t kMaxPromising = 96;
 inline constexpr std::size_t kMaxPoolSize = 64;
 
 /// Overwrites `chosen` with at most `count` photographs, best first. PlannedPhotograph::share is each photograph's

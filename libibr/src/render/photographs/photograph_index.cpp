@@ -25,28 +25,20 @@ constexpr double kPi = std::numbers::pi;
 // Angle that a displacement along the viewing axis causes, relative to the same displacement across: the mean tangent
 // of a view's rays.
 constexpr double kAlong = 0.35;
-constexpr double kMargin = 1e-5;  // for the rounding of angles
+constexpr double kMargin = 1e-6;  // for the rounding of chords
 
-// Angle between two vectors, radians: Abramowitz and Stegun, 4.4.49, error below 1e-7.
-double angle(glm::dvec3 a, glm::dvec3 b) {
-  const glm::dvec3 normal = glm::cross(a, b);
-  const double y = std::sqrt(glm::dot(normal, normal)), x = glm::dot(a, b), across = std::abs(x);
-  const double ratio = std::min(across, y) / std::max({across, y, std::numeric_limits<double>::min()}),
-               s = ratio * ratio;
-  double sum = 0.0028662257;
-  for (const double term :
-       {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944, 0.1999355085, -0.3333314528})
-    sum = sum * s + term;
-  const double low = ratio + ratio * s * sum, acute = y > across ? 0.5 * kPi - low : low;
-  return x < 0 ? kPi - acute : acute;
+// Chord of the angle between two vectors.
+double chord(glm::dvec3 a, glm::dvec3 b) {
+  const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+  return lengths > 0 ? std::sqrt(std::max(0.0, 2 - 2 * glm::dot(a, b) / lengths)) : 0;
 }
 
 double fieldOf(const Intrinsics& k) {
-  if (k.model == CameraModel::equirectangular) return kPi;
+  if (k.model == CameraModel::equirectangular) return 2;
   double largest = 0;
   for (const double x : {0.0, double(k.width)})
     for (const double y : {0.0, double(k.height)})
-      largest = std::max(largest, std::atan(std::hypot((x - k.cx) / k.fx, (y - k.cy) / k.fy)));
+      largest = std::max(largest, chord({0, 0, -1}, {(x - k.cx) / k.fx, (k.cy - y) / k.fy, -1}));
   return largest;
 }
 
@@ -91,7 +83,7 @@ class Builder {
     node.axis = length > 0 ? axes / length : glm::dvec3(0, 0, -1);
     for (const Photograph& one : photographs) {
       node.radius = std::max(node.radius, glm::distance(node.centre, one.position));
-      node.spread = std::max(node.spread, angle(node.axis, one.axis) + 1e-6);
+      node.spread = std::max(node.spread, chord(node.axis, one.axis));
     }
     return node;
   }
@@ -110,7 +102,7 @@ class Builder {
         low[a] = std::min(low[a], key(one, a));
         high[a] = std::max(high[a], key(one, a));
       }
-    const bool byDirection = photographs.size() <= kMixed && node.spread > kWide;
+    const bool byDirection = node.spread > kWide;
     const std::size_t from = byDirection ? 3 : 0;
     std::size_t widest = from;
     for (std::size_t a = from; a < from + 3; ++a)
@@ -122,8 +114,7 @@ class Builder {
                      });
   }
 
-  static constexpr std::size_t kMixed = 64;  // photographs; larger nodes are split by position
-  static constexpr double kWide = 0.6;       // radians
+  static constexpr double kWide = 0.6;  // chord
 
   std::vector<Photograph>& photographs_;
   std::uint32_t leafSize_;
@@ -141,7 +132,7 @@ class Promise {
   Promise(const std::vector<Camera>& views, const Pose& middle, double medianInverseDepth)
       : position_(middle.position), forward_(glm::normalize(viewAxis(middle))) {
     for (const Camera& view : views)
-      field_ = std::max(field_, fieldOf(view.intrinsics) + angle(forward_, viewAxis(view.pose)));
+      field_ = std::max(field_, fieldOf(view.intrinsics) + chord(forward_, viewAxis(view.pose)));
     for (std::size_t d = 0; d < kSampleDepths.size(); ++d) nearness_[d] = kSampleDepths[d] * medianInverseDepth;
   }
 
@@ -165,8 +156,9 @@ class Promise {
       const double length = glm::length(direction), error = nearness * radius;
       double off = 0;
       if (length > error) {
-        const double sine = error / length;  // asin(x) <= x + (π/2 − 1) x³
-        off = angle(axis, direction) - spread - sine * (1 + (0.5 * kPi - 1) * sine * sine);
+        const double sine = error / length;  // the error's chord is at most sine · (1 + (√2 − 1) sine²)
+        off = std::sqrt(std::max(0.0, 2 - 2 * glm::dot(axis, direction) / length)) - spread -
+              sine * (1 + (std::numbers::sqrt2 - 1) * sine * sine);
       }
       const double overlap = std::clamp((field + field_ - off) / (2 * field_), 0.0, 1.0);
       const double ahead = std::clamp(1 - nearness * (along - radius), 0.0, 1.0);  // shows no points behind itself
@@ -177,7 +169,7 @@ class Promise {
   }
 
   glm::dvec3 position_, forward_;
-  double field_ = 0;  // radians
+  double field_ = 0;  // chord
   std::array<double, kSampleDepths.size()> nearness_{};
 };
 
@@ -197,40 +189,40 @@ std::pmr::vector<Photograph> promisingPhotographs(const PhotographIndex& index, 
   if (index.photographs.size() <= most) {
     found.assign(index.photographs.begin(), index.photographs.end());
   } else {
-    // Best first: a node stands for its photographs until it has the greatest promise of all that is left.
+    // Best first: a node stands for its photographs until it has the greatest promise of all that is left. Rounding to
+    // float keeps a node's promise at least as great as those of its photographs.
+    constexpr std::uint32_t kPhotograph = 1u << 31;
     struct Open {
-      double promise;
-      std::uint32_t backdrop;  // of a photograph
-      std::uint32_t at;        // in nodes or photographs
-      bool isNode;
+      float promise;
+      std::uint32_t at;  // index of a node, or of a photograph, with kPhotograph
     };
-    const auto isWorse = [](const Open& a, const Open& b) {
+    const auto isWorse = [&](const Open& a, const Open& b) {
       if (a.promise != b.promise) return a.promise < b.promise;
-      return a.isNode != b.isNode ? b.isNode : a.backdrop > b.backdrop;
+      if ((a.at & b.at & kPhotograph) == 0) return a.at > b.at;  // nodes first
+      return index.photographs[a.at & ~kPhotograph].backdrop > index.photographs[b.at & ~kPhotograph].backdrop;
     };
     const Promise promise(views, middle, medianInverseDepth);
     std::pmr::vector<Open> open(memory);
-    const auto put = [&](const Open& one) {
-      open.push_back(one);
+    const auto put = [&](double promised, std::uint32_t at) {
+      open.push_back({float(promised), at});
       std::push_heap(open.begin(), open.end(), isWorse);
     };
-    put({promise.of(index.nodes[0]), 0, 0, true});
+    put(0, 0);
     while (found.size() < most) {
       std::pop_heap(open.begin(), open.end(), isWorse);
-      const Open best = open.back();
+      const std::uint32_t at = open.back().at;
       open.pop_back();
-      if (!best.isNode) {
-        found.push_back(index.photographs[best.at]);
+      if (at & kPhotograph) {
+        found.push_back(index.photographs[at & ~kPhotograph]);
         continue;
       }
-      const TreeNode& node = index.nodes[best.at];
+      const TreeNode& node = index.nodes[at];
       if (node.second != 0) {
-        put({promise.of(index.nodes[best.at + 1]), 0, best.at + 1, true});
-        put({promise.of(index.nodes[node.second]), 0, node.second, true});
+        put(promise.of(index.nodes[at + 1]), at + 1);
+        put(promise.of(index.nodes[node.second]), node.second);
         continue;
       }
-      for (std::uint32_t p = node.first; p < node.end; ++p)
-        put({promise.of(index.photographs[p]), index.photographs[p].backdrop, p, false});
+      for (std::uint32_t p = node.first; p < node.end; ++p) put(promise.of(index.photographs[p]), p | kPhotograph);
     }
   }
   std::ranges::sort(found, {}, &Photograph::backdrop);

@@ -12,22 +12,24 @@
 #include <optional>
 #include <utility>
 
+#include "base/wide.h"
+
 namespace ibr {
 namespace {
 
 // Returns a·b − c·d with one rounding error of the result (Kahan; Jeannerod, Louvet, Muller 2013).
-double differenceOfProducts(double a, double b, double c, double d) {
+[[gnu::always_inline]] inline double differenceOfProducts(double a, double b, double c, double d) {
   const double cd = c * d;
   return std::fma(a, b, -cd) - std::fma(c, d, -cd);
 }
 
-glm::dvec3 cross(glm::dvec3 a, glm::dvec3 b) {
+[[gnu::always_inline]] inline glm::dvec3 cross(glm::dvec3 a, glm::dvec3 b) {
   return {differenceOfProducts(a.y, b.z, a.z, b.y), differenceOfProducts(a.z, b.x, a.x, b.z),
           differenceOfProducts(a.x, b.y, a.y, b.x)};
 }
 
 // Compensated dot product (Ogita, Rump, Oishi 2005).
-double dot(glm::dvec3 a, glm::dvec3 b) {
+[[gnu::always_inline]] inline double dot(glm::dvec3 a, glm::dvec3 b) {
   double sum = 0, correction = 0;
   for (int i = 0; i < 3; ++i) {
     const double product = a[i] * b[i], total = sum + product, part = total - sum;
@@ -41,7 +43,8 @@ constexpr double kFlat = 1e-14;  // relative thickness below which the corners a
 
 /// Returns λ of the projection of p on the span of the corners chosen by `face` (one bit per corner); nullopt if the
 /// corners are degenerate.
-std::optional<Weights> projected(std::span<const glm::dvec3> corners, unsigned face, glm::dvec3 p) {
+[[gnu::always_inline]] inline std::optional<Weights> projected(std::span<const glm::dvec3> corners, unsigned face,
+                                                               glm::dvec3 p) {
   std::array<std::size_t, 4> index{};
   std::size_t n = 0;
   for (std::size_t i = 0; i < corners.size(); ++i)
@@ -78,7 +81,8 @@ std::optional<Weights> projected(std::span<const glm::dvec3> corners, unsigned f
   return weights;
 }
 
-double squaredDistance(std::span<const glm::dvec3> corners, const Weights& weights, glm::dvec3 p) {
+[[gnu::always_inline]] inline double squaredDistance(std::span<const glm::dvec3> corners, const Weights& weights,
+                                                     glm::dvec3 p) {
   glm::dvec3 offset(0.0);
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (weights[i] != 0.0) offset += weights[i] * (corners[i] - p);
@@ -86,7 +90,7 @@ double squaredDistance(std::span<const glm::dvec3> corners, const Weights& weigh
 }
 
 // Sum of squared distances between the corners of a face; picks the largest of several faces of one dimension.
-double spread(std::span<const glm::dvec3> corners, unsigned face) {
+[[gnu::always_inline]] inline double spread(std::span<const glm::dvec3> corners, unsigned face) {
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -94,17 +98,15 @@ double spread(std::span<const glm::dvec3> corners, unsigned face) {
   return sum;
 }
 
-bool inside(const Weights& weights) {
+[[gnu::always_inline]] inline bool inside(const Weights& weights) {
   for (double w : weights)
     if (w < 0.0) return false;
   return true;
 }
 
-}  // namespace
-
-Barycentric barycentric(std::span<const glm::dvec3> corners, glm::dvec3 p) {
-  assert(!corners.empty() && corners.size() <= 4);
-  const unsigned whole = (1u << corners.size()) - 1u;
+[[gnu::always_inline]] inline Barycentric closest(const glm::dvec3* first, std::size_t count, glm::dvec3 p) {
+  const std::span corners(first, count);
+  const unsigned whole = (1u << count) - 1u;
   Barycentric result;
   const std::optional<Weights> free = projected(corners, whole, p);
   result.degenerate = !free;
@@ -119,10 +121,11 @@ Barycentric barycentric(std::span<const glm::dvec3> corners, glm::dvec3 p) {
   for (unsigned face = 1; face < whole; ++face) {
     const std::optional<Weights> weights = projected(corners, face, p);
     if (!weights) continue;
-    if (const std::pair size{std::popcount(face), spread(corners, face)}; result.degenerate && size > largest) {
-      largest = size;
-      result.free = *weights;
-    }
+    if (result.degenerate)
+      if (const std::pair size{std::popcount(face), spread(corners, face)}; size > largest) {
+        largest = size;
+        result.free = *weights;
+      }
     if (!inside(*weights)) continue;
     if (const double squared = squaredDistance(corners, *weights, p); squared < nearest) {
       nearest = squared;
@@ -131,6 +134,13 @@ Barycentric barycentric(std::span<const glm::dvec3> corners, glm::dvec3 p) {
   }
   result.distance = std::sqrt(nearest);
   return result;
+}
+
+}  // namespace
+
+Barycentric barycentric(std::span<const glm::dvec3> corners, glm::dvec3 p) {
+  assert(!corners.empty() && corners.size() <= 4);
+  return runVectorised<closest>(corners.data(), corners.size(), p);
 }
 
 Weights smoothstep(const Weights& weights) {

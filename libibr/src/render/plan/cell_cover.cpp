@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -46,9 +47,15 @@ struct Tiling {
 using Worths = std::array<float, kCoverTiles>;
 
 float gain(const Worths& covered, const CellCover& cell, float worth) {
+  static_assert(kCoverTiles <= 128);
+  const CellCover low(~std::uint64_t(0));
   float sum = 0;
-  for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
-    if (cell[tile]) sum += std::max(0.0f, worth - covered[tile]);
+  std::size_t first = 0;
+  for (std::uint64_t tiles : {std::uint64_t((cell & low).to_ullong()), std::uint64_t((cell >> 64).to_ullong())}) {
+    for (; tiles != 0; tiles &= tiles - 1)
+      sum += std::max(0.0f, worth - covered[first + std::size_t(std::countr_zero(tiles))]);
+    first += 64;
+  }
   return sum;
 }
 

@@ -134,6 +134,7 @@ class ViewCover {
 }  // namespace
 
 void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan, std::pmr::memory_resource* memory) {
+  if (plan.cells.empty()) return;
   std::pmr::vector<ViewCover> views(memory);
   views.reserve(plan.views.size());
   for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v, memory);
