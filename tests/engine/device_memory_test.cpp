@@ -17,6 +17,7 @@
 #include "engine/adopted_test_device.h"
 #include "faults/small_place.h"
 #include "support/error_of.h"
+#include "support/hand_executor.h"
 #include "support/sub_allocator.h"
 #include "support/vulkan_calls.h"
 
@@ -51,7 +52,7 @@ std::vector<Image8> images(const SmallScene& place, Device& device) {
 
 /// Images of the first frames under a budget that is too small for all photographs.
 std::vector<Image8> streamedImages(const SmallScene& place, Device& device, std::uint64_t budget) {
-  GpuScene scene = place.open(device, {.budgetBytes = budget, .stagingBytes = 1 << 20});
+  GpuScene scene = place.open(device, {.budgetBytes = budget, .stagingBytes = 1 << 20, .readerThreads = 0});
   REQUIRE(scene.needsStreaming());
   const Renderer renderer(device, scene, optionsFor({}, {48, 36}));
   Offscreen offscreen(device, {48, 36});
@@ -328,20 +329,28 @@ TEST_CASE("streaming lowers its budget where the allocator is full") {
   Device device = adopted(allocator);
   const std::uint64_t all = place.open(device).memory().sum();
   std::string warnings;
-  GpuScene scene = place.open(device, {.budgetBytes = all - 1, .log = [&](LogLevel level, std::string_view text) {
-                                         if (level == LogLevel::warning) warnings += text;
-                                       }});
+  const bool inJobs = GENERATE(false, true);  // texture arrays are made on another thread
+  HandExecutor hand;
+  GpuScene scene = place.open(device, {.budgetBytes = all - 1,
+                                       .log =
+                                           [&](LogLevel level, std::string_view text) {
+                                             if (level == LogLevel::warning) warnings += text;
+                                           },
+                                       .readerThreads = inJobs ? 2u : 0u,
+                                       .executor = hand.executor()});
   const Renderer renderer(device, scene, optionsFor({}, {48, 36}));
   Offscreen offscreen(device, {48, 36});
   const FramePlan plan = place.plan({});
   REQUIRE(scene.needsStreaming());
   const std::uint64_t standIns = scene.memory().sum();
   allocator.isFull = true;
-  for (std::uint64_t frame = 1; frame < 4; ++frame)
+  for (std::uint64_t frame = 1; frame < 4; ++frame) {
     offscreen.render([&](VkCommandBuffer commands) {
       scene.stream(commands, plan, frame, frame - 1);
       renderer.record(commands, plan, offscreen.target());
     });
+    hand.runAll();
+  }
   CHECK(scene.memory().sum() == standIns);
   CHECK_THAT(warnings, Contains("the budget is lowered") && Contains("the allocator has no memory"));
 }

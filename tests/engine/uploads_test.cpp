@@ -114,6 +114,7 @@ GpuSceneOptions sceneOptions(const Textures& textures, std::uint64_t budget, Upl
   options.depthSource = farDepths;
   options.blocks = BlockTextureMode::keep;
   options.uploads = uploads;
+  options.readerThreads = 0;
   return options;
 }
 

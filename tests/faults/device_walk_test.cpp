@@ -13,6 +13,7 @@
 #include "small_place.h"
 #include "support/bumpy_model.h"
 #include "support/gpu.h"
+#include "support/hand_executor.h"
 #include "support/planted.h"
 #include "support/vulkan_faults.h"
 
@@ -210,8 +211,12 @@ TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
   Device device = newDevice();
   const FramePlan plan = place.plan({});
   const std::uint64_t all = place.open(device).memory().sum();
+  const bool inJobs = GENERATE(false, true);  // texture arrays are made and destroyed on another thread
   const auto show = [&] {
-    GpuScene scene = place.open(device, {.budgetBytes = all - 1});
+    HandExecutor hand;
+    GpuSceneOptions options{.budgetBytes = all - 1, .readerThreads = inJobs ? 2u : 0u};
+    if (inJobs) options.executor = hand.executor();
+    GpuScene scene = place.open(device, options);
     Renderer renderer(device, scene, optionsFor({}, {48, 36}));
     Offscreen offscreen(device, {48, 36});
     Image8 picture;
@@ -220,6 +225,7 @@ TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
         scene.stream(commands, plan, frame, frame - 1);
         renderer.record(commands, plan, offscreen.target());
       });
+      hand.runAll();
       CHECK(scene.memory().sum() <= all - 1);
     }
     return picture;
@@ -227,7 +233,7 @@ TEST_CASE("photographs can be streamed after a failure of any Vulkan call") {
   const Image8 expected = show();
   // A failure while photographs stream lowers the budget, and stand-ins may remain.
   const WalkedFaults walked = outOfMemory(
-      "stream",
+      inJobs ? "stream, in jobs" : "stream",
       [&] {
         const Image8 picture = show();
         if (!failedCall()) CHECK((picture == expected));
@@ -245,7 +251,7 @@ TEST_CASE("allocated bytes stay within the budget, staging excluded", "[P10]") {
   for (const std::uint64_t budget : {all, all - 1, all * 9 / 10}) {
     CAPTURE(budget, all);
     resetMost();
-    GpuScene scene = place.open(device, {.budgetBytes = budget, .stagingBytes = staging});
+    GpuScene scene = place.open(device, {.budgetBytes = budget, .stagingBytes = staging, .readerThreads = 0});
     for (std::uint64_t frame = 1; frame < 8; ++frame) {
       submitAndWait(device, [&](VkCommandBuffer commands) { scene.stream(commands, plan, frame, frame - 1); });
       CHECK(scene.memory().sum() <= budget);

@@ -10,6 +10,7 @@
 #include "base/vulkan/functions.h"
 #include "command_buffers.h"
 #include "gpu/transfer/readback.h"
+#include "gpu/transfer/staging_ring.h"
 #include "gpu/transfer/upload.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
@@ -326,6 +327,42 @@ TEST_CASE("uploads that were not flushed are dropped, with and without Uploads")
   CHECK(uploads.bytes() == 0);
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) { uploads.record(commands); });
   CHECK(readBuffer(testDevice(), buffer) == expected);
+}
+
+TEST_CASE("a staging ring gives its bytes to one frame after another") {
+  StagingRing ring(testDevice(), 256);
+  CHECK(ring.freeBytes() == 256);
+  for (int i = 0; i < 8; ++i) CHECK(ring.allocate(20, 1).offset == VkDeviceSize(32 * i));  // aligned pieces
+  CHECK(ring.freeBytes() == 0);
+  ring.release(0);
+  CHECK(ring.freeBytes() == 0);
+  ring.release(1);
+  CHECK(ring.freeBytes() == 256);
+  CHECK(ring.allocate(160, 2).offset == 0);
+  CHECK(ring.allocate(64, 3).offset == 160);
+  ring.release(2);
+  CHECK(ring.freeBytes() == 160);  // before the piece of frame 3; there are 32 bytes behind it
+  const StagingRing::Piece piece = ring.allocate(48, 4);
+  CHECK(piece.offset == 0);
+  CHECK(piece.memory.size() == 48);
+  CHECK(ring.freeBytes() == 112);
+  ring.release(3);
+  CHECK(ring.freeBytes() == 208);
+  ring.release(4);
+  CHECK(ring.freeBytes() == 256);
+}
+
+TEST_CASE("a staging ring has no room where too many frames use it") {
+  StagingRing ring(testDevice(), 1 << 20);
+  std::uint64_t frame = 0;
+  while (ring.freeBytes() > 0) ring.allocate(16, ++frame);
+  CHECK(frame == 64);
+  ring.release(1);
+  CHECK(ring.freeBytes() > 0);
+  ring.allocate(16, ++frame);
+  CHECK(ring.freeBytes() == 0);
+  ring.release(frame);
+  CHECK(ring.freeBytes() == 1 << 20);
 }
 
 TEST_CASE("uploads of another device are refused") {

@@ -90,7 +90,8 @@ class OnDevice {
                                  int firstLevel) { return withoutLargestLevels(encoded(node, format), firstLevel); },
         .budgetBytes = budget,
         .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
-        .filter = stage_.filter};
+        .filter = stage_.filter,
+        .readerThreads = 0};
   }
 
   const GatherStage& stage_;

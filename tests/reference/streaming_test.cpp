@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Streaming under a byte budget: on a walk through a generated graph, colours identify the resident textures.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/vulkan/submit.h"
 #include "ibr/error.h"
+#include "reference/grid_walk.h"
 #include "reference/stage.h"
 #include "render/resident/gpu_scene_state.h"
 #include "support/gpu.h"
@@ -18,151 +18,13 @@ using namespace ibr::test;
 
 namespace {
 
-constexpr std::uint64_t kMiB = std::uint64_t(1) << 20;
-
-/// side² cameras a metre apart, all in one direction, before a backdrop at infinity; two of three triangles a square.
-Scene gridScene(int side, int width, int height) {
-  Scene scene;
-  for (int z = 0; z < side; ++z)
-    for (int x = 0; x < side; ++x) {
-      Node& node = scene.nodes.emplace_back();
-      node.name = fmt::format("{}-{}", x, z);
-      node.camera = cameraAt({double(x), 0, double(z)}, 0, 0, width, height, 1.4);
-    }
-  const auto add = [&](std::vector<std::uint32_t> members) {
-    Cell& cell = scene.cells.emplace_back();
-    cell.members = std::move(members);
-    const std::vector<glm::vec2> corners{{0, 0}, {width, 0}, {0, height}, {width, height}};
-    cell.mesh.match.assign(3, corners);
-    cell.mesh.ratio.assign(3, std::vector<float>(4, 1.0f));
-    cell.mesh.inverseDistance.assign(4, 0.0f);
-    cell.mesh.uncertainty.assign(4, 0.0f);
-    cell.mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
-    cell.mesh.tier.assign(2, kTierConsistent);
-    cell.mesh.ecc.assign(2, 1.0f);
-  };
-  for (std::uint32_t z = 0; z + 1 < std::uint32_t(side); ++z)
-    for (std::uint32_t x = 0; x + 1 < std::uint32_t(side); ++x) {
-      const std::uint32_t n = z * std::uint32_t(side) + x, below = n + std::uint32_t(side);
-      add({n, n + 1, below});
-      add({n + 1, below + 1, below});
-    }
-  return scene;
-}
-
-/// One colour a photograph, different from its neighbours. The stand-in has the same hue, but is darker.
-struct Colours {
-  TextureFormat format = TextureFormat::rgba8;
-  static constexpr int kMaxStandInSide = 64;
-
-  static std::array<std::uint8_t, 3> of(std::size_t node, bool standIn) {
-    const auto value = [&](std::size_t factor) { return std::uint8_t(128 + (node * factor % 8) * 16); };
-    std::array<std::uint8_t, 3> colour{value(1), value(3), value(5)};
-    if (standIn)
-      for (std::uint8_t& c : colour) c = std::uint8_t(c / 2);
-    return colour;
-  }
-
-  Texture operator()(const Scene& scene, std::size_t node, int firstLevel) const {
-    const Intrinsics& k = scene.nodes[node].camera.intrinsics;
-    Texture texture;
-    texture.format = format;
-    texture.width = std::max(1, k.width >> firstLevel);
-    texture.height = std::max(1, k.height >> firstLevel);
-    for (int w = texture.width, h = texture.height;; w = std::max(1, w / 2), h = std::max(1, h / 2)) {
-      const auto colour = of(node, std::max(w, h) <= kMaxStandInSide);
-      std::vector<std::byte> block;
-      if (format == TextureFormat::rgba8) {
-        block = {std::byte(colour[0]), std::byte(colour[1]), std::byte(colour[2]), std::byte(255)};
-      } else {
-        Image8 image(4, 4, 4, 255);
-        for (int i = 0; i < 16; ++i) std::ranges::copy(colour, image.pixel(i % 4, i / 4).begin());
-        block = encodeTexture({image}, format).levels[0];
-      }
-      std::vector<std::byte>& bytes = texture.levels.emplace_back(textureBytes(format, w, h));
-      for (std::size_t at = 0; at < bytes.size(); at += block.size()) std::ranges::copy(block, &bytes[at]);
-      if (w == 1 && h == 1) return texture;
-    }
-  }
-};
-
-/// Viewer whose device has always finished the frame before the last.
-class Walker {
- public:
-  Walker(const Scene& scene, const GpuSceneOptions& options, VkExtent2D size)
-      : scene_(scene),
-        bounds_(sceneBounds(scene)),
-        gpuScene(testDevice(), scene, options),
-        renderer_(testDevice(), gpuScene, {size}),
-        offscreen_(testDevice(), size) {}
-
-  FramePlan planAt(glm::dvec3 position) {
-    const VkExtent2D size = offscreen_.target().extent;
-    RenderSettings settings;
-    settings.switchSeconds = 0;
-    settings.background = {1, 0, 1};
-    return planFrame(scene_, bounds_, {{cameraAt(position, 0, 0, int(size.width), int(size.height), 1.2)}, settings});
-  }
-
-  Image8 frame(const FramePlan& plan) {
-    ++number;
-    const Image8 picture = offscreen_.render([&](VkCommandBuffer commands) {
-      streamed = gpuScene.stream(commands, plan, number, number < 2 ? 0 : number - 2);
-      renderer_.record(commands, plan, offscreen_.target());
-    });
-    most = std::max(most, gpuScene.memory().sum());
-    uploaded += streamed.uploadedBytes;
-    return picture;
-  }
-
- private:
-  const Scene& scene_;
-  SceneBounds bounds_;
-
- public:
-  GpuScene gpuScene;
-  GpuScene::StreamStatus streamed;
-  std::uint64_t number = 0, most = 0, uploaded = 0;
-
- private:
-  Renderer renderer_;
-  Offscreen offscreen_;
-};
-
-// Shares of pixels in the photograph's own colour and in its stand-in's colour.
-struct Shares {
-  double own = 0, standIn = 0;
-};
-Shares sharesOf(const Image8& picture, std::size_t node) {
-  Shares shares;
-  for (const bool standIn : {false, true}) {
-    const auto colour = Colours::of(node, standIn);
-    double& share = standIn ? shares.standIn : shares.own;
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x) {
-        bool same = true;
-        for (std::size_t c = 0; c < 3; ++c) same &= std::abs(picture.pixel(x, y)[c] - colour[c]) <= 4;  // BC1
-        share += same;
-      }
-    share /= picture.width * picture.height;
-  }
-  return shares;
-}
-
-// Number of pixels without a photograph. The background is purple, and no photograph's green is so low.
-int emptyPixels(const Image8& picture) {
-  int count = 0;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) count += picture.pixel(x, y)[1] < 48;
-  return count;
-}
-
-struct Messages {
-  std::vector<std::string> warnings, errors, others;
-  LogCallback log() {
-    return [this](LogLevel level, std::string_view text) {
-      (level == LogLevel::error ? errors : level == LogLevel::warning ? warnings : others).emplace_back(text);
-    };
+/// Frames that do not depend on timing.
+struct SyncWalker : Walker {
+  SyncWalker(const Scene& scene, GpuSceneOptions options, VkExtent2D size)
+      : Walker(scene, synchronous(std::move(options)), size) {}
+  static GpuSceneOptions synchronous(GpuSceneOptions options) {
+    options.readerThreads = 0;
+    return options;
   }
 };
 
@@ -172,9 +34,9 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   const Scene scene = gridScene(side, 512, 512);
   const Colours colours{format};
   Messages messages;
-  Walker walker(scene,
-                {.source = colours, .budgetBytes = budget, .blocks = BlockTextureMode::keep, .log = messages.log()},
-                {256, 256});
+  SyncWalker walker(scene,
+                    {.source = colours, .budgetBytes = budget, .blocks = BlockTextureMode::keep, .log = messages.log()},
+                    {256, 256});
   REQUIRE(walker.gpuScene.needsStreaming());
   std::uint32_t overBudget = 0;
   const auto show = [&](double along) {
@@ -224,7 +86,7 @@ TEST_CASE("a walk through ten thousand photographs of 1.7 GB stays within 128 Mi
 
 TEST_CASE("photographs of cells that fade out are streamed") {
   const Scene scene = gridScene(12, 256, 256);
-  Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB}, {128, 128});
+  SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB}, {128, 128});
   REQUIRE(walker.gpuScene.needsStreaming());
   FramePlan plan = walker.planAt({11, 0, 11});
   do walker.frame(plan);
@@ -246,7 +108,7 @@ TEST_CASE("photographs that fit into the budget are not streamed") {
   GpuScene all(testDevice(), scene, {.source = Colours{}});
   CHECK_FALSE(all.needsStreaming());
   const std::uint64_t bytes = all.memory().sum();
-  Walker walker(scene, {.source = Colours{}, .budgetBytes = bytes}, {64, 64});
+  SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = bytes}, {64, 64});
   CHECK_FALSE(walker.gpuScene.needsStreaming());
   walker.frame(walker.planAt({1, 0, 1}));
   CHECK(walker.streamed.needed == 0);
@@ -256,7 +118,7 @@ TEST_CASE("photographs that fit into the budget are not streamed") {
 
 TEST_CASE("a stand-in is shown while a photograph loads, and the main cell's members load first") {
   const Scene scene = gridScene(6, 512, 512);
-  Walker walker(scene, {.source = Colours{}, .budgetBytes = 20 * kMiB, .stagingBytes = 3 * kMiB}, {256, 256});
+  SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = 20 * kMiB, .stagingBytes = 3 * kMiB}, {256, 256});
   // Staging of 3 MiB allows two photographs of 1.33 MiB a frame.
   const FramePlan plan = walker.planAt({2, 0, 2});
   const std::size_t node = 2 * 6 + 2;
@@ -283,7 +145,7 @@ TEST_CASE("the image is the same with and without streaming of photographs") {
     camera.intrinsics = resized(camera.intrinsics, camera.intrinsics.width * 2, camera.intrinsics.height * 2);
   const Stage stage(testDevice(), makeScene(options));
   const std::uint64_t all = GpuScene(testDevice(), stage.scene(), {.source = stage.source()}).memory().sum();
-  Walker walker(stage.scene(), {.source = stage.source(), .budgetBytes = all * 9 / 10}, {320, 240});
+  SyncWalker walker(stage.scene(), {.source = stage.source(), .budgetBytes = all * 9 / 10}, {320, 240});
   REQUIRE(walker.gpuScene.needsStreaming());
   for (const glm::dvec3 at : {glm::dvec3(0.4, 0.25, 0.1), glm::dvec3(0.1, 0, 0.1), glm::dvec3(0.9, 0.3, 0.3)}) {
     const FramePlan plan = walker.planAt(at);
@@ -297,7 +159,7 @@ TEST_CASE("the image is the same with and without streaming of photographs") {
 
 TEST_CASE("photographs of a frame that was never submitted are streamed again") {
   const Scene scene = gridScene(4, 512, 512);
-  Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB, .stagingBytes = 3 * kMiB}, {128, 128});
+  SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB, .stagingBytes = 3 * kMiB}, {128, 128});
   const FramePlan plan = walker.planAt({1, 0, 1});
   const std::size_t node = 1 * 4 + 1;
   for (int frame = 0; frame < 30; ++frame) {
@@ -320,7 +182,7 @@ TEST_CASE("a small budget reduces the size of photographs with a warning") {
   const Scene scene = gridScene(6, 512, 512);
   {
     Messages messages;
-    Walker walker(scene, {.source = Colours{}, .budgetBytes = 10 * kMiB, .log = messages.log()}, {128, 128});
+    SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = 10 * kMiB, .log = messages.log()}, {128, 128});
     REQUIRE(messages.warnings.size() == 1);
     CHECK_THAT(messages.warnings[0], Catch::Contains("512x512") && Catch::Contains("1/2"));
     const FramePlan plan = walker.planAt({2, 0, 2});
@@ -333,7 +195,7 @@ TEST_CASE("a small budget reduces the size of photographs with a warning") {
   {
     // Room for 16 photographs, but the view needs more.
     Messages messages;
-    Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
+    SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
     FramePlan plan = walker.planAt({2, 0, 2});
     plan.cells.clear();
     for (std::uint32_t c = 0; c < scene.cells.size(); ++c) plan.cells.push_back({.cell = c});
@@ -375,7 +237,7 @@ TEST_CASE("the error names the smallest budget, which suffices for an image") {
   // A budget below the size of one of the nine photographs.
   REQUIRE(smallest < 512 * 512 * 4);
   for (const std::uint64_t budget : {smallest, std::uint64_t(512 * 512 * 4)}) {
-    Walker walker(scene, {.source = Colours{}, .budgetBytes = budget}, {128, 128});
+    SyncWalker walker(scene, {.source = Colours{}, .budgetBytes = budget}, {128, 128});
     const FramePlan plan = walker.planAt({1, 0, 1});
     Image8 picture;
     do picture = walker.frame(plan);
@@ -394,7 +256,7 @@ TEST_CASE("a photograph that cannot be read keeps its stand-in") {
     return Colours{}(of, node, firstLevel);
   };
   Messages messages;
-  Walker walker(scene, {.source = source, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
+  SyncWalker walker(scene, {.source = source, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
   const FramePlan plan = walker.planAt({1, 0, 1});
   for (int frame = 0; frame < 10; ++frame) CHECK(sharesOf(walker.frame(plan), broken).standIn > 0.99);
   CHECK(walker.streamed.failed == 1);
@@ -412,29 +274,32 @@ TEST_CASE("photographs without a mesh take no memory") {
 
 TEST_CASE("photographs are requested in the plan's order, then from neighbouring cells") {
   const Scene scene = gridScene(5, 512, 512);
-  Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB}, {64, 64});
   FramePlan plan;
   plan.cells = {{.cell = 8}, {.cell = 0}};
   plan.previous = {{.cell = 31}};
-  const WantedNodes wanted = wantedNodes(stateOf(walker.gpuScene), plan, 100);
+  std::vector<std::vector<std::uint32_t>> cells;
+  for (const Cell& cell : scene.cells) cells.push_back(cell.members);
+  WantedNodes wanted(cells, scene.nodes.size());
+  wanted.update(plan, 100);
   const auto& members = [&](std::size_t cell) -> const std::vector<std::uint32_t>& {
     return scene.cells[cell].members;
   };
   // Cells 8 and 0 share a photograph.
-  REQUIRE(wanted.needed == 8);
-  CHECK(std::vector(wanted.nodes.begin(), wanted.nodes.begin() + 8) ==
+  REQUIRE(wanted.needed() == 8);
+  CHECK(std::vector(wanted.nodes().begin(), wanted.nodes().begin() + 8) ==
         std::vector<std::uint32_t>{5, 6, 10, 0, 1, 19, 24, 23});
-  REQUIRE(wanted.nodes.size() == 25);
+  REQUIRE(wanted.nodes().size() == 25);
   // Nodes of cells that touch the main cell come before all others.
   std::vector<bool> near(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     if (std::ranges::any_of(cell.members, [&](auto m) { return std::ranges::find(members(8), m) != members(8).end(); }))
       for (const std::uint32_t m : cell.members) near[m] = true;
   bool left = false;
-  for (std::size_t i = 8; i < wanted.nodes.size(); ++i) {
-    CHECK_FALSE((left && near[wanted.nodes[i]]));
-    left |= !near[wanted.nodes[i]];
+  for (std::size_t i = 8; i < wanted.nodes().size(); ++i) {
+    CHECK_FALSE((left && near[wanted.nodes()[i]]));
+    left |= !near[wanted.nodes()[i]];
   }
   CHECK(left);
-  CHECK(wantedNodes(stateOf(walker.gpuScene), plan, 0).nodes.size() == 8);
+  wanted.update(plan, 0);
+  CHECK(wanted.nodes().size() == 8);
 }

@@ -2,7 +2,7 @@
 // Injects faults into Vulkan. A program linked with vulkan_faults.cpp passes that file's functions to
 // Device::loadFunctions before main(). They forward each call to the loader until the selected one fails.
 //
-// Call from one thread only: the N-th call must be deterministic.
+// The N-th call must be deterministic: Vulkan calls of several threads must not overlap.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

@@ -35,7 +35,7 @@ ExitCode bench(const Options& options, const Context& context) {
     check(progress.show({"measuring", done, options.cells.size()}), ErrorCode::cancelled, "stopped");
   };
   const BenchRun& run = options.run;
-  BenchSubject subject{options.scene, loadScene(options.scene), withLog(run.gpuScene, context), {}};
+  BenchSubject subject{options.scene, loadScene(options.scene), batchOptions(run.gpuScene, context), {}};
   for (const View& view : frames(autoPath(subject.scene, run.views, run.size.width, run.size.height)))
     subject.views.push_back(view.camera);
   const FrameBench bench(device, subject, run.wanted);

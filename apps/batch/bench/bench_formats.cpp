@@ -56,7 +56,7 @@ Json benchFormats(const PhotographBench& bench, const Context& context) {
   std::vector<Measured> variants;
   for (const FormatVariant& variant : kVariants) {
     check(progress.show({"encoding", variants.size(), steps}), ErrorCode::cancelled, "stopped");
-    GpuSceneOptions options = withLog(bench.gpuScene, context);
+    GpuSceneOptions options = batchOptions(bench.gpuScene, context);
     options.source = encodedAs(variant.format);
     options.blocks = BlockTextureMode::keep;
     options.filter = variant.filter;

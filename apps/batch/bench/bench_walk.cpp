@@ -81,7 +81,7 @@ Walk measureWalk(const PhotographBench& bench, Device& device, GpuScene& gpuScen
 
 Json benchWalk(const PhotographBench& bench, const Context& context) {
   Device device = Device::create({.device = context.options().device, .log = context.log()});
-  GpuScene gpuScene(device, bench.scene, withLog(bench.gpuScene, context));
+  GpuScene gpuScene(device, bench.scene, batchOptions(bench.gpuScene, context));
   Walk walk = measureWalk(bench, device, gpuScene, context);
   const std::size_t frames = bench.views.size();
   const std::uint64_t budget = bench.gpuScene.budgetBytes;

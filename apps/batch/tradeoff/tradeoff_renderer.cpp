@@ -13,7 +13,7 @@ namespace ibr::app {
 namespace {
 
 GpuSceneOptions gpuOptionsOf(const TradeoffVariant& variant, const Context& context) {
-  GpuSceneOptions options = withLog({}, context);
+  GpuSceneOptions options = batchOptions({}, context);
   options.filter = variant.filter;
   if (variant.texture) {
     options.source = encodedAs(*variant.texture);

@@ -32,7 +32,7 @@ ExitCode bench(const Options& options, const Context& context) {
   BenchReport report;
   for (const BenchShape* shape : options.generated) {
     step();
-    GpuSceneOptions gpuScene = withLog(run.gpuScene, context);
+    GpuSceneOptions gpuScene = batchOptions(run.gpuScene, context);
     gpuScene.source = [](const Scene& scene, std::size_t node, int firstLevel) {
       return withoutLargestLevels(benchPhotograph(scene, node), firstLevel);
     };

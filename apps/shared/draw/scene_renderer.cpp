@@ -20,8 +20,9 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 
 }  // namespace
 
-GpuSceneOptions withLog(GpuSceneOptions options, const Context& context) {
+GpuSceneOptions batchOptions(GpuSceneOptions options, const Context& context) {
   options.log = context.log();
+  options.readerThreads = 0;
   return options;
 }
 
@@ -30,7 +31,7 @@ SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views,
     : scene_(scene),
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
-      gpuScene_(device_, scene, withLog(gpuScene, context)),
+      gpuScene_(device_, scene, batchOptions(gpuScene, context)),
       renderer_(device_, gpuScene_, (options.maxExtent = largestOf(views), options)),
       wantsBuffers_(options.bufferScene != nullptr) {}
 

@@ -14,7 +14,9 @@
 
 namespace ibr::app {
 
-GpuSceneOptions withLog(GpuSceneOptions options, const Context& context);
+/// Options of programs that render single images: with the log, and without threads, so that images do not depend on
+/// timing.
+GpuSceneOptions batchOptions(GpuSceneOptions options, const Context& context);
 
 class SceneRenderer {
  public:

@@ -172,6 +172,7 @@ void showMemory(PanelInput& input) {
   ImGui::Separator();
   ImGui::Text("%u photographs in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting, s.overBudget,
               s.failed);
+  ImGui::Text("%u photographs being read, %u queued", s.reading, s.queued);
 }
 
 }  // namespace ibr::app

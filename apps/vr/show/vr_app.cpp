@@ -48,6 +48,7 @@ VrApp::VrApp(VrState& state)
 }
 
 VrApp::~VrApp() {
+  stopLoading_.request_stop();
   if (loading_.valid()) loading_.wait();
   waitIdle(device_);
 }

@@ -5,6 +5,7 @@
 
 #include <future>
 #include <optional>
+#include <stop_token>
 
 #include "shared/camera/up.h"
 #include "vr/headset/eye_capture.h"
@@ -91,6 +92,7 @@ class VrApp {
   std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
   std::unique_ptr<StereoScene> scene_;                 // null while a scene is loading
+  std::stop_source stopLoading_;                       // requested when the program ends
   std::future<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
   std::optional<std::size_t> nextScene_;               // index into options().places: loaded once the view is black
   GovernorState governor_;

@@ -26,6 +26,7 @@ void VrApp::beginLoading() {
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = state_.context.log();
+    gpuScene.stop = stopLoading_.get_token();
     return std::make_unique<StereoScene>(headset_.device(nullptr), files, levelsOf(*files), options().floor, eyes,
                                          gpuScene);
   });

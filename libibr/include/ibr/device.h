@@ -5,6 +5,11 @@
 // number of devices. One thread at a time uses a Device. Objects made from a Device must be destroyed before it.
 // Constructors that upload submit on its queue and wait, unless they get Uploads (ibr/uploads.h).
 //
+// Files, memory and waiting: create(), adopt(), list(), describe(), preferred(), name() and the functions that return
+// lists allocate host memory; the first of them loads Vulkan's functions, which reads the loader and drivers. create()
+// reads DeviceOptions::pipelineCache, ~Device waits and writes it. All other functions do nothing of this, except that
+// lockQueue() waits for the lock.
+//
 // The queue of an adopted device: the caller synchronises its use externally, or passes a lock (DeviceHandles). With a
 // lock, several threads may each adopt the same handles: one makes a GpuScene while another renders frames.
 #pragma once

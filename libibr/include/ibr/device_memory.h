@@ -3,9 +3,10 @@
 // DeviceHandles::allocator. Without an allocator, each resource has its own vkAllocateMemory. libibr needs few
 // resources: cells share buffers, photographs share texture arrays.
 //
-// Threading: libibr calls an allocator from the threads that make, stream and destroy objects of its device, and from
-// the thread that clears, assigns or destroys Uploads (ibr/uploads.h). Where these are several threads, also with a
-// Device each, the allocator must be thread-safe.
+// Threading: libibr calls an allocator from the threads that make, stream and destroy objects of its device, from
+// the thread that clears, assigns or destroys Uploads (ibr/uploads.h), and from the reader threads or the executor of a
+// GpuScene that streams photographs (ibr/gpu_scene.h). Where these are several threads, also with a Device each, the
+// allocator must be thread-safe.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -62,8 +63,8 @@ class IBR_API DeviceAllocator {
 
   /// Returns a block of one of the request's memory types. For a block without memory libibr throws Error{outOfMemory}
   /// with the resource's name and size. May itself throw Error and nothing else; libibr's caller gets the Error, except
-  /// from GpuScene::stream, which lowers its budget after either. libibr throws Error{invalidInput} that names the
-  /// resource for a misaligned offset, a size that is too small and a missing mapping; such a block goes to free().
+  /// while photographs are streamed, which lowers the budget after either. libibr throws Error{invalidInput} that names
+  /// the resource for a misaligned offset, a size that is too small and a missing mapping; such a block goes to free().
   virtual MemoryBlock allocate(const MemoryRequest& request) = 0;
 
   /// Takes back a block as allocate() returned it. The device has finished with the resource.

@@ -16,7 +16,7 @@ enum class ErrorCode {
   outOfMemory,   // host or device memory
   deviceLost,    // the Device and all objects made from it must be recreated; the Scene remains valid
   vulkan,        // any other Vulkan failure; the message names call and result
-  cancelled,     // a progress callback returned false
+  cancelled,     // a progress callback returned false, or a stop was requested
 };
 
 class IBR_API Error : public std::runtime_error {

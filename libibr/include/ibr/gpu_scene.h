@@ -19,6 +19,13 @@
 //
 // While photographs are streamed, a stand-in of each (at most 64 px) stays resident. It is drawn until the photograph
 // has been loaded.
+//
+// Reader threads read and decode photographs, and allocate and free their device memory. Frames only copy what has been
+// read into staging memory, at most stagingBytes a frame. With GpuSceneOptions::readerThreads 0, stream() does all this
+// itself: results then do not depend on timing, as programs without a display need.
+//
+// Threading: one thread at a time uses a GpuScene. GpuScene::stream() and renderers of the scene must not run at the
+// same time.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -26,6 +33,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 
 #include "ibr/device.h"
 #include "ibr/export.h"
@@ -39,8 +47,10 @@ namespace ibr {
 struct FramePlan;
 
 /// Loads a photograph's texture: level `firstLevel` and all smaller ones, down to 1×1. Level 0 has the size of the
-/// node's intrinsics. Every call must return the same format for a node. Called from the thread that makes the GpuScene
-/// or calls stream().
+/// node's intrinsics. Every call must return the same format for a node. Called from several threads at a time: the
+/// reader threads or those of the executor, and the thread that makes the GpuScene or calls streamAll(). With
+/// readerThreads 0, only from the thread that makes the GpuScene or calls stream(). While frames are streamed, any
+/// exception means that the photograph cannot be read. Must not use the GpuScene.
 using TextureSource = std::function<Texture(const Scene& scene, std::size_t node, int firstLevel)>;
 
 /// Treatment of block-compressed textures (BC1, BC7).
@@ -59,6 +69,14 @@ enum class TextureFilter : std::uint8_t {
             // more reads of a photograph per pixel
 };
 
+/// Calls a job once on another thread, at some time, and returns at once. May destroy jobs instead of calling them,
+/// also after the GpuScene is gone, when calls have no effect: photographs whose job is destroyed are requested again
+/// by later frames. Jobs read files, decode, and allocate device memory; they may take as long as the source does.
+/// Called from the thread that uses the GpuScene. Must not throw.
+using JobExecutor = std::function<void(std::function<void()> job)>;
+
+inline constexpr std::uint32_t kMaxReaderThreads = 64;
+
 struct GpuSceneOptions {
   TextureSource source;           // empty: reads the nodes' textureFile, and only the levels that are needed
   std::uint64_t budgetBytes = 0;  // upper limit of the sum of Memory; 0: no limit
@@ -70,7 +88,14 @@ struct GpuSceneOptions {
   bool depth = true;  // loads depth textures, for Composition::gathered and hybrid; they are never streamed
   BlockTextureMode blocks = BlockTextureMode::automatic;
   TextureFilter filter = TextureFilter::automatic;
-  LogCallback log;  // every reduction of quality, with its reason
+  LogCallback log;  // every reduction of quality, with its reason; called on the thread that uses the GpuScene
+  /// Threads of the GpuScene that read and decode, while it is made and while frames are streamed; 0: the calling
+  /// thread does. At most kMaxReaderThreads. Each takes host memory for a photograph; photographs that wait for their
+  /// upload take up to stagingBytes.
+  std::uint32_t readerThreads = 2;
+  JobExecutor executor;  // runs the jobs instead of threads of the GpuScene, at most readerThreads at a time
+  /// Cancels the constructor, which then throws Error{cancelled} after at most one read of each thread.
+  std::stop_token stop;
   /// Collects the uploads of the constructor instead of submitting and waiting (ibr/uploads.h), stand-ins of streamed
   /// photographs included. Takes as much host memory as there is to upload; stagingBytes limits one buffer.
   Uploads* uploads = nullptr;
@@ -78,12 +103,16 @@ struct GpuSceneOptions {
 
 class IBR_API GpuScene {
  public:
-  /// Submits uploads on the device's queue and waits for them; with GpuSceneOptions::uploads, neither. Photographs that
-  /// no mesh shows are left out. Throws Error (io, invalidInput, …); Error{outOfMemory} names the smallest possible
-  /// budget where it is too small. The device must outlive the GpuScene; with a budget, so must the scene.
+  /// Reads files, in parallel on the reader threads, and waits for them. Allocates host and device memory. Submits
+  /// uploads on the device's queue and waits for them; with GpuSceneOptions::uploads, neither. Photographs that no mesh
+  /// shows are left out. Throws Error (io, invalidInput, cancelled, …), and what the sources throw; Error{outOfMemory}
+  /// names the smallest possible budget where it is too small. The device must outlive the GpuScene; with a budget, so
+  /// must the scene.
   GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options = {});
   GpuScene(GpuScene&&) noexcept;
   GpuScene& operator=(GpuScene&&) noexcept;
+  /// Frees device memory. Drops requests; reads in progress end before their next mip level, and are waited for: with a
+  /// TextureSource, for one call of each reader thread. Jobs that the executor has not called yet are not waited for.
   ~GpuScene();
 
   struct StreamStatus {
@@ -92,26 +121,36 @@ class IBR_API GpuScene {
     std::uint32_t overBudget = 0;  // of these: the budget has no room beside more important photographs
     std::uint32_t failed = 0;      // of these: cannot be read
     std::uint64_t uploadedBytes = 0;
+    std::uint32_t queued = 0;   // requested photographs, needed or likely to be, that no thread reads yet
+    std::uint32_t reading = 0;  // those that are being read, or that wait for staging memory or for a texture array
   };
-  /// Loads the photographs that the plan needs, most important first, then those around the main cell by their distance
-  /// in the graph. Reads files; records uploads into the command buffer, outside a render pass. Never waits for the
-  /// device. Every plan must be streamed before it is recorded, in the same command buffer or one submitted earlier.
+  /// Requests the photographs that the plan needs, most important first, then those around the main cell by their
+  /// distance in the graph; earlier requests that have not begun are replaced. Records uploads of photographs that have
+  /// been read into the command buffer, outside a render pass. Every plan must be streamed before it is recorded, in
+  /// the same command buffer or one submitted earlier.
+  ///
+  /// Reads no files, waits neither for reads nor for the device, and allocates and frees no device memory; with
+  /// readerThreads 0 it reads, and allocates and frees device memory. Allocates no host memory, except for messages,
+  /// and for descriptor sets where more than 4 frames are in flight.
   ///
   /// Frames are numbered from 1 upwards. `completedFrame`: the device has finished this frame and all before it (0:
   /// none). If a frame's commands are never submitted, use its number again for the next call.
   ///
-  /// Does not throw Error. A photograph that cannot be read keeps its stand-in. If the device has less memory than the
-  /// budget, the budget is lowered. Both are logged.
+  /// Does not throw Error, except Error{outOfMemory} for lack of descriptor sets. A photograph that cannot be read
+  /// keeps its stand-in. If the device has less memory than the budget, the budget is lowered. Both are logged, by this
+  /// call.
   StreamStatus stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
                       std::uint64_t completedFrame);
 
-  /// True if frames need stream(): photographs are streamed, or the gather binds textures frame by frame.
+  /// True if frames need stream(): photographs are streamed, or the gather binds textures frame by frame. Neither
+  /// waits nor allocates.
   bool needsStreaming() const noexcept;
 
   struct Memory {
     std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;  // bytes allocated on the device
     std::uint64_t sum() const noexcept { return positions + indices + textures + depth; }
   };
+  /// Memory at this moment; reader threads may change it. Neither waits nor allocates.
   Memory memory() const noexcept;
 
   struct IBR_LOCAL State;
@@ -121,10 +160,10 @@ class IBR_API GpuScene {
   std::unique_ptr<State> state_;
 };
 
-/// Streams until all photographs of the plan are on the device, as far as the budget allows: for single images. Submits
-/// on the device's queue and waits. `frame`: number of the scene's last frame, 0 before the first one; is increased.
-/// All frames must have finished. No effect where needsStreaming() is false. Throws Error: io if photographs cannot be
-/// read; deviceLost, outOfMemory.
+/// Streams until all photographs of the plan are on the device, as far as the budget allows: for single images. Reads
+/// files, allocates, submits on the device's queue and waits for all of these. `frame`: number of the scene's last
+/// frame, 0 before the first one; is increased. All frames must have finished. No effect where needsStreaming() is
+/// false. Throws Error: io if photographs cannot be read; deviceLost, outOfMemory.
 IBR_API void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
 
 }  // namespace ibr

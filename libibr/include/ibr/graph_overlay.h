@@ -40,9 +40,9 @@ struct GraphOverlayOptions {
 /// before it is destroyed. The device must outlive it; the graph need not.
 class IBR_API GraphOverlay {
  public:
-  /// Submits an upload on the device's queue and waits; with GraphOverlayOptions::uploads, neither. Throws
-  /// Error{invalidInput} where a cell's index is out of range, a position is not finite or frustumDepth is not
-  /// positive; Error (outOfMemory, unsupported).
+  /// Allocates host and device memory, builds pipelines, submits an upload on the device's queue and waits; with
+  /// GraphOverlayOptions::uploads, neither. Throws Error{invalidInput} where a cell's index is out of range, a position
+  /// is not finite or frustumDepth is not positive; Error (outOfMemory, unsupported).
   GraphOverlay(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options);
   GraphOverlay(GraphOverlay&&) noexcept;
   GraphOverlay& operator=(GraphOverlay&&) noexcept;

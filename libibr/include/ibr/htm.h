@@ -93,9 +93,9 @@ struct HtmFramePlan {
   HtmPlanState next;                      // argument of the next call
 };
 
-/// Plans a frame by eq. 5. Pure. Precondition: validate(model) is empty. Throws Error{invalidInput} that names the
-/// field: the view is no valid pinhole, a setting is out of range, or time, bounds or weights of the state are not
-/// finite. `next` is always finite. A state of another number of cameras counts as {}.
+/// Plans a frame by eq. 5. Pure; allocates host memory. Precondition: validate(model) is empty. Throws
+/// Error{invalidInput} that names the field: the view is no valid pinhole, a setting is out of range, or time, bounds
+/// or weights of the state are not finite. `next` is always finite. A state of another number of cameras counts as {}.
 IBR_API HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
                                   const HtmPlanState& state = {});
 
@@ -112,29 +112,30 @@ struct GpuHtmModelOptions {
 /// complements. The device must outlive it; the model need not.
 class IBR_API GpuHtmModel {
  public:
-  /// Calls the source for each camera in turn, submits on the device's queue and waits; with
-  /// GpuHtmModelOptions::uploads, neither submits nor waits. Throws what the source throws; Error{invalidInput} if
-  /// validate() finds a fault or a picture does not fit its camera; Error{unsupported} if complements (8 bytes ×
-  /// cameras² × vertices) exceed the device's maxStorageBufferRange; Error{outOfMemory}.
+  /// Calls the source for each camera in turn, allocates host and device memory, submits on the device's queue and
+  /// waits; with GpuHtmModelOptions::uploads, neither submits nor waits. Reads no files, unless the source does. Throws
+  /// what the source throws; Error{invalidInput} if validate() finds a fault or a picture does not fit its camera;
+  /// Error{unsupported} if complements (8 bytes × cameras² × vertices) exceed the device's maxStorageBufferRange;
+  /// Error{outOfMemory}.
   GpuHtmModel(Device& device, const HtmModel& model, const HtmImageSource& source,
               const GpuHtmModelOptions& options = {});
   GpuHtmModel(GpuHtmModel&&) noexcept;
   GpuHtmModel& operator=(GpuHtmModel&&) noexcept;
-  ~GpuHtmModel();
+  ~GpuHtmModel();  // frees device memory; does not wait
 
   /// Replaces the model by another one, as for the next frame of 3D video. Keeps pipelines, and images and buffers that
   /// are large enough, so that mostly uploads remain; frees smaller ones before it allocates. Commands that use the
-  /// previous model, its recorded uploads included, must have finished. Each renderer of it needs HtmRenderer::setModel
-  /// before it records again. Submits and waits, unless `uploads` collect the uploads; uploads of the previous model
-  /// must not be recorded afterwards. Throws what the constructor throws; afterwards only replace() and destruction are
-  /// allowed.
+  /// previous model, its recorded uploads included, must have finished. Calls the source on the calling thread. Each
+  /// renderer of it needs HtmRenderer::setModel before it records again. Submits and waits, unless `uploads` collect
+  /// the uploads; uploads of the previous model must not be recorded afterwards. Throws what the constructor throws;
+  /// afterwards only replace() and destruction are allowed.
   void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads = nullptr);
 
   struct Memory {
     std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
     std::uint64_t sum() const noexcept { return mesh + complements + photographs + depths; }
   };
-  Memory memory() const noexcept;
+  Memory memory() const noexcept;  // neither waits nor allocates
 
   struct IBR_LOCAL State;
 
@@ -152,14 +153,16 @@ struct HtmRendererOptions {
 /// destroyed.
 class IBR_API HtmRenderer {
  public:
-  /// Submits nothing. Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models
+  /// Allocates host and device memory, and builds pipelines. Submits nothing, waits for nothing and reads no files.
+  /// Throws Error{unsupported} for formats that are no combination of TargetFormat, and for models
   /// with too many vertices (16 bytes each must fit into maxStorageBufferRange); Error{outOfMemory}.
   HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options);
   HtmRenderer(HtmRenderer&&) noexcept;
   HtmRenderer& operator=(HtmRenderer&&) noexcept;
-  ~HtmRenderer();
+  ~HtmRenderer();  // frees device memory; does not wait
 
-  /// Selects the model of later frames: another one, or the same after GpuHtmModel::replace. Keeps pipelines. Commands
+  /// Selects the model of later frames: another one, or the same after GpuHtmModel::replace. Keeps pipelines; allocates
+  /// host and device memory, without waiting. Commands
   /// recorded before must have finished. Throws what the constructor throws; afterwards only setModel() and destruction
   /// are allowed.
   void setModel(const GpuHtmModel& model);
@@ -168,7 +171,8 @@ class IBR_API HtmRenderer {
   /// extent, at most `maxExtent`; the target has no depth. Writes the whole target: alpha is 1 where the mesh is drawn
   /// and some camera shows it, else 0 with the background's colour. The target goes from `initialUse` to `finalUse`.
   /// Bound pipelines, descriptor sets, push constants, viewport and scissor are undefined afterwards. Submits, waits
-  /// for and allocates nothing; the command buffer need not be submitted. Frames must be submitted in order on the
+  /// for and reads nothing, and allocates neither host nor device memory; the command buffer need not be submitted.
+  /// Frames must be submitted in order on the
   /// device's queue. `timer` gets the scopes "coordinates" (eq. 6; for vertexColours: the colours) and "rasterisation".
   void record(VkCommandBuffer commandBuffer, const HtmFramePlan& plan, const Target& target,
               ScopeTimer* timer = nullptr) const noexcept;

@@ -17,21 +17,22 @@ namespace ibr {
 /// An offscreen image. The device must outlive it. One thread at a time uses it.
 class IBR_API Offscreen {
  public:
-  /// Submits nothing. Throws Error{unsupported} for a format that is no combination of TargetFormat,
-  /// Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device cannot provide.
+  /// Allocates host and device memory. Submits nothing. Throws Error{unsupported} for a format that is no combination
+  /// of TargetFormat, Error{invalidInput} for an extent of 0, Error (unsupported, outOfMemory) for one that the device
+  /// cannot provide.
   Offscreen(const Device& device, VkExtent2D extent, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
   ~Offscreen();
 
-  /// The image as a target. It may be written as a colour attachment or by transfers. Commands that write it must leave
-  /// it in Target::finalUse, as render() expects. Valid while *this lives.
+  /// The image as a target. Neither waits nor allocates. It may be written as a colour attachment or by transfers.
+  /// Commands that write it must leave it in Target::finalUse, as render() expects. Valid while *this lives.
   Target target() const noexcept;
 
   /// Calls `record` with a command buffer; `record` must write the target. Then submits on the device's queue, waits,
-  /// and returns height × width × RGBA: values as stored (display-encoded), red first in all formats. Throws what
-  /// `record` throws and Error (deviceLost, outOfMemory); render() may be called again after either. Throws
-  /// Error{unsupported} for formats of more than 8 bits a channel, without calling `record`.
+  /// and returns new host memory of height × width × RGBA: values as stored (display-encoded), red first in all
+  /// formats. Throws what `record` throws and Error (deviceLost, outOfMemory); render() may be called again after
+  /// either. Throws Error{unsupported} for formats of more than 8 bits a channel, without calling `record`.
   Image8 render(const std::function<void(VkCommandBuffer)>& record);
 
   /// As render(), for all formats. Values are as stored: in the target's encoding (SRGB formats: display-encoded),
@@ -53,8 +54,8 @@ struct FrameBuffers {
 /// Images for Renderer::recordBuffers. The device must outlive them. One thread at a time uses them.
 class IBR_API OffscreenBuffers {
  public:
-  /// Submits nothing. Throws Error (invalidInput, unsupported, outOfMemory) for extents that are 0 or that the device
-  /// cannot provide.
+  /// Allocates host and device memory. Submits nothing. Throws Error (invalidInput, unsupported, outOfMemory) for
+  /// extents that are 0 or that the device cannot provide.
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;

@@ -8,7 +8,8 @@
 //   FramePlan plan = planFrame(scene, sceneBounds(scene), {{view}, settings}, state);
 //   renderer.record(commandBuffer, plan, target);  // then the caller submits
 //
-// Threading: one thread at a time uses a Renderer.
+// Threading: one thread at a time uses a Renderer. No function reads files. "Allocates nothing" means neither host nor
+// device memory.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -75,7 +76,7 @@ struct RendererOptions {
   Uploads* uploads = nullptr;  // collects the uploads of the constructor instead of submitting and waiting
 };
 
-/// The options that plans with these settings need, and no more. Pure.
+/// The options that plans with these settings need, and no more. Pure; allocates host memory.
 IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D maxExtent,
                                    TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
 
@@ -83,13 +84,13 @@ IBR_API RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D ma
 /// destroyed.
 class IBR_API Renderer {
  public:
-  /// Allocates working images and builds pipelines. Submits uploads and layout transitions on the device's queue and
-  /// waits for them; with RendererOptions::uploads, neither. Throws Error (invalidInput, unsupported, outOfMemory,
-  /// deviceLost).
+  /// Allocates working images, host and device memory, and builds pipelines. Submits uploads and layout transitions on
+  /// the device's queue and waits for them; with RendererOptions::uploads, neither. Throws Error (invalidInput,
+  /// unsupported, outOfMemory, deviceLost).
   Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
-  ~Renderer();
+  ~Renderer();  // frees device memory; does not wait
 
   /// Records a frame: canvas pass, then composition into a target for each of the plan's views. Must be called outside
   /// a render pass. A view's image has its target's extent, at most RendererOptions::maxExtent. Targets go from
@@ -109,13 +110,13 @@ class IBR_API Renderer {
                      const BufferTargets& targets) const noexcept;
 
   /// Returns true if the renderer was made for such a plan. `why` gets the field of RendererOptions that the plan
-  /// exceeds, for people; untouched where the plan is supported. Does not allocate without `why`.
+  /// exceeds, for people; untouched where the plan is supported. Allocates only that text.
   bool supports(const FramePlan& plan, std::string* why = nullptr) const;
 
   /// Returns true if the options declare the target's format, encoding and depth. `why` as above.
   bool supports(const Target& target, std::string* why = nullptr) const;
 
-  /// Cost of a plan. Exact.
+  /// Cost of a plan. Exact. Neither waits nor allocates.
   struct Counters {
     std::uint32_t pipelines = 0;                          // of this renderer
     std::uint64_t workingBytes = 0;                       // of this renderer's images
@@ -130,7 +131,8 @@ class IBR_API Renderer {
   Counters count(const FramePlan& plan) const noexcept;
 
   /// Tests if the device draws both views of a pass correctly, as some drivers do not. The first call for a Device
-  /// submits and waits, and so does the first renderer that needs the answer; later ones use this answer. Throws Error.
+  /// allocates, submits and waits, and so does the first renderer that needs the answer; later ones use this answer.
+  /// Throws Error.
   static bool probeMultiview(const Device& device);
 
   /// Returns true if RendererOptions::formats may name this combination. `why` gets the reason where it may not.

@@ -25,19 +25,21 @@ struct ScopeTime {
 /// live until read(). The device must outlive the timer. One thread at a time uses a timer.
 class IBR_API ScopeTimer {
  public:
-  /// Reserves room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Submits nothing.
+  /// Allocates room for maxScopes a frame. Further scopes are labelled but not timed; 0: labels only. Submits nothing.
   /// Throws Error.
   ScopeTimer(const Device& device, std::uint32_t maxScopes);
   ScopeTimer(ScopeTimer&&) noexcept;
   ScopeTimer& operator=(ScopeTimer&&) noexcept;
   ~ScopeTimer();
 
-  /// Records the reset of all queries. Must be recorded before any scope, outside a render pass.
+  /// Records the reset of all queries. Must be recorded before any scope, outside a render pass. reset(), begin() and
+  /// end() neither wait nor allocate.
   void reset(VkCommandBuffer commandBuffer) noexcept;
   void begin(VkCommandBuffer commandBuffer, const char* name) noexcept;
   void end(VkCommandBuffer commandBuffer) noexcept;  // ends the scope begun last
 
-  /// Reads the times, in the order in which scopes began, once the device has finished the commands. A scope lasts from
+  /// Returns the times, in the order in which scopes began, once the device has finished the commands. Allocates host
+  /// memory; does not wait. A scope lasts from
   /// the end of all work before it to the end of all work in it. Unfinished scopes are left out; all are, where the
   /// queue has no timestamps. Throws Error{deviceLost}.
   std::vector<ScopeTime> read() const;

@@ -56,13 +56,13 @@ class IBR_API ShaderReloader {
   ShaderReloader& operator=(ShaderReloader&&) noexcept;
   ~ShaderReloader();  // stops a running compiler; replaced shaders stay replaced
 
-  /// Takes results of compilations into use, and reports them; never waits for the compiler. Files are checked at most
-  /// ten times a second, and only while poll() is called. A shader is compiled if its file or an included file has
-  /// another size or modification time; after a failure, if any file in the folder has. New code is used if it differs
-  /// from the code in use and fits the embedded shader. It fits with the same stage, workgroup, inputs, outputs and
-  /// specialisation constants, no other bindings, no more push constants and no further device features. Otherwise it
-  /// is reported in `failed` and the code in use stays. Layouts are compared by size alone: editing a struct that is
-  /// shared with C++ (shaders/shared) requires a build.
+  /// Takes results of compilations into use, and reports them; never waits for the compiler, but looks up files and
+  /// allocates host memory. Files are checked at most ten times a second, and only while poll() is called. A shader is
+  /// compiled if its file or an included file has another size or modification time; after a failure, if any file in
+  /// the folder has. New code is used if it differs from the code in use and fits the embedded shader. It fits with the
+  /// same stage, workgroup, inputs, outputs and specialisation constants, no other bindings, no more push constants and
+  /// no further device features. Otherwise it is reported in `failed` and the code in use stays. Layouts are compared
+  /// by size alone: editing a struct that is shared with C++ (shaders/shared) requires a build.
   ///
   /// A replacement increments Device::shaderGeneration(). Existing pipelines are never touched.
   Result poll();

@@ -31,7 +31,7 @@ namespace ibr {
 /// Error{invalidInput} for Uploads of another VkDevice.
 class IBR_API Uploads {
  public:
-  explicit Uploads(const Device& device);
+  explicit Uploads(const Device& device);  // allocates host memory
   Uploads(Uploads&&) noexcept;
   Uploads& operator=(Uploads&&) noexcept;
   ~Uploads();  // as clear()
@@ -39,12 +39,15 @@ class IBR_API Uploads {
   /// Records all uploads since the last clear() in the order of construction, outside a render pass, with barriers that
   /// wait for earlier commands and make the contents visible to all later ones. A second call records them again, for a
   /// command buffer that is never submitted, or to restore the initial contents. Bound pipelines, descriptor sets, push
-  /// constants, viewport and scissor are undefined afterwards. Submits, waits for and allocates nothing.
+  /// constants, viewport and scissor are undefined afterwards. Submits, waits for and allocates nothing, neither host
+  /// nor device memory.
   void record(VkCommandBuffer commandBuffer) const noexcept;
 
-  /// Drops all uploads and frees their host memory. The device must have finished the recorded commands.
+  /// Drops all uploads and frees their host memory (vkFreeMemory), without waiting. The device must have finished the
+  /// recorded commands.
   void clear() noexcept;
 
+  // Neither waits nor allocates.
   bool empty() const noexcept;           // record() records nothing
   std::uint64_t bytes() const noexcept;  // of host memory (MemoryKind::upload) that uploads are copied from
 

@@ -28,6 +28,7 @@ SceneRenderer::SceneRenderer(std::shared_ptr<const Scene> scene, const DeviceCho
   if (options.buffers) options_.bufferScene = &drawn;
   GpuSceneOptions gpuScene = options.gpuScene;
   gpuScene.log = logToPython();
+  gpuScene.readerThreads = 0;  // images do not depend on timing
   try {
     gpuScene_.emplace(device_->device, drawn, gpuScene);
     renderer_.emplace(device_->device, *gpuScene_, options_);

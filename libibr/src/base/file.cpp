@@ -23,6 +23,7 @@ class Descriptor {
   Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   ~Descriptor() { close(); }
   int get() const { return fd_; }
+  int release() { return std::exchange(fd_, -1); }
   bool close() {
     const int fd = std::exchange(fd_, -1);
     return fd < 0 || ::close(fd) == 0;
@@ -83,6 +84,30 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit) {
 std::vector<std::byte> readFileStart(const fs::path& path, std::size_t bytes) {
   const OpenFile file = openRegular(path);
   return readBytes<std::vector<std::byte>>(file, path, std::min<std::uint64_t>(bytes, file.size));
+}
+
+InputFile::InputFile(const fs::path& path) : path_(path) {
+  OpenFile file = openRegular(path);
+  descriptor_ = file.descriptor.release();
+  size_ = file.size;
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::pread(descriptor_, &bytes[done], bytes.size() - done, ::off_t(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    check(n >= 0, ErrorCode::io, "{}: cannot be read: {}", path_.string(), std::strerror(errno));
+    check(n > 0, ErrorCode::io, "{}: ends after {} bytes; another program may still be writing it", path_.string(),
+          offset + done);
+    done += std::size_t(n);
+  }
 }
 
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {

@@ -20,6 +20,24 @@ std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit 
 /// Reads the first `bytes` bytes of a regular file, or all of a shorter file. Throws Error{io}.
 std::vector<std::byte> readFileStart(const std::filesystem::path& path, std::size_t bytes);
 
+/// A regular file that is read in parts. Throws Error{io} with the path, also where the file has become shorter.
+class InputFile {
+ public:
+  explicit InputFile(const std::filesystem::path& path);
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&&) = delete;
+  ~InputFile();
+
+  std::uint64_t size() const noexcept { return size_; }
+  /// Fills `bytes` from the offset on. Precondition: the range lies within size().
+  void read(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_;
+  std::uint64_t size_;
+};
+
 /// Writes to a file beside `path`, then renames: `path` is never half-written. Throws Error{io} and leaves nothing.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFile(const std::filesystem::path& path, std::string_view text);

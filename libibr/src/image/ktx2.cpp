@@ -19,6 +19,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "image/ktx2_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -190,12 +191,11 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
   return result;
 }
 
-Checked probe(const fs::path& path) {
-  const std::vector<std::byte> start = readFileStart(path, sizeof(Header) + kMaxLevels * sizeof(Level));
-  std::error_code error;
-  const std::uintmax_t fileBytes = fs::file_size(path, error);
-  check(!error, ErrorCode::io, "{}: {}", path.string(), error.message());
-  return parse(start, fileBytes, path);
+Checked probe(const InputFile& file, const fs::path& path) {
+  std::array<std::byte, sizeof(Header) + kMaxLevels * sizeof(Level)> buffer;
+  const auto start = std::span(buffer).first(std::size_t(std::min<std::uint64_t>(buffer.size(), file.size())));
+  file.read(0, start);
+  return parse(start, file.size(), path);
 }
 
 }  // namespace
@@ -243,30 +243,29 @@ void writeKtx2(const fs::path& path, const Texture& texture) {
 }
 
 Ktx2Info probeKtx2(const fs::path& path) {
-  const Checked file = probe(path);
+  const Checked file = probe(InputFile(path), path);
   const Header& header = file.header;
   return {header.vkFormat, file.format, int(header.width), int(header.height), int(header.levels)};
 }
 
 Texture readKtx2(const fs::path& path, int firstLevel) {
+  return readKtx2(path, firstLevel, {});
+}
+
+Texture readKtx2(const fs::path& path, int firstLevel, const std::stop_token& stop) {
   assert(firstLevel >= 0);
-  const Checked file = probe(path);
+  const InputFile input(path);
+  const Checked file = probe(input, path);
   const auto first = std::size_t(firstLevel);
   check(first < file.levels.size(), ErrorCode::invalidInput, "{}: levelCount {}: there is no level {}", path.string(),
         file.levels.size(), firstLevel);
-  std::uint64_t end = 0;
-  for (std::size_t l = first; l < file.levels.size(); ++l)
-    end = std::max(end, file.levels[l].offset + file.levels[l].bytes);
-  const std::vector<std::byte> bytes = readFileStart(path, end);
-  check(bytes.size() == end, ErrorCode::io, "{}: ends after {} bytes; another program may still be writing it",
-        path.string(), bytes.size());
   Texture texture;
   texture.format = file.format;
   texture.width = side(int(file.header.width), first);
   texture.height = side(int(file.header.height), first);
   for (std::size_t l = first; l < file.levels.size(); ++l) {
-    const auto level = std::span(bytes).subspan(file.levels[l].offset, file.levels[l].bytes);
-    texture.levels.emplace_back(level.begin(), level.end());
+    check(!stop.stop_requested(), ErrorCode::cancelled, "{}: reading was stopped", path.string());
+    input.read(file.levels[l].offset, texture.levels.emplace_back(file.levels[l].bytes));
   }
   return texture;
 }

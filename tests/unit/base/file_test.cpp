@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 #include <future>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -109,4 +110,23 @@ TEST_CASE("pathInside refuses paths outside of the folder") {
   CHECK(codeOf([&] { pathInside(folder.path(), "loop/x"); }) == ErrorCode::invalidInput);
   fs::create_directory_symlink("/etc", folder / "link");
   CHECK(codeOf([&] { pathInside(folder.path(), "link/passwd"); }) == ErrorCode::invalidInput);
+}
+
+TEST_CASE("parts of a file are read in any order") {
+  const test::TemporaryFolder folder;
+  writeFile(folder / "a", std::string_view("0123456789"));
+  const InputFile file(folder / "a");
+  CHECK(file.size() == 10);
+  const auto text = [&](std::uint64_t offset, std::size_t count) {
+    std::string bytes(count, ' ');
+    file.read(offset, std::as_writable_bytes(std::span(bytes)));
+    return bytes;
+  };
+  CHECK(text(7, 3) == "789");
+  CHECK(text(0, 2) == "01");
+  CHECK(text(10, 0).empty());
+  std::filesystem::resize_file(folder / "a", 5);
+  CHECK_THROWS_WITH(text(3, 4), Catch::Contains((folder / "a").string()) && Catch::Contains("ends after 5 bytes"));
+  CHECK_THROWS_WITH(InputFile(folder / "b"), Catch::Contains((folder / "b").string()));
+  CHECK_THROWS_WITH(InputFile(folder.path()), Catch::Contains("not a regular file"));
 }

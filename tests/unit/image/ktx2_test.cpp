@@ -3,10 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <random>
+#include <stop_token>
 
 #include "base/file.h"
 #include "ibr/error.h"
 #include "ibr/texture.h"
+#include "image/ktx2_file.h"
+#include "support/error_of.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -70,6 +73,15 @@ TEST_CASE("small levels are read without the large ones") {
     CHECK(readKtx2(folder / "a.ktx2", 1) == encodeTexture({levels.begin() + 1, levels.end()}, format));
     CHECK_FALSE(readKtx2(folder / "a.ktx2") == whole);
   }
+}
+
+TEST_CASE("a requested stop ends the reading of a KTX file") {
+  const test::TemporaryFolder folder;
+  writeKtx2(folder / "a.ktx2", Texture(buildMips(Image8(4, 4, 4))));
+  std::stop_source stop;
+  CHECK(readKtx2(folder / "a.ktx2", 0, stop.get_token()) == readKtx2(folder / "a.ktx2"));
+  stop.request_stop();
+  CHECK(test::errorOf([&] { readKtx2(folder / "a.ktx2", 0, stop.get_token()); }).code() == ErrorCode::cancelled);
 }
 
 TEST_CASE("the file of a 2x1 image has the specified bytes") {

@@ -238,10 +238,80 @@ TEST_CASE("random walks keep the residency rules") {
         std::shuffle(wanted.begin(), wanted.end(), random);
         wanted.resize(20);
       } else {
-        completed = frame - 3;  // steady state
+        completed = std::max(completed, frame - 3);  // steady state
       }
       last = device.frame(wanted, 10, frame, completed, frame < 60 ? 1 + int(random() % 8) : 1000);
     }
     CHECK(last.waiting == 0);
   }
+}
+
+TEST_CASE("loads use an array before it exists, and are absent again if it cannot be made") {
+  Residency residency({{100, 2}}, ofOneClass(4), 200);
+  residency.begin(range(0, 4), 4, 1, 0);
+  const auto made = residency.next();
+  REQUIRE(made->kind == Step::Kind::makeArray);
+  CHECK(residency.next(false)->photograph == 0);
+  CHECK(residency.next(false)->photograph == 1);
+  CHECK_FALSE(residency.next(false));  // photograph 2 needs another array
+  CHECK(residency.next(true)->kind == Step::Kind::makeArray);
+  CHECK(residency.next(false)->photograph == 2);
+  CHECK(residency.endFrame().waiting == 4);
+  residency.begin(range(0, 4), 4, 2, 1);
+  residency.allocationFailed(made->array);
+  CHECK(residency.arrayBytes() == 100);
+  residency.finishLoad(2);
+  CHECK(residency.slot(2));
+  CHECK(residency.next(false)->photograph == 0);  // into the layer beside photograph 2
+  CHECK_FALSE(residency.next(true));              // the budget was lowered
+  const auto counts = residency.endFrame();
+  CHECK(counts.waiting == 3);  // 0 is loading, 1 has claimed the layer of 2
+  CHECK(counts.overBudget == 1);
+}
+
+TEST_CASE("the layer of a cancelled load is free at once, and the photograph is requested again") {
+  Residency residency({{100, 1}}, ofOneClass(3), 100);
+  residency.begin(std::vector<std::uint32_t>{0}, 1, 1, 0);
+  residency.next();
+  REQUIRE(residency.next()->photograph == 0);
+  residency.endFrame();
+  residency.begin(std::vector<std::uint32_t>{1, 0}, 1, 2, 0);  // frame 1 is in flight
+  CHECK(residency.rank(0) == 1);
+  CHECK(residency.rank(2) == Residency::kNone);
+  residency.cancel(0);
+  REQUIRE(residency.next()->photograph == 1);
+  residency.endFrame();
+  residency.begin(std::vector<std::uint32_t>{0}, 1, 3, 0);
+  residency.cancel(1);
+  CHECK(residency.next()->photograph == 0);
+}
+
+TEST_CASE("arrays are used again after they were freed, and their number is bounded") {
+  Residency residency({{100, 2}, {150, 1}}, {0, 0, 0, 1, 1}, 250);
+  CHECK(residency.maxArrays() == 4);
+  std::set<std::uint32_t> arrays;
+  for (std::uint64_t frame = 1; frame < 40; ++frame) {
+    const auto wanted = frame % 2 ? std::vector<std::uint32_t>{0, 1, 2} : std::vector<std::uint32_t>{3, 4};
+    residency.begin(wanted, wanted.size(), frame, frame - 1);
+    while (const auto step = residency.next()) {
+      REQUIRE(step->array < residency.maxArrays());
+      if (step->kind == Step::Kind::makeArray) {
+        CHECK(arrays.insert(step->array).second);
+        residency.arrayMade(step->array);
+      }
+      if (step->kind == Step::Kind::freeArray) CHECK(arrays.erase(step->array) == 1);
+      if (step->kind == Step::Kind::load) residency.finishLoad(step->photograph);
+    }
+    CHECK(residency.endFrame().waiting == 0);
+    CHECK(residency.arrayBytes() <= 250);
+  }
+}
+
+TEST_CASE("a claim that is not renewed lapses, also where the frame takes no further steps") {
+  Device device({{100, 2}}, ofOneClass(4), 100);
+  device.frame({1, 2}, 2, 1, 0);
+  device.frame({0, 1, 2}, 3, 2, 0);
+  CHECK_FALSE(device.residency.slot(2));  // claimed by 0
+  device.residency.begin(std::vector<std::uint32_t>{1, 2}, 2, 3, 0);
+  CHECK(device.residency.slot(2));
 }

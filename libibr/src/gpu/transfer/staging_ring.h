@@ -4,8 +4,9 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <span>
 
 #include "base/vulkan/buffer.h"
@@ -13,7 +14,8 @@
 
 namespace ibr {
 
-/// Never waits: space that frames still use is not available. The device must outlive the ring.
+/// Never waits: space that frames still use is not available. Only the constructor allocates memory. The device must
+/// outlive the ring.
 class StagingRing {
  public:
   StagingRing() = default;
@@ -21,7 +23,7 @@ class StagingRing {
 
   VkBuffer buffer() const noexcept { return buffer_.get(); }
 
-  /// Number of bytes that one allocate() can return at present.
+  /// Number of bytes that one allocate() can return at present; 0 where more than kMaxRanges ranges are in use.
   VkDeviceSize freeBytes() const noexcept;
 
   struct Piece {
@@ -35,13 +37,19 @@ class StagingRing {
   void release(std::uint64_t completedFrame);
 
  private:
-  struct Allocation {
+  struct Range {  // consecutive pieces of one frame
     VkDeviceSize begin, end;
     std::uint64_t frame;
   };
+  static constexpr std::size_t kMaxRanges = 64;  // a frame has at most two; frames in flight are far fewer
+
+  Range& range(std::size_t index) noexcept { return ranges_[(first_ + index) % kMaxRanges]; }
+  const Range& range(std::size_t index) const noexcept { return ranges_[(first_ + index) % kMaxRanges]; }
+
   Buffer buffer_;
-  VkDeviceSize head_ = 0;               // begin of the next piece, unless the end is too near
-  std::deque<Allocation> allocations_;  // oldest first; contiguous but for the wrap-around
+  VkDeviceSize head_ = 0;                   // begin of the next piece, unless the end is too near
+  std::array<Range, kMaxRanges> ranges_{};  // in use: count_ from first_ on, oldest first; contiguous but for the
+  std::size_t first_ = 0, count_ = 0;       // wrap-around
 };
 
 }  // namespace ibr

@@ -8,14 +8,16 @@
 
 #include "base/check.h"
 #include "ibr/texture.h"
+#include "image/ktx2_file.h"
+#include "render/resident/read_in_order.h"
 #include "render/resident/texture_arrays.h"
 
 namespace ibr {
 namespace {
 
-Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& source) {
+Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop) {
   const Node& from = scene.nodes[node];
-  Texture texture = source ? source(scene, node, 0) : readKtx2(scene.folder / from.depthFile, 0);
+  Texture texture = source ? source(scene, node, 0) : readKtx2(scene.folder / from.depthFile, 0, stop);
   check(texture.format == TextureFormat::rg16f, ErrorCode::invalidInput, "{}: depth texture has format {}, not rg16f",
         from.name, textureFormatName(texture.format));
   check(texture.levels.size() == 1, ErrorCode::invalidInput, "{}: depth texture has {} levels, not 1", from.name,
@@ -26,15 +28,18 @@ Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& s
 }  // namespace
 
 DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                             const TextureSource& source, Uploader& uploader)
+                             const TextureSource& source, Uploader& uploader, JobQueue& jobs,
+                             const std::stop_token& stop)
     : slots_(scene.nodes.size()) {
   // A depth texture has a quarter of its photograph's sides, so all may be in memory while they are sorted by size.
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, Texture>>> bySize;
-  for (const std::uint32_t node : nodes) {
-    Texture texture = readDepth(scene, node, source);
-    const std::pair size{texture.width, texture.height};
-    bySize[size].emplace_back(node, std::move(texture));
-  }
+  readInOrder<Texture>(
+      jobs, nodes.size(), stop,
+      [&](std::size_t i, const std::stop_token& reading) { return readDepth(scene, nodes[i], source, reading); },
+      [&](std::size_t i, Texture texture) {
+        const std::pair size{texture.width, texture.height};
+        bySize[size].emplace_back(nodes[i], std::move(texture));
+      });
   const std::size_t most = device.properties().limits.maxImageArrayLayers;
   for (const auto& [size, textures] : bySize)
     for (std::size_t first = 0; first < textures.size(); first += most) {

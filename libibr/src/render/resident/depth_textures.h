@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
+#include "base/job_queue.h"
 #include "base/vulkan/gpu_image.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/gpu_scene.h"
@@ -14,10 +16,10 @@ namespace ibr {
 class DepthTextures {
  public:
   DepthTextures() = default;
-  /// Reads the depth textures of `nodes` and holds all in memory meanwhile. Throws Error
-  /// (io, invalidInput) for a texture of another format than rg16f or with several levels.
+  /// Reads the depth textures of `nodes` in jobs and holds all in memory meanwhile. Throws Error
+  /// (io, cancelled; invalidInput for a texture of another format than rg16f or with several levels).
   DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                const TextureSource& source, Uploader& uploader);
+                const TextureSource& source, Uploader& uploader, JobQueue& jobs, const std::stop_token& stop);
 
   struct Sampled {
     VkImageView view = VK_NULL_HANDLE;

@@ -2,6 +2,7 @@
 #include "render/resident/gather_textures.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/vulkan/pipeline.h"
 #include "gpu/draw/descriptors.h"
@@ -11,8 +12,6 @@ namespace ibr {
 namespace {
 
 constexpr std::uint32_t kSlots = shader::kMaxGathered;
-constexpr std::uint32_t kSetsPerPool = 64;
-constexpr std::size_t kMaxSets = 1024;  // above this number, sets of finished frames are reused
 
 DescriptorSetLayoutHandle makeLayout(const Device& device) {
   constexpr VkShaderStageFlags kStage = VK_SHADER_STAGE_FRAGMENT_BIT;
@@ -78,59 +77,45 @@ GatherTextures::TextureSlots GatherTextures::place(std::size_t candidate, std::u
 void GatherTextures::bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame,
                           std::uint64_t completedFrame) {
   if (!bindsFrames_ || photographs.empty()) return;
-  std::vector<VkImageView> views, depthViews;
-  for (const PlannedPhotograph& photograph : photographs) {
-    views.push_back(photographs_->at(photograph.node).view);
-    depthViews.push_back(depths_->at(photograph.node).view);
-  }
   Slots slots;
-  fillSlots(views, slots.photographs);
-  fillSlots(depthViews, slots.depths);
+  for (std::size_t s = 0; s < kSlots; ++s) {
+    const std::uint32_t node = photographs[s < photographs.size() ? s : 0].node;
+    slots.photographs[s] = photographs_->at(node).view;
+    slots.depths[s] = depths_->at(node).view;
+  }
   bound_ = get(slots, frame, completedFrame);
 }
 
 VkDescriptorSet GatherTextures::get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame) {
-  const auto found = sets_.find(slots);
-  if (found != sets_.end()) {
-    found->second.lastFrame = frame;
-    return found->second.handle;
+  if (const VkDescriptorSet set = cache_.find(slots, frame)) return set;
+  VkDescriptorSet set = cache_.add(slots, frame, completedFrame);
+  if (!set) {
+    grow();
+    set = cache_.add(slots, frame, completedFrame);
   }
-  if (sets_.size() >= kMaxSets && frame > 0)
-    std::erase_if(sets_, [&](const auto& entry) {
-      const bool idle = entry.second.lastFrame <= completedFrame;
-      if (idle) unused_.push_back(entry.second.handle);
-      return idle;
-    });
-  const VkDescriptorSet set = unusedSet();
   for (std::uint32_t s = 0; s < kSlots; ++s) {
     writeImage(*device_, set, {shader::kBindingGatherPhotographs, s}, slots.photographs[s]);
     writeImage(*device_, set, {shader::kBindingGatherDepths, s}, slots.depths[s]);
   }
   writeSampler(*device_, set, {shader::kBindingGatherSamplers, 0}, ends_.get());
   writeSampler(*device_, set, {shader::kBindingGatherSamplers, 1}, wraps_.get());
-  sets_.emplace(slots, Set{set, frame});
   return set;
 }
 
-VkDescriptorSet GatherTextures::unusedSet() {
-  if (unused_.empty()) {
-    const std::array<VkDescriptorPoolSize, 2> sizes{{{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, kSetsPerPool * 2 * kSlots},
-                                                     {VK_DESCRIPTOR_TYPE_SAMPLER, kSetsPerPool * 2}}};
-    pools_.push_back(makeDescriptorPool(*device_, kSetsPerPool, sizes));
-    for (std::uint32_t i = 0; i < kSetsPerPool; ++i)
-      unused_.push_back(allocateSet(*device_, pools_.back().get(), layout_.get()));
-  }
-  const VkDescriptorSet set = unused_.back();
-  unused_.pop_back();
-  return set;
+void GatherTextures::grow() {
+  const std::uint32_t sets = bindsFrames_ ? kSetsPerPool : 1;
+  const std::array<VkDescriptorPoolSize, 2> sizes{
+      {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sets * 2 * kSlots}, {VK_DESCRIPTOR_TYPE_SAMPLER, sets * 2}}};
+  DescriptorPoolHandle pool = makeDescriptorPool(*device_, sets, sizes);
+  std::vector<VkDescriptorSet> made;
+  for (std::uint32_t i = 0; i < sets; ++i) made.push_back(allocateSet(*device_, pool.get(), layout_.get()));
+  pools_.push_back(std::move(pool));
+  cache_.grow(made);
 }
 
 void GatherTextures::forget(VkImageView view) {
-  std::erase_if(sets_, [&](const auto& entry) {
-    const bool gone = std::ranges::find(entry.first.photographs, view) != entry.first.photographs.end();
-    if (gone) unused_.push_back(entry.second.handle);
-    return gone;
-  });
+  cache_.forget(
+      [&](const Slots& slots) { return std::ranges::find(slots.photographs, view) != slots.photographs.end(); });
 }
 
 }  // namespace ibr

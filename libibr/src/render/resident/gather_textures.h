@@ -10,7 +10,6 @@
 #include <array>
 #include <compare>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "ibr/renderer.h"
 #include "render/resident/depth_textures.h"
 #include "render/resident/resident_photographs.h"
+#include "render/resident/set_cache.h"
 #include "shared/gather.h"
 
 namespace ibr {
@@ -38,7 +38,8 @@ class GatherTextures {
 
   /// True if bind() must be called for every frame.
   bool bindsFrames() const noexcept { return bindsFrames_; }
-  /// Binds the textures of a plan's photographs for `frame`; no effect if one set serves all frames.
+  /// Binds the textures of a plan's photographs for `frame`; no effect if one set serves all frames. Allocates nothing
+  /// while fewer than kSetsPerPool frames are in flight; then throws Error{outOfMemory}.
   void bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame, std::uint64_t completedFrame);
   /// Drops descriptor sets that use the view, which is about to be destroyed. Frames that used it must have finished.
   void forget(VkImageView view);
@@ -50,16 +51,14 @@ class GatherTextures {
   bool isCubic() const noexcept { return isCubic_; }  // TextureFilter::bicubic
 
  private:
+  static constexpr std::uint32_t kSetsPerPool = 64;
+
   struct Slots {
     std::array<VkImageView, shader::kMaxGathered> photographs{}, depths{};
     auto operator<=>(const Slots&) const = default;
   };
-  struct Set {
-    VkDescriptorSet handle;
-    std::uint64_t lastFrame;
-  };
   VkDescriptorSet get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame);
-  VkDescriptorSet unusedSet();
+  void grow();
 
   const Device* device_;
   const Photographs* photographs_;
@@ -67,8 +66,7 @@ class GatherTextures {
   SamplerHandle ends_, wraps_;
   DescriptorSetLayoutHandle layout_;
   std::vector<DescriptorPoolHandle> pools_;
-  std::map<Slots, Set> sets_;
-  std::vector<VkDescriptorSet> unused_;
+  SetCache<Slots> cache_;
   bool bindsFrames_ = false, isCubic_;
   std::uint32_t photographSlots_ = 1, depthSlots_ = 1;
   std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, if one set serves all frames

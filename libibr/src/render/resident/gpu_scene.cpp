@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
+#include "base/check.h"
 #include "render/plan/draw_order.h"
 #include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
@@ -67,17 +69,20 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
   if (!options.depth) requirements.gatherable = 0;
+  check(options.readerThreads <= kMaxReaderThreads, ErrorCode::invalidInput, "readerThreads: {} is not within 0 to {}",
+        options.readerThreads, kMaxReaderThreads);
+  jobs = std::make_unique<JobQueue>(options.readerThreads, options.executor, maxLoads(options.readerThreads) + 1);
   Uploader uploader(device, options.uploads, options.stagingBytes);
-  addMeshes(device, scene, uploader);
+  addMeshes(device, scene, uploader, options.stop);
   std::vector<std::uint32_t> gathered;  // nodes that can be gathered from
   if (requirements.gatherable > 0) {
     for (const std::uint32_t b : gatherableBackdrops(scene)) gathered.push_back(scene.backdrops[b].members[0]);
     addEvidence(device, scene, uploader);
-    depths = DepthTextures(device, scene, gathered, options.depthSource, uploader);
+    depths = DepthTextures(device, scene, gathered, options.depthSource, uploader, *jobs, options.stop);
   }
   const std::uint64_t meshBytes =
       vertices.allocatedBytes() + indices.allocatedBytes() + evidence.allocatedBytes() + depths.allocatedBytes();
-  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes, uploader);
+  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes, uploader, *jobs);
   for (Mesh& cell : cells) {
     const std::uint32_t first = cell.members[0];
     cell.cubic = options.filter == TextureFilter::bicubic;
@@ -89,18 +94,22 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
     bind(cell, 0, 0);
   }
   if (!gathered.empty()) gather.emplace(device, options.filter, *photographs, depths, gathered);
-  if (photographs->streams()) {
-    cellsOfNode.resize(scene.nodes.size());
-    for (std::uint32_t c = 0; c < cells.size(); ++c)
-      for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
-  }
   uploader.flush();
-  if (photographs->streams()) photographs->startStreaming(options.stagingBytes);
+  if (StreamedPhotographs* const streamed = photographs->streamed()) {
+    std::vector<std::vector<std::uint32_t>> members;
+    for (const Mesh& cell : cells) members.push_back(cell.members);
+    wanted = WantedNodes(std::move(members), scene.nodes.size());
+    sets.reserve(std::min<std::size_t>(cells.size(), 2 * (kMaxCellCount + kMaxFadingOutCount)));
+    streamed->startStreaming();
+  } else {
+    jobs.reset();
+  }
 }
 
-void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& uploader) {
+void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& uploader, const std::stop_token& stop) {
   Geometry geometry;
   const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
+    check(!stop.stop_requested(), ErrorCode::cancelled, "opening the scene was cancelled");
     Mesh& out = meshes.emplace_back();
     out.members = cell.members;
     out.exposed = requirements.gains;  // a photograph with a gain of 1 is shown with the exposure of others
@@ -156,34 +165,6 @@ void visitDrawn(const FramePlan& plan, Meshes& cells, Visit&& visit) {
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t, std::uint32_t) { visit(cells[cell.cell]); });
 }
 
-WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {
-  WantedNodes wanted;
-  std::vector<bool> seen(scene.cellsOfNode.size(), false);
-  const auto add = [&](std::uint32_t node) {
-    if (!seen[node]) wanted.nodes.push_back(node);
-    seen[node] = true;
-  };
-  const auto addMembers = [&](const GpuScene::State::Mesh& cell) { std::ranges::for_each(cell.members, add); };
-  for (const PlannedPhotograph& photograph : plan.photographs) add(photograph.node);
-  visitDrawn(plan, scene.cells, addMembers);
-  wanted.needed = wanted.nodes.size();
-
-  std::vector<bool> reached(scene.cells.size(), false);
-  std::vector<std::uint32_t> queue;
-  const auto reach = [&](std::uint32_t cell) {
-    if (reached[cell]) return;
-    reached[cell] = true;
-    queue.push_back(cell);
-  };
-  if (!plan.cells.empty()) reach(plan.cells[0].cell);
-  for (std::size_t i = 0; i < queue.size() && wanted.nodes.size() < most; ++i) {
-    addMembers(scene.cells[queue[i]]);
-    for (const std::uint32_t member : scene.cells[queue[i]].members)
-      for (const std::uint32_t cell : scene.cellsOfNode[member]) reach(cell);
-  }
-  return wanted;
-}
-
 GpuScene::GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : state_(std::make_unique<State>(device, scene, options)) {}
 GpuScene::GpuScene(GpuScene&&) noexcept = default;
@@ -193,19 +174,18 @@ GpuScene::~GpuScene() = default;
 GpuScene::StreamStatus GpuScene::stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
                                         std::uint64_t completedFrame) {
   State& state = *state_;
-  if (!state.photographs->streams()) {
-    if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
-    return {};
+  StreamStatus status;
+  if (StreamedPhotographs* const streamed = state.photographs->streamed()) {
+    state.wanted.update(plan, state.photographs->maxResident());
+    status = streamed->stream(commandBuffer, state.wanted.nodes(), state.wanted.needed(), frame, completedFrame,
+                              [&state](VkImageView view) {
+                                state.sets.forget(view);
+                                if (state.gather) state.gather->forget(view);
+                              });
+    visitDrawn(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
   }
-  const WantedNodes wanted = wantedNodes(state, plan, state.photographs->maxResident());
-  const StreamStatus streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame,
-                                                          completedFrame, [&](VkImageView view) {
-                                                            state.sets.forget(view);
-                                                            if (state.gather) state.gather->forget(view);
-                                                          });
-  visitDrawn(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
   if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
-  return streamed;
+  return status;
 }
 
 bool GpuScene::needsStreaming() const noexcept {

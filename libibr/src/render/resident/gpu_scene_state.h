@@ -8,8 +8,10 @@
 
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
+#include "base/job_queue.h"
 #include "base/vulkan/buffer.h"
 #include "base/vulkan/handle.h"
 #include "gpu/transfer/upload.h"
@@ -19,6 +21,7 @@
 #include "render/resident/gather_textures.h"
 #include "render/resident/photograph_sets.h"
 #include "render/resident/resident_photographs.h"
+#include "render/resident/wanted_nodes.h"
 
 namespace ibr {
 
@@ -46,7 +49,7 @@ struct GpuScene::State {
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);
 
-  void addMeshes(Device& device, const Scene& scene, Uploader& uploader);
+  void addMeshes(Device& device, const Scene& scene, Uploader& uploader, const std::stop_token& stop);
   void addEvidence(Device& device, const Scene& scene, Uploader& uploader);
 
   /// Updates the mesh's layers and descriptor set to its photographs' current texture arrays.
@@ -58,22 +61,15 @@ struct GpuScene::State {
   Buffer evidence;       // trust and consensus of the backdrops' vertices, 2 × 16 bits; empty: no gather
   DepthTextures depths;  // of the photographs that can be gathered from
   std::optional<GatherTextures> gather;
-  std::vector<Mesh> cells, backdrops;                   // in the order of the scene
-  std::vector<std::vector<std::uint32_t>> cellsOfNode;  // empty unless photographs are streamed
-  Requirements requirements;                            // of the scene alone, without options
+  std::vector<Mesh> cells, backdrops;  // in the order of the scene
+  Requirements requirements;           // of the scene alone, without options
+  WantedNodes wanted;                  // of the last streamed plan
+  std::unique_ptr<JobQueue> jobs;      // destroyed first; null unless photographs are streamed
 };
 
 /// Bytes of a vertex with d members.
 constexpr std::uint32_t vertexStride(std::size_t members) {
   return std::uint32_t((3 * members + 1) * sizeof(float));
 }
-
-/// Nodes by urgency for a plan: photographs of the gather, members of the main cell, then of further cells and of the
-/// previous order. Then, up to `most` in all, nodes around the main cell by their distance in the graph.
-struct WantedNodes {
-  std::vector<std::uint32_t> nodes;
-  std::size_t needed = 0;  // the first of `nodes`: shown by the plan
-};
-WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most);
 
 }  // namespace ibr

@@ -2,6 +2,7 @@
 #include "render/resident/photograph_sets.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/vulkan/functions.h"
 #include "base/vulkan/pipeline.h"
@@ -10,8 +11,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kSetsPerPool = 256;
-constexpr std::size_t kMaxSets = 4096;  // above this number, sets of finished frames are reused
+constexpr std::uint32_t kSetsPerPool = 64;
 
 VkSamplerMipmapMode mipmapMode(const Device& device, TextureFilter filter) {
   const bool software = device.kind() == DeviceKind::software;
@@ -44,43 +44,33 @@ PhotographSets::PhotographSets(const Device& device, TextureFilter filter)
       wraps_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_REPEAT)),
       layout_(makeLayout(device)) {}
 
+void PhotographSets::reserve(std::size_t setsPerFrame) {
+  grow(std::uint32_t(setsPerFrame) * kFramesInFlight);
+}
+
 VkDescriptorSet PhotographSets::get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame) {
-  const auto found = sets_.find(slots);
-  if (found != sets_.end()) {
-    found->second.lastFrame = frame;
-    return found->second.handle;
+  if (const VkDescriptorSet set = cache_.find(slots, frame)) return set;
+  VkDescriptorSet set = cache_.add(slots, frame, completedFrame);
+  if (!set) {
+    grow(kSetsPerPool);
+    set = cache_.add(slots, frame, completedFrame);
   }
-  if (sets_.size() >= kMaxSets && frame > 0)
-    std::erase_if(sets_, [&](const auto& entry) {
-      const bool idle = entry.second.lastFrame <= completedFrame;
-      if (idle) unused_.push_back(entry.second.handle);
-      return idle;
-    });
-  const VkDescriptorSet set = unusedSet();
   for (std::uint32_t i = 0; i < slots.size(); ++i)
     writeSampledImage(*device_, set, i, (slots[i].wraps ? wraps_ : ends_).get(), slots[i].view);
-  sets_.emplace(slots, Set{set, frame});
   return set;
 }
 
-VkDescriptorSet PhotographSets::unusedSet() {
-  if (unused_.empty()) {
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * shader::kMaxMembers};
-    pools_.push_back(makeDescriptorPool(*device_, kSetsPerPool, {&size, 1}));
-    for (std::uint32_t i = 0; i < kSetsPerPool; ++i)
-      unused_.push_back(allocateSet(*device_, pools_.back().get(), layout_.get()));
-  }
-  const VkDescriptorSet set = unused_.back();
-  unused_.pop_back();
-  return set;
+void PhotographSets::grow(std::uint32_t sets) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets * shader::kMaxMembers};
+  DescriptorPoolHandle pool = makeDescriptorPool(*device_, sets, {&size, 1});
+  std::vector<VkDescriptorSet> made;
+  for (std::uint32_t i = 0; i < sets; ++i) made.push_back(allocateSet(*device_, pool.get(), layout_.get()));
+  pools_.push_back(std::move(pool));
+  cache_.grow(made);
 }
 
 void PhotographSets::forget(VkImageView view) {
-  std::erase_if(sets_, [&](const auto& entry) {
-    const bool gone = std::ranges::find(entry.first, view, &Slot::view) != entry.first.end();
-    if (gone) unused_.push_back(entry.second.handle);
-    return gone;
-  });
+  cache_.forget([&](const Slots& slots) { return std::ranges::find(slots, view, &Slot::view) != slots.end(); });
 }
 
 }  // namespace ibr

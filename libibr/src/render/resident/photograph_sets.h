@@ -9,15 +9,17 @@
 #include <array>
 #include <compare>
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/gpu_scene.h"
+#include "render/resident/set_cache.h"
 #include "shared/cell.h"
 
 namespace ibr {
+
+inline constexpr std::uint32_t kFramesInFlight = 4;  // for which descriptor sets are allocated in advance
 
 /// Returns a sampler for photographs with this filter. `addressModeU`: horizontal addressing.
 SamplerHandle makePhotographSampler(const Device& device, TextureFilter filter, VkSamplerAddressMode addressModeU);
@@ -33,28 +35,27 @@ class PhotographSets {
   };
   using Slots = std::array<Slot, shader::kMaxMembers>;
 
-  /// Returns the set of these slots for use in `frame`; 0: for as long as the texture arrays exist.
+  /// Allocates the sets of streamed scenes: of frames that use up to `setsPerFrame` different ones.
+  void reserve(std::size_t setsPerFrame);
+
+  /// Returns the set of these slots for use in `frame`; 0: for as long as the texture arrays exist. Allocates for frame
+  /// 0, and where more than kFramesInFlight frames are in flight; then throws Error{outOfMemory}.
   VkDescriptorSet get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame);
 
   /// Drops sets that use the view, which is about to be destroyed. Frames that used it must have finished.
   void forget(VkImageView view);
 
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
-  std::size_t count() const noexcept { return sets_.size(); }
+  std::size_t count() const noexcept { return cache_.count(); }
 
  private:
-  struct Set {
-    VkDescriptorSet handle;
-    std::uint64_t lastFrame;
-  };
-  VkDescriptorSet unusedSet();
+  void grow(std::uint32_t sets);
 
   const Device* device_;
   SamplerHandle ends_, wraps_;
   DescriptorSetLayoutHandle layout_;
   std::vector<DescriptorPoolHandle> pools_;
-  std::map<Slots, Set> sets_;
-  std::vector<VkDescriptorSet> unused_;
+  SetCache<Slots> cache_;
 };
 
 }  // namespace ibr

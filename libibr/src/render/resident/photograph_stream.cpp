@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
-#include <utility>
 
 #include "base/vulkan/barrier.h"
 #include "base/vulkan/format.h"
@@ -20,7 +19,10 @@ constexpr VkDeviceSize kMinRingBytes = VkDeviceSize(1) << 20;  // room for sever
 }  // namespace
 
 PhotographStream::PhotographStream(const Device& device, std::uint64_t stagingBytes)
-    : ring_(device, std::max<VkDeviceSize>(stagingBytes, kMinRingBytes)) {}
+    : ring_(device, std::max<VkDeviceSize>(stagingBytes, kMinRingBytes)) {
+  newArrays_.reserve(kMaxNewArrays);
+  copies_.reserve(kMaxCopies);
+}
 
 void PhotographStream::begin(std::uint64_t frame, std::uint64_t completedFrame) {
   assert(frame >= frame_);
@@ -36,18 +38,18 @@ void PhotographStream::addArray(const GpuImage& array) {
   newArrays_.push_back(array.get());
 }
 
-void PhotographStream::start(const GpuImage& array, std::uint32_t layer, Texture texture) {
+void PhotographStream::start(const GpuImage& array, std::uint32_t layer, const Texture& texture) {
   assert(!job_ && !texture.levels.empty() && texture.levels.size() == array.info().mipLevels);
   const std::size_t smallest = texture.levels.size() - 1;
-  job_ = Job{array.get(), array.info().format, layer, std::move(texture), smallest, 0};
+  job_ = Job{array.get(), array.info().format, layer, &texture, smallest, 0};
 }
 
 bool PhotographStream::advance() {
   Job& job = *job_;
-  for (;;) {
-    const auto width = std::uint32_t(std::max(1, job.texture.width >> job.level));
-    const auto height = std::uint32_t(std::max(1, job.texture.height >> job.level));
-    const std::vector<std::byte>& bytes = job.texture.levels[job.level];
+  while (copies_.size() < kMaxCopies) {
+    const auto width = std::uint32_t(std::max(1, job.texture->width >> job.level));
+    const auto height = std::uint32_t(std::max(1, job.texture->height >> job.level));
+    const std::vector<std::byte>& bytes = job.texture->levels[job.level];
     const std::size_t rowBytes = std::size_t(blockCount(job.format, width)) * blockBytes(job.format);
     const std::uint32_t rowCount = blockCount(job.format, height), side = blockSide(job.format);
     assert(bytes.size() == rowBytes * rowCount);
@@ -64,11 +66,13 @@ bool PhotographStream::advance() {
     job.row += rows;
     if (job.row < rowCount) continue;
     job.row = 0;
-    if (job.level == 0) break;
+    if (job.level == 0) {
+      job_.reset();
+      return true;
+    }
     --job.level;
   }
-  job_.reset();
-  return true;
+  return false;
 }
 
 void PhotographStream::record(VkCommandBuffer commandBuffer) const noexcept {

@@ -12,7 +12,8 @@
 
 namespace ibr {
 
-/// Layers of a texture array are in use::kSampled before and after each frame's commands.
+/// Layers of a texture array are in use::kSampled before and after each frame's commands. Only the constructor
+/// allocates memory, and addArray() where it is called more than kMaxNewArrays times in a frame.
 class PhotographStream {
  public:
   PhotographStream() = default;
@@ -25,11 +26,13 @@ class PhotographStream {
   /// Adds a new texture array in an undefined layout.
   void addArray(const GpuImage& array);
 
-  /// Starts a copy of all levels of `texture`, smallest first. Precondition: !busy().
-  void start(const GpuImage& array, std::uint32_t layer, Texture texture);
+  /// Starts a copy of all levels of `texture`, smallest first. The texture must live until the copy is complete.
+  /// Precondition: !busy().
+  void start(const GpuImage& array, std::uint32_t layer, const Texture& texture);
   bool busy() const noexcept { return job_.has_value(); }
 
-  /// Copies as much as fits into the ring. True: the texture is complete, and this frame's draws may use it.
+  /// Copies as much as fits into the ring, in at most kMaxCopies copies a frame. Returns true if the texture is
+  /// complete: this frame's draws may use it.
   bool advance();
 
   /// Records the frame's commands. Waits for reads of earlier frames on the same queue.
@@ -38,11 +41,14 @@ class PhotographStream {
   std::uint64_t frameBytes() const noexcept { return frameBytes_; }  // copied since begin()
 
  private:
+  static constexpr std::size_t kMaxNewArrays = 64;
+  static constexpr std::size_t kMaxCopies = 1024;
+
   struct Job {
     VkImage image;
     VkFormat format;
     std::uint32_t layer;
-    Texture texture;
+    const Texture* texture;
     std::size_t level;  // the next level to copy
     std::uint32_t row;  // the next row of blocks
   };

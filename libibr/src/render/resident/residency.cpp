@@ -10,7 +10,18 @@ namespace ibr {
 
 Residency::Residency(std::vector<Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budgetBytes)
     : classes_(std::move(classes)), photographs_(classOf.size()), budget_(budgetBytes) {
-  for (std::size_t p = 0; p < classOf.size(); ++p) photographs_[p].classIndex = classOf[p];
+  std::vector<std::size_t> counts(classes_.size(), 0);
+  for (std::size_t p = 0; p < classOf.size(); ++p) {
+    photographs_[p].classIndex = classOf[p];
+    if (classOf[p] != kNone) ++counts[classOf[p]];
+  }
+  for (std::uint32_t c = 0; c < classes_.size(); ++c) {
+    const std::size_t layers = classes_[c].layersPerArray, most = (counts[c] + layers - 1) / layers;
+    for (std::size_t a = 0; a < most; ++a)
+      arrays_.push_back({.classIndex = c, .layers = std::vector<std::uint32_t>(layers, kNone)});
+  }
+  wanted_.reserve(classOf.size());
+  busy_.reserve(arrays_.size());
 }
 
 void Residency::begin(std::span<const std::uint32_t> wanted, std::size_t needed, std::uint64_t frame,
@@ -27,23 +38,21 @@ void Residency::begin(std::span<const std::uint32_t> wanted, std::size_t needed,
     assert(photograph.rank == kNone);
     photograph.rank = std::uint32_t(rank);
     photograph.refused = false;
+    if (photograph.state == State::evicting && photograph.claimedFrame < frame_)
+      photograph.state = State::here;  // claim has lapsed
   }
 }
 
-std::optional<Residency::Step> Residency::next() {
+std::optional<Residency::Step> Residency::next(bool mayMakeArray) {
   for (; cursor_ < wanted_.size(); ++cursor_) {
     const std::uint32_t p = wanted_[cursor_];
     Photograph& urgent = photographs_[p];
-    if (urgent.state == State::evicting && urgent.claimedFrame < frame_)
-      urgent.state = State::here;  // claim has lapsed
     if (urgent.classIndex == kNone || urgent.state != State::absent) continue;
-    for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
-      if (arrays_[array].classIndex != urgent.classIndex) continue;
-      const auto free = std::ranges::find(arrays_[array].layers, kNone);
-      if (free != arrays_[array].layers.end())
-        return load(p, array, std::uint32_t(free - arrays_[array].layers.begin()));
+    if (const auto step = layerFor(p)) return step;
+    if (usedBytes_ + classes_[urgent.classIndex].arrayBytes <= budget_) {
+      if (!mayMakeArray) return std::nullopt;
+      return makeArray(urgent.classIndex);
     }
-    if (usedBytes_ + classes_[urgent.classIndex].arrayBytes <= budget_) return makeArray(urgent.classIndex);
     std::uint32_t found = kNone;
     const Room victim = findVictim(urgent, found);
     if (victim == Room::found) {
@@ -53,16 +62,27 @@ std::optional<Residency::Step> Residency::next() {
     }
     const Room freed = findArrayToFree(urgent, found);
     if (freed == Room::found) {
+      if (!mayMakeArray) return std::nullopt;
       for (const std::uint32_t other : arrays_[found].layers)
         if (other != kNone) remove(other);
       usedBytes_ -= classes_[arrays_[found].classIndex].arrayBytes;
-      arrays_[found] = {};
+      arrays_[found].exists = false;
       return Step{.kind = Step::Kind::freeArray, .array = found};
     }
     urgent.refused = victim == Room::none && freed == Room::none;
     if (cursor_ >= needed_) break;  // less urgent photographs find no room either, or wait
   }
   cursor_ = wanted_.size();
+  return std::nullopt;
+}
+
+std::optional<Residency::Step> Residency::layerFor(std::uint32_t photograph) {
+  for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
+    if (!arrays_[array].exists || arrays_[array].classIndex != photographs_[photograph].classIndex) continue;
+    const auto free = std::ranges::find(arrays_[array].layers, kNone);
+    if (free != arrays_[array].layers.end())
+      return load(photograph, array, std::uint32_t(free - arrays_[array].layers.begin()));
+  }
   return std::nullopt;
 }
 
@@ -75,13 +95,16 @@ Residency::Step Residency::load(std::uint32_t photograph, std::uint32_t array, s
   return {.kind = Step::Kind::load, .array = array, .photograph = photograph, .layer = layer};
 }
 
+// There is an array that does not exist: all photographs of the class would fit into those that do.
 Residency::Step Residency::makeArray(std::uint32_t classIndex) {
-  const auto gone = std::ranges::find(arrays_, kNone, &TextureArray::classIndex);
-  const auto array = std::uint32_t(gone - arrays_.begin());
-  if (gone == arrays_.end()) arrays_.emplace_back();
-  arrays_[array] = {classIndex, frame_, std::vector<std::uint32_t>(classes_[classIndex].layersPerArray, kNone)};
+  const auto unused = std::ranges::find_if(
+      arrays_, [&](const TextureArray& array) { return !array.exists && array.classIndex == classIndex; });
+  assert(unused != arrays_.end());
+  unused->exists = true;
+  unused->lastFrame = frame_;
   usedBytes_ += classes_[classIndex].arrayBytes;
-  return {.kind = Step::Kind::makeArray, .array = array, .photographClass = classIndex};
+  return {
+      .kind = Step::Kind::makeArray, .array = std::uint32_t(unused - arrays_.begin()), .photographClass = classIndex};
 }
 
 // Finds the least urgent photograph of the same class; among equals, the one not shown for the longest time.
@@ -90,7 +113,7 @@ Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& v
   std::uint32_t idle = kNone, busy = kNone;
   const auto worth = [&](std::uint32_t p) { return std::tuple(~photographs_[p].rank, photographs_[p].lastFrame, p); };
   for (const TextureArray& array : arrays_) {
-    if (array.classIndex != urgent.classIndex) continue;
+    if (!array.exists || array.classIndex != urgent.classIndex) continue;
     for (const std::uint32_t p : array.layers) {
       if (p == kNone || photographs_[p].rank <= urgent.rank || photographs_[p].claimedFrame == frame_) continue;
       const bool free = photographs_[p].state != State::loading && photographs_[p].lastFrame <= completed_;
@@ -108,11 +131,11 @@ Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& v
 // Finds the array not used for the longest time. Frees an array only if enough arrays can be freed for the new array.
 Residency::Room Residency::findArrayToFree(const Photograph& urgent, std::uint32_t& best) {
   std::uint64_t now = 0, later = 0;  // bytes that can be freed at once, and when frames have finished
-  std::vector<std::uint32_t> busy;
+  busy_.clear();
   best = kNone;
   for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
     const TextureArray& candidate = arrays_[array];
-    if (candidate.classIndex == kNone || candidate.classIndex == urgent.classIndex) continue;
+    if (!candidate.exists || candidate.classIndex == urgent.classIndex) continue;
     bool lessUrgent = true, idle = candidate.lastFrame <= completed_;
     for (const std::uint32_t p : candidate.layers)
       if (p != kNone) {
@@ -122,14 +145,14 @@ Residency::Room Residency::findArrayToFree(const Photograph& urgent, std::uint32
     if (!lessUrgent) continue;
     (idle ? now : later) += classes_[candidate.classIndex].arrayBytes;
     if (!idle)
-      busy.push_back(array);
+      busy_.push_back(array);
     else if (best == kNone || candidate.lastFrame < arrays_[best].lastFrame)
       best = array;
   }
   const std::uint64_t wanted = usedBytes_ + classes_[urgent.classIndex].arrayBytes;
   if (wanted <= budget_ + now) return Room::found;
   if (wanted > budget_ + now + later) return Room::none;
-  for (const std::uint32_t array : busy) {
+  for (const std::uint32_t array : busy_) {
     for (const std::uint32_t p : arrays_[array].layers)
       if (p != kNone) claim(p);
     now += classes_[arrays_[array].classIndex].arrayBytes;
@@ -151,9 +174,15 @@ void Residency::remove(std::uint32_t photograph) {
   p.array = p.layer = kNone;
 }
 
+void Residency::arrayMade(std::uint32_t array) {
+  arrays_[array].lastFrame = frame_;
+}
+
 void Residency::allocationFailed(std::uint32_t array) {
+  for (const std::uint32_t p : arrays_[array].layers)
+    if (p != kNone) remove(p);
   usedBytes_ -= classes_[arrays_[array].classIndex].arrayBytes;
-  arrays_[array] = {};
+  arrays_[array].exists = false;
   budget_ = usedBytes_;
 }
 
@@ -162,6 +191,11 @@ void Residency::finishLoad(std::uint32_t photograph) {
   assert(p.state == State::loading);
   p.state = State::here;
   p.lastFrame = arrays_[p.array].lastFrame = frame_;
+}
+
+void Residency::cancel(std::uint32_t photograph) {
+  assert(photographs_[photograph].state == State::loading);
+  remove(photograph);
 }
 
 void Residency::failed(std::uint32_t photograph) {

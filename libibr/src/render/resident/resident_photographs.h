@@ -3,74 +3,59 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
+#include "base/job_queue.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/gpu_scene.h"
-#include "render/resident/photograph_stream.h"
-#include "render/resident/residency.h"
+#include "render/resident/streamed_photographs.h"
 #include "render/resident/texture_arrays.h"
+#include "render/resident/texture_loader.h"
 
 namespace ibr {
 
 class Photographs {
  public:
+  using Sampled = StreamedPhotographs::Sampled;
+
   /// `nodes`: shown nodes, ascending. `meshBytes`: part of the budget that meshes use. Device and scene must outlive
-  /// this object. Photographs are resident after uploader.flush().
+  /// this object. The queue, made for GpuSceneOptions::readerThreads, must have been destroyed before this object is.
+  /// Photographs are resident after uploader.flush().
   Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
-              const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes, Uploader& uploader);
+              const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes, Uploader& uploader, JobQueue& jobs);
+  Photographs(const Photographs&) = delete;
+  Photographs& operator=(const Photographs&) = delete;
 
   /// Texture array and layer that currently hold a photograph or its stand-in.
-  struct Sampled {
-    VkImageView view;
-    std::uint32_t layer;
-  };
   Sampled at(std::uint32_t node) const;
 
-  bool streams() const noexcept { return streams_; }
+  bool streams() const noexcept { return streamed_ != nullptr; }
+  /// Null where all photographs are resident.
+  StreamedPhotographs* streamed() const noexcept { return streamed_.get(); }
   std::uint64_t allocatedBytes() const noexcept;
-
-  /// As GpuScene::stream. `wanted`: nodes by urgency; the frame shows the first `needed`. Calls `evicting` before a
-  /// texture array is destroyed. Precondition: streams().
-  GpuScene::StreamStatus stream(VkCommandBuffer commandBuffer, std::span<const std::uint32_t> wanted,
-                                std::size_t needed, std::uint64_t frame, std::uint64_t completedFrame,
-                                const std::function<void(VkImageView)>& evicting);
-
-  /// Allocates the ring of staging memory for stream(); once the constructor's uploads have released theirs.
-  void startStreaming(std::uint64_t stagingBytes) { stream_ = PhotographStream(*device_, stagingBytes); }
 
   /// Returns an upper bound of the photographs that the budget can hold: longer lists of wanted nodes are useless.
   std::size_t maxResident() const noexcept { return maxResident_; }
 
  private:
-  Texture load(std::uint32_t node, const TextureArrayClass& arrayClass) const;
-  void fill(std::span<const TextureArrayClass> classes, Uploader& uploader);
-  void setUpStreaming(Uploader& uploader);
-  void setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget);
-  void runSteps(const std::function<void(VkImageView)>& evicting);
-  void makeArray(const Residency::Step& step);
-  void beginLoad(const Residency::Step& step);
-  void report(const GpuScene::StreamStatus& streamed);
+  void fill(std::span<const TextureArrayClass> classes, Uploader& uploader, JobQueue& jobs,
+            const std::stop_token& stop);
+  void setUpStreaming(const GpuSceneOptions& options, Uploader& uploader, JobQueue& jobs);
+  StreamedPhotographs::Setup setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget,
+                                            const GpuSceneOptions& options);
 
   const Device* device_;
   const Scene* scene_;
-  TextureSource source_;
+  TextureLoader loader_;
   LogCallback log_;
   std::vector<TextureArrayClass> classes_;
   FixedTextureArrays fixed_;  // arrays of all photographs, or of their stand-ins
-
-  bool streams_ = false;
   std::uint64_t budget_ = 0, meshBytes_ = 0;
-  std::vector<std::uint32_t> classOf_;         // of a node; Residency::kNone: not streamed, the stand-in has full size
-  std::vector<std::uint32_t> layersPerArray_;  // of a class
-  std::vector<GpuImage> arrays_;               // with the numbers of Residency
-  Residency residency_;
-  PhotographStream stream_;
-  std::uint32_t loading_ = Residency::kNone;  // node
   std::size_t maxResident_ = 0;
-  std::uint32_t reportedWithoutRoom_ = 0;
+  std::unique_ptr<StreamedPhotographs> streamed_;
 };
 
 }  // namespace ibr

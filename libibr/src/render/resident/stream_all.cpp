@@ -2,6 +2,7 @@
 #include "base/check.h"
 #include "base/vulkan/submit.h"
 #include "ibr/gpu_scene.h"
+#include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
 
@@ -12,6 +13,8 @@ void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std
     const std::uint64_t completed = frame++;
     submitAndWait(device, [&](VkCommandBuffer commands) { streamed = scene.stream(commands, plan, frame, completed); });
     check(streamed.failed == 0, ErrorCode::io, "{} photographs of this view could not be read", streamed.failed);
+    StreamedPhotographs* const photographs = stateOf(scene).photographs->streamed();
+    if (photographs && streamed.waiting > 0 && streamed.uploadedBytes == 0) photographs->finishJob();
   } while (streamed.waiting > 0);
 }
 

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// GpuScene::stream allocates nothing on the thread of the frame: neither host memory nor objects of the device. The
+// program replaces operator new, and the Vulkan functions that allocate.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <new>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/vulkan/submit.h"
+#include "faults/small_place.h"
+#include "reference/grid_walk.h"
+#include "support/gpu.h"
+#include "support/vulkan_replacement.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+thread_local bool counts = false;  // within stream(), outside of Vulkan
+thread_local int hostAllocations = 0, deviceAllocations = 0;
+std::atomic<int> allDeviceAllocations = 0;
+
+/// Drivers and layers may allocate while they record.
+struct Pause {
+  bool counted = std::exchange(counts, false);
+  ~Pause() { counts = counted; }
+};
+
+void* allocated(std::size_t bytes) {
+  hostAllocations += counts;
+  if (void* const memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
+  throw std::bad_alloc();
+}
+
+void* allocated(std::size_t bytes, std::align_val_t alignment) {
+  hostAllocations += counts;
+  const auto side = std::size_t(alignment);
+  if (void* const memory = std::aligned_alloc(side, (bytes + side - 1) / side * side)) return memory;
+  throw std::bad_alloc();
+}
+
+#define IBR_ALLOCATES(name, Result, parameters, arguments) \
+  IBR_REPLACE(Result, name, parameters) {                  \
+    deviceAllocations += counts;                           \
+    ++allDeviceAllocations;                                \
+    const Pause pause;                                     \
+    return real_##name arguments;                          \
+  }
+#define IBR_RECORDS(name, parameters, arguments) \
+  IBR_REPLACE(void, name, parameters) {          \
+    const Pause pause;                           \
+    real_##name arguments;                       \
+  }
+
+IBR_ALLOCATES(vkAllocateMemory, VkResult,
+              (VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocation,
+               VkDeviceMemory* memory),
+              (device, info, allocation, memory))
+IBR_ALLOCATES(vkFreeMemory, void, (VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks* allocation),
+              (device, memory, allocation))
+IBR_ALLOCATES(vkCreateImage, VkResult,
+              (VkDevice device, const VkImageCreateInfo* info, const VkAllocationCallbacks* allocation, VkImage* image),
+              (device, info, allocation, image))
+IBR_ALLOCATES(vkDestroyImage, void, (VkDevice device, VkImage image, const VkAllocationCallbacks* allocation),
+              (device, image, allocation))
+IBR_ALLOCATES(vkCreateDescriptorPool, VkResult,
+              (VkDevice device, const VkDescriptorPoolCreateInfo* info, const VkAllocationCallbacks* allocation,
+               VkDescriptorPool* pool),
+              (device, info, allocation, pool))
+IBR_ALLOCATES(vkAllocateDescriptorSets, VkResult,
+              (VkDevice device, const VkDescriptorSetAllocateInfo* info, VkDescriptorSet* sets), (device, info, sets))
+IBR_RECORDS(vkCmdPipelineBarrier2, (VkCommandBuffer commands, const VkDependencyInfo* info), (commands, info))
+IBR_RECORDS(vkCmdCopyBufferToImage,
+            (VkCommandBuffer commands, VkBuffer from, VkImage to, VkImageLayout layout, std::uint32_t count,
+             const VkBufferImageCopy* regions),
+            (commands, from, to, layout, count, regions))
+IBR_RECORDS(vkUpdateDescriptorSets,
+            (VkDevice device, std::uint32_t writeCount, const VkWriteDescriptorSet* writes, std::uint32_t copyCount,
+             const VkCopyDescriptorSet* copies),
+            (device, writeCount, writes, copyCount, copies))
+
+// Must follow all replacements.
+const bool installed = installVulkanReplacements();
+
+/// Grid of photographs of two sizes.
+Scene twoSizes(int side) {
+  Scene scene = gridScene(side, 256, 256);
+  for (std::size_t n = 1; n < scene.nodes.size(); n += 2) {
+    Intrinsics& k = scene.nodes[n].camera.intrinsics;
+    k = resized(k, 128, 128);
+  }
+  for (Cell& cell : scene.cells)
+    for (std::size_t i = 0; i < cell.members.size(); ++i)
+      if (cell.members[i] % 2 == 1)
+        for (glm::vec2& match : cell.mesh.match[i]) match *= 0.5f;
+  return scene;
+}
+
+}  // namespace
+
+// NOLINTBEGIN: replacements of the global functions
+void* operator new(std::size_t bytes) {
+  return allocated(bytes);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return allocated(bytes, alignment);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+// NOLINTEND
+
+TEST_CASE("frames that stream allocate neither host nor device memory") {
+  REQUIRE(installed);
+  constexpr int kSide = 12;
+  const Scene scene = twoSizes(kSide);
+  const SceneBounds bounds = sceneBounds(scene);
+  GpuScene gpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .stagingBytes = 1 * kMiB});
+  REQUIRE(gpuScene.needsStreaming());
+  std::uint64_t number = 0, uploaded = 0;
+  GpuScene::StreamStatus status;
+  const auto frame = [&](double along) {
+    const FramePlan plan =
+        planFrame(scene, bounds, {{cameraAt({along, 0, along}, 0, 0, 64, 64, 1.2)}, {.switchSeconds = 0}});
+    ++number;
+    submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+      counts = true;
+      status = gpuScene.stream(commands, plan, number, number - 1);
+      counts = false;
+    });
+    uploaded += status.uploadedBytes;
+  };
+  const auto walk = [&] {
+    for (int f = 0; f < 200; ++f) frame(f * (kSide - 1) / 199.0);
+    do frame(kSide - 1);
+    while (status.waiting > 0);
+    do frame(0);
+    while (status.waiting > 0);
+  };
+  const int before = allDeviceAllocations;
+  walk();
+  CHECK(uploaded > 0);
+  CHECK(allDeviceAllocations > before);  // on other threads
+  CHECK(hostAllocations == 0);
+  CHECK(deviceAllocations == 0);
+
+  {  // the counters count
+    std::vector<char*> made;
+    counts = true;
+    made.push_back(new char);
+    counts = false;
+    delete made[0];
+    CHECK(hostAllocations == 2);
+    GpuScene synchronous(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .readerThreads = 0});
+    gpuScene = std::move(synchronous);
+    number = 0;
+    frame(0);
+    CHECK(deviceAllocations > 0);
+    CHECK(hostAllocations > 2);
+  }
+}
+
+TEST_CASE("recorded frames allocate neither host nor device memory") {
+  const SmallScene place;
+  Device device = Device::create();  // without validation, whose layer allocates
+  GpuScene scene = place.open(device);
+  std::vector<RenderSettings> looks(5);
+  looks[0].maxTier = kTierFilled;
+  looks[1].colourMapping = ColourMapping::ours;
+  looks[2].overlay = Overlay::confidence;
+  looks[2].floor = Floor{.height = -1};
+  looks[3].composition = Composition::hybrid;
+  looks[4].morph = Morph::paper;
+  for (const RenderSettings& settings : looks)
+    for (const std::uint32_t views : {1u, 2u}) {
+      CAPTURE(&settings - looks.data(), views);
+      const FramePlan plan = place.plan(settings, views);
+      RendererOptions options = optionsFor(settings, {48, 36});
+      options.maxViews = views;
+      options.uncertaintyScene = &place.scene();
+      const Renderer renderer(device, scene, options);
+      Offscreen offscreen(device, {48, 36}), second(device, {48, 36});
+      ScopeTimer timer(device, 64);
+      const std::vector<Target> targets{offscreen.target(), second.target()};
+      hostAllocations = deviceAllocations = 0;
+      offscreen.render([&](VkCommandBuffer commands) {
+        timer.reset(commands);
+        counts = true;
+        renderer.record(commands, plan, std::span(targets).first(views), &timer);
+        counts = false;
+      });
+      CHECK(hostAllocations == 0);
+      CHECK(deviceAllocations == 0);
+    }
+}
