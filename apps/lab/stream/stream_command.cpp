@@ -27,7 +27,6 @@
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
-#include "shared/draw/scene_renderer.h"
 #include "shared/report/statistics.h"
 #include "shared/report/table.h"
 
@@ -228,7 +227,8 @@ ExitCode measure(const Options& options, const Context& context) {
       photographField(options.side, options.size, options.folder / fmt::format("{}x{}", options.side, options.size));
   writeTextures(scene, context);
   Device device = Device::create({.device = context.options().device, .log = context.log()});
-  GpuSceneOptions gpuSceneOptions = withLog(options.gpuScene, context);
+  GpuSceneOptions gpuSceneOptions = options.gpuScene;
+  gpuSceneOptions.log = context.log();
   gpuSceneOptions.source = sourceOf(options);
   GpuScene gpuScene(device, scene, gpuSceneOptions);
   const Walk measured = walk(options, scene, device, gpuScene, context);
