@@ -6,6 +6,7 @@
 
 namespace ibr::app {
 
-extern const Command kSynthCommand, kAccuracyCommand, kSweepCommand, kMatchersCommand, kLabBenchCommand;
+extern const Command kSynthCommand, kAccuracyCommand, kSweepCommand, kMatchersCommand, kLabBenchCommand,
+    kLabStreamCommand;
 
 }  // namespace ibr::app

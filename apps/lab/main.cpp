@@ -7,8 +7,8 @@
 
 int main(int argc, char** argv) {
   using namespace ibr::app;
-  constexpr std::array kCommands{&kSynthCommand, &kAccuracyCommand, &kSweepCommand, &kMatchersCommand,
-                                 &kLabBenchCommand};
+  constexpr std::array kCommands{&kSynthCommand,    &kAccuracyCommand, &kSweepCommand,
+                                 &kMatchersCommand, &kLabBenchCommand, &kLabStreamCommand};
   return runProgram({"ibr-lab",
                      "Examples:\n"
                      "  ibr-lab synth court -o court\n"
