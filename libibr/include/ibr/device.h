@@ -2,8 +2,9 @@
 // A Vulkan device: created by libibr, or adopted from the caller (an engine, an OpenXR runtime).
 //
 // A process may use several devices. Its only state is the table of Vulkan functions (Device::loadFunctions) with the
-// number of devices. One thread at a time uses a Device. Objects made from a Device must be destroyed before it.
-// Constructors that upload submit on its queue and wait, unless they get Uploads (ibr/uploads.h).
+// number of devices. One thread at a time uses a Device; jobs of a GpuScene that streams photographs may use it at the
+// same time. Objects made from a Device must be destroyed before it. Constructors that upload submit on its queue and
+// wait, unless they get Uploads (ibr/uploads.h).
 //
 // Files, memory and waiting: create(), adopt(), list(), describe(), preferred(), name() and the functions that return
 // lists allocate host memory; the first of them loads Vulkan's functions, which reads the loader and drivers. create()

@@ -69,10 +69,10 @@ enum class TextureFilter : std::uint8_t {
             // more reads of a photograph per pixel
 };
 
-/// Calls a job once on another thread, at some time, and returns at once. May destroy jobs instead of calling them,
-/// also after the GpuScene is gone, when calls have no effect: photographs whose job is destroyed are requested again
-/// by later frames. Jobs read files, decode, and allocate device memory; they may take as long as the source does.
-/// Called from the thread that uses the GpuScene. Must not throw.
+/// Arranges that a job is called once on another thread, and returns at once. A job may be destroyed without a call:
+/// later frames request its photographs again. Once the GpuScene is gone, jobs may still be called, without effect, or
+/// destroyed. Jobs read files, decode, and allocate device memory; they may take as long as the source does. Called
+/// from the thread that uses the GpuScene. Must not throw.
 using JobExecutor = std::function<void(std::function<void()> job)>;
 
 inline constexpr std::uint32_t kMaxReaderThreads = 64;
@@ -129,9 +129,9 @@ class IBR_API GpuScene {
   /// been read into the command buffer, outside a render pass. Every plan must be streamed before it is recorded, in
   /// the same command buffer or one submitted earlier.
   ///
-  /// Reads no files, waits neither for reads nor for the device, and allocates and frees no device memory; with
-  /// readerThreads 0 it reads, and allocates and frees device memory. Allocates no host memory, except for messages,
-  /// and for descriptor sets where more than 4 frames are in flight.
+  /// Reads no files, waits neither for reads nor for the device, and allocates neither host nor device memory. It
+  /// allocates for messages, and for descriptor sets where more than 4 frames are in flight. With readerThreads 0 it
+  /// reads, and allocates and frees memory of both kinds.
   ///
   /// Frames are numbered from 1 upwards. `completedFrame`: the device has finished this frame and all before it (0:
   /// none). If a frame's commands are never submitted, use its number again for the next call.

@@ -45,7 +45,7 @@ PhotographSets::PhotographSets(const Device& device, TextureFilter filter)
       layout_(makeLayout(device)) {}
 
 void PhotographSets::reserve(std::size_t setsPerFrame) {
-  grow(std::uint32_t(setsPerFrame) * kFramesInFlight);
+  if (setsPerFrame > 0) grow(std::uint32_t(setsPerFrame) * kFramesInFlight);  // a scene may have no cells
 }
 
 VkDescriptorSet PhotographSets::get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame) {
