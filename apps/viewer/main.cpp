@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -151,7 +153,7 @@ nlohmann::ordered_json report(const Viewer& viewer, const Window& window) {
               {"documents", std::move(places)}, {"warnings", std::move(warnings)},   {"messages", std::move(said)}};
 }
 
-ExitCode run(int argc, char** argv) {
+ExitCode show(Viewer& viewer, int argc, char** argv) {
   Options o;
   o.session.begun = std::chrono::steady_clock::now();
   const ProgramText program{kName, std::string(version()),
@@ -172,7 +174,6 @@ ExitCode run(int argc, char** argv) {
   const fs::path settings = o.forget ? fs::path() : settingsFolder(), cache = o.forget ? fs::path() : cacheFolder();
   if (!cache.empty()) o.session.pipelineCache = cache / "pipelines.bin";
   Interface interface(window, settings.empty() ? fs::path() : settings / "viewer.ini");
-  Viewer viewer;
   viewer.mirror = context.log();
   viewer.first = o.settings;
   viewer.logMessage(LogLevel::info, "settings: " + presetText(o.settings));
@@ -181,7 +182,19 @@ ExitCode run(int argc, char** argv) {
   for (const std::string& path : o.places) viewer.open(path);
   runSessions(window, interface, viewer, o.session);
   context.report(report(viewer, window));
+  viewer.mirror = {};
   return viewer.failed && viewer.items.empty() ? kExitRunTime : kExitOk;
+}
+
+// Scenes that are still being read are not waited for: a stopped thread frees its document value by value, which takes
+// about a second for a hundred megabytes. Everything else is destroyed by now.
+ExitCode run(int argc, char** argv) {
+  Viewer viewer;
+  const ExitCode code = show(viewer, argc, argv);
+  for (Opening& opening : viewer.opening) opening.item.requestStop();
+  if (viewer.opening.empty()) return code;
+  std::fflush(nullptr);
+  std::_Exit(int(code));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ constexpr double kMipsNs = 20, kBc1Ns = 150, kBc7Ns = 430;
 constexpr double kFeaturesNs = 450, kPairSeconds = 0.005;  // kPairSeconds: s per pair of photographs
 constexpr double kCellPixelNs = 170, kMemberNs = 193, kLevelNs = 4.4, kLevelMemberNs = 2;
 constexpr double kBackdropNs = 130;
+constexpr double kSampleNs = 25, kMapNs = 40;  // per pixel sampled from a panorama; per pixel of a depth map drawn
 constexpr double kSweepNs = 4500, kRefineNs = 4500, kConfirmNs = 400;  // per pixel of the depth maps
 constexpr double kObservationSeconds = 150e-6;                         // s per observation, for refining poses
 constexpr double kExposurePointSeconds = 15e-6,
@@ -27,8 +28,9 @@ double textureNs(TextureFormat format) {
 
 double cellSeconds(const CellWork& cell) {
   const double m = double(cell.members);
-  return 1e-9 * (kReadNs * cell.readPixels +
-                 cell.pixels * (kCellPixelNs + kMemberNs * m + cell.levels * (kLevelNs + kLevelMemberNs * m)));
+  const double frame = cell.pixels * (kCellPixelNs + kMemberNs * m + cell.levels * (kLevelNs + kLevelMemberNs * m)) +
+                       kMapNs * cell.mapPixels;
+  return 1e-9 * (kReadNs * cell.readPixels + kSampleNs * cell.sampledPixels + std::max(cell.faces, 1.0) * frame);
 }
 
 }  // namespace
@@ -56,11 +58,15 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     longest = std::max(longest, cellSeconds(cell));
   }
   const double each = 1 / photographs;
+  const double sampling = 1e-9 * kSampleNs * work.facePixels;
+  add("sampling panoramas", sampling, threads.backdrops, sampling * each);
   const auto addDepth = [&](const char* stage, double nanoseconds, double pixels) {
     const double seconds = 1e-9 * nanoseconds * pixels;
     add(stage, seconds, threads.backdrops, seconds * each);
   };
-  addDepth("finding depth", kSweepNs + kRefineNs * work.refinements, work.sweptPixels);
+  const double swept = std::max(work.sweptPixels, 1.0);
+  addDepth("finding depth", kSweepNs * (1 + work.extraSweptPixels / swept) + kRefineNs * work.refinements,
+           work.sweptPixels);
   const auto addConfirmed = [&](double pixels) { addDepth("confirming depth", kConfirmNs, pixels); };
   addConfirmed(work.sweptPixels);
   add("matching cells", cells, threads.cells, longest);
@@ -81,6 +87,12 @@ double bytesToMake(const CellWork& cell) {
                    kLevelBytes = 0.75;  // bytes per pixel; cost volumes have half the sides
   constexpr double kUnsweptBytes = 300;
   constexpr double kExcessBytes = 8;  // bytes per pixel beyond the matched size: RGB, grey
+  if (cell.faces > 0) {               // all faces with their matches, and the work on one of them
+    constexpr double kHeldBytes = 5, kHeldMemberBytes = 12, kWorkBytes = 120, kPictureBytes = 3, kMapBytes = 4;
+    const double m = double(cell.members);
+    return cell.loadingBytes + kPictureBytes * cell.heldPixels + kMapBytes * cell.mapPixels +
+           cell.pixels * (cell.faces * (kHeldBytes + kHeldMemberBytes * m) + kWorkBytes + kLevelBytes * cell.levels);
+  }
   const double pixel =
       cell.swept ? kFrameBytes + kMemberBytes * double(cell.members) + kLevelBytes * cell.levels : kUnsweptBytes;
   return cell.loadingBytes + pixel * cell.pixels + kExcessBytes * cell.excessPixels;
@@ -93,7 +105,7 @@ double bytesToCompareExposures(const BuildWork& work) {
 
 double cachedCellBytes(const CellWork& cell) {
   constexpr double kBytesPerPixel = 2;
-  return kBytesPerPixel * cell.pixels;
+  return kBytesPerPixel * std::max(cell.faces, 1.0) * cell.pixels;
 }
 
 }  // namespace ibr

@@ -5,6 +5,9 @@
 // Depth of photographs dominates; without it, matching of cells does. A cell's frame of P px with m members costs P·(a
 // + b·m) for work done once per pixel. A sweep over L levels at a quarter of the pixels adds P·L·(c + d·m), semi-global
 // paths included.
+//
+// Panoramas are swept and matched by the faces of a cube: a cell has six frames, and the sweeps of faces have more
+// levels than those of most photographs.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +16,9 @@
 #include "ibr/author/build.h"
 
 namespace ibr {
+
+/// Number of levels of a sweep for which the constants were measured.
+inline constexpr double kUsualSweepLevels = 48;
 
 /// Work of one cell.
 struct CellWork {
@@ -23,6 +29,11 @@ struct CellWork {
   double loadingBytes = 0;  // memory while one member is read
   double excessPixels = 0;  // of one member: its pixels that exceed the matched size
   bool swept = true;        // false: matched by flow or homographies, or panoramas
+  // Of panoramas:
+  double faces = 0;          // frames of `pixels` each, which are matched in turn and held together
+  double sampledPixels = 0;  // of the members' faces, all together
+  double mapPixels = 0;      // of the members' depth maps, which are drawn into each face
+  double heldPixels = 0;     // of the members' photographs, which are held meanwhile
 };
 
 /// Work of a build. Pixels are summed over photographs.
@@ -40,9 +51,11 @@ struct BuildWork {
   bool exposures = false;             // exposures are compared
   double refinementObservations = 0;  // observations used to refine poses; 0: not refined
   std::size_t backdrops = 0;
-  double backdropPixels = 0;  // at the backdrops' size
-  double sweptPixels = 0;     // of the swept depth maps
-  double refinements = 1;     // cost of refinement, in units of DepthSearch::refined's
+  double backdropPixels = 0;    // at the backdrops' size
+  double sweptPixels = 0;       // of the swept depth maps
+  double extraSweptPixels = 0;  // equivalent cost of levels beyond kUsualSweepLevels
+  double facePixels = 0;        // sampled from panoramas, to find the depth of their faces
+  double refinements = 1;       // cost of refinement, in units of DepthSearch::refined's
 };
 
 /// Time that this machine takes, relative to the machine on which the constants were measured: CPU time of one thread,

@@ -15,6 +15,7 @@
 #include "author/build/find_movers.h"
 #include "author/build/machine_speed.h"
 #include "author/build/own_tracks.h"
+#include "author/build/sweep_plan.h"
 #include "author/depth/depth_views.h"
 #include "author/depth/photograph_sweep.h"
 #include "author/geometry/posed_model.h"
@@ -75,6 +76,7 @@ class Predictor {
   BuildPrediction predict() {
     countPhotographs();
     countTracks();
+    countLevels();
     if (options_.maskMovingObjects) countMovers();
     countCells();
     countRefinement();
@@ -90,10 +92,13 @@ class Predictor {
   void countDepth(const Photograph& photo) {
     reading_ = std::max(reading_, bytesToReadViews(photo));
     const double sweptShare = options_.depth == DepthSearch::fast ? kFastScale * kFastScale : 1;
+    const double fineShare = options_.depth < DepthSearch::refined ? 0 : 1;  // a face is sampled at its full size …
     for (const DepthView& view : depthViews({&photo.camera, 1})) {
       const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
       const double pixels = sweptShare * swept.x * swept.y;
       work_.sweptPixels += pixels;
+      const Intrinsics& face = view.camera.intrinsics;  // … for each image made of it
+      if (view.isFace) work_.facePixels += (1 + fineShare) * double(face.width) * face.height;
       made_.disk += kCachedDepthBytesPerPixel * finePixelFactor(options_.depth) * swept.x * swept.y;
       depths_ += kViewBytesPerPixel * pixels;
       sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
@@ -143,6 +148,26 @@ class Predictor {
       features_ = std::max(features_, bytesToLoad(photo) + kFeatureBytesPerPixel * std::min(pixels, kFeaturePixels));
     }
     made_.disk += kCachedFeatureBytes * double(images.size());
+  }
+
+  // Faces of panoramas show surfaces beside the capture sites, so their sweeps have more levels than usual. A few
+  // faces, each of another direction, stand for all.
+  void countLevels() {
+    constexpr std::size_t kSampled = 6;
+    if (std::ranges::none_of(input_.photographs, isPanorama)) return;
+    const SweepPlan plan(input_);
+    std::vector<std::size_t> faces;
+    for (std::size_t v = 0; v < plan.views().size(); ++v)
+      if (plan.views()[v].isFace) faces.push_back(v);
+    double levels = 0, pixels = 0;
+    for (std::size_t k = 0; k < kSampled; ++k)
+      levels += plan.levels(faces[(k * faces.size() / kSampled + k) % faces.size()]) / double(kSampled);
+    for (const std::size_t v : faces) {
+      const glm::ivec2 swept = sweptSize(plan.views()[v].camera.intrinsics);
+      pixels += double(swept.x) * swept.y;
+    }
+    const double share = options_.depth == DepthSearch::fast ? kFastScale * kFastScale : 1;
+    work_.extraSweptPixels = share * pixels * std::max(levels / kUsualSweepLevels - 1, 0.0);
   }
 
   // Without tracks the compared photographs are unknown: assumes the maximum number of comparisons.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
+#include "author/backdrop/backdrop.h"
 #include "author/build/cell_cache.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
@@ -12,6 +13,7 @@
 #include "author/match/refine_full.h"
 #include "author/match/vertices.h"
 #include "author/panorama/panorama_cell.h"
+#include "author/panorama/panorama_faces.h"
 #include "author/photographs/masks.h"
 #include "author/poses/local_adjust.h"
 #include "author/sweep/sweep_levels.h"
@@ -139,6 +141,27 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
   return makePanoramaCell(views, planned.points, {input.refine, planned.depths});
 }
 
+// `work`: as of pinholes.
+CellWork workOfPanoramas(const BuildInput& input, const std::vector<std::uint32_t>& members, CellWork work,
+                         bool swept) {
+  constexpr double kTypicalLevels = 100;
+  double largest = 0;
+  for (const std::uint32_t i : members) {
+    const Intrinsics& k = input.photographs[i].camera.intrinsics;
+    const double stored = double(k.width) * k.height, side = matchedFaceSide(k.width);
+    largest = std::max(largest, stored);
+    work.pixels = i == members[0] ? side * side : std::max(work.pixels, side * side);
+    work.heldPixels += stored;
+    const glm::ivec2 map = backdropSize(k);
+    work.mapPixels += swept ? 0 : double(map.x) * map.y;
+  }
+  work.faces = double(cubeRotations().size());
+  work.sampledPixels = work.faces * work.pixels * double(members.size());
+  work.heldPixels += largest;  // the sampler's copy
+  work.levels = swept ? kTypicalLevels : 0;
+  return work;
+}
+
 }  // namespace
 
 std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members) {
@@ -206,11 +229,11 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   }
   work.swept = halves.size() == members.size() &&
                (options_.matcher == MatchMethod::automatic || options_.matcher == MatchMethod::sweep);
-  if (halves.size() < members.size()) return work;
+  if (halves.size() < members.size()) return workOfPanoramas(input_, members, std::move(work), sweepsCells());
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
   work.pixels = double(k.width) * k.height;
-  if (!options_.refinePoses || !input_.refine) return work;  // the depth of the members is used
+  if (!sweepsCells()) return work;
   std::vector<double> depths;
   for (const glm::dvec3& point : sharedPoints(input_, members).points)
     if (const double w = inverseDepth(frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);

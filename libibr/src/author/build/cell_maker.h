@@ -43,10 +43,13 @@ class CellMaker {
   /// `members`: 2 to 4 photographs, all panoramas or none. Thread-safe. Throws Error.
   CellResult make(const std::vector<std::uint32_t>& members) const;
 
-  /// Work of make(), for predictions. Approximate for panoramas and for cells whose points lie behind them.
+  /// Work of make(), for predictions. Approximate for cells whose points lie behind them.
   CellWork work(const std::vector<std::uint32_t>& members) const;
 
  private:
+  // False: cells take the depth of their members.
+  bool sweepsCells() const { return options_.refinePoses && input_.refine; }
+
   const BuildInput& input_;
   const BuildOptions& options_;
   std::span<const PhotographDepth> depths_;

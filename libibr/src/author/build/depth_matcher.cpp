@@ -2,17 +2,12 @@
 #include "author/build/depth_matcher.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <iterator>
 #include <utility>
 
-#include "author/backdrop/backdrop.h"
-#include "author/build/assumed_tracks.h"
 #include "author/depth/depth_sources.h"
 #include "author/depth/refined_depth.h"
-#include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
 #include "author/jobs/cached_file.h"
 #include "author/jobs/cached_values.h"
@@ -56,14 +51,6 @@ class LoadedPhotograph {
   std::optional<PanoramaSampler> sphere_, sphereMask_;
 };
 
-// Returns 0 if the camera does not see the point.
-double inverseDepthSeen(const Camera& camera, const glm::dvec3& point) {
-  const Intrinsics& k = camera.intrinsics;
-  const auto at = project(k, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
-  const bool inside = at && at->x >= 0 && at->y >= 0 && at->x <= k.width && at->y <= k.height;
-  return inside ? inverseDepth(camera, point) : 0;
-}
-
 void storeDepth(const std::filesystem::path& file, const SweptDepth& depth) {
   CacheWriter out;
   out.value(depth.sky.width);
@@ -98,11 +85,6 @@ SweptDepth enlarged(const SweptDepth& depth, int width, int height) {
 
 }  // namespace
 
-glm::ivec2 sweptSize(const Intrinsics& stored) {
-  const Intrinsics matched = matchedCamera({stored, {}}).intrinsics;
-  return glm::max(glm::ivec2(1), glm::min(glm::ivec2(matched.width / 2, matched.height / 2), backdropSize(stored)));
-}
-
 double bytesToReadViews(const Photograph& photograph) {
   constexpr double kSphereBytes = 4;  // per pixel: colours and mask with a border
   const Intrinsics& k = photograph.camera.intrinsics;
@@ -117,26 +99,14 @@ SweepView DepthMatcher::ViewImages::view() const {
 
 DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder,
                            const BuildJobs& jobs)
-    : input_(input), search_(search), cacheFolder_(std::move(cacheFolder)), model_(input.model) {
-  std::vector<bool> hasNone;
-  for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
-  std::vector<Camera> cameras;
+    : input_(input), search_(search), cacheFolder_(std::move(cacheFolder)), plan_(input) {
   double bytes = 0;
-  for (const Photograph& photo : input.photographs) {
-    cameras.push_back(photo.camera);
-    bytes = std::max(bytes, bytesToReadViews(photo));
-  }
-  std::ranges::move(assumedTracks(cameras, hasNone), std::back_inserter(model_.tracks));
-  tracksOf_ = tracksOfImages(model_);
-  views_ = depthViews(cameras);
+  for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToReadViews(photo));
   sweptImages_.resize(views_.size());
   refinedImages_.resize(views_.size());
   std::vector<std::size_t> first;  // first view of each photograph
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].node == first.size()) first.push_back(v);
-  std::vector<std::vector<double>> tracks;
-  for (std::size_t v = 0; v < views_.size(); ++v) tracks.push_back(tracksSeenBy(v));
-  fromInfinity_ = mostReachInfinity(std::move(tracks));
   jobs.runAll("reading photographs", first.size(), bytes,
               [&](std::size_t i) { readViews(input_.photographs[i], first[i]); });
 }
@@ -179,19 +149,10 @@ std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<ViewImages>& pict
   return views;
 }
 
-std::vector<double> DepthMatcher::tracksSeenBy(std::size_t view) const {
-  std::vector<double> tracks;
-  for (const std::uint32_t t : tracksOf_[views_[view].node])
-    if (const double w = inverseDepthSeen(views_[view].camera, model_.tracks[t].position); w > 0 && std::isfinite(w))
-      tracks.push_back(w);
-  return tracks;
-}
-
 std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
-  std::vector<double> tracks = tracksSeenBy(view);
-  const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
-  if (sources.empty() || tracks.empty()) return std::nullopt;
-  const SweepRange range = sweepRange(std::move(tracks), fromInfinity_);
+  const std::optional<ViewSweep> planned = plan_.sweep(view);
+  if (!planned) return std::nullopt;
+  const auto& [sources, range] = *planned;
   const std::filesystem::path file = cacheFile(cacheFolder_, keyOf(view, sources, range), kKind);
   if (auto cached = fetchDepth(file)) return cached;
   SweptDepth depth = sweptDepth(sweptImages_[view].view(), viewsOf(sweptImages_, sources), range);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "author/build/build_input.h"
+#include "author/build/sweep_plan.h"
 #include "author/depth/depth_views.h"
 #include "author/depth/photograph_sweep.h"
 #include "author/jobs/build_jobs.h"
@@ -18,8 +19,6 @@
 
 namespace ibr {
 
-/// Size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
-glm::ivec2 sweptSize(const Intrinsics& stored);
 /// Sides of the images that DepthSearch::fast sweeps, relative to sweptSize.
 inline constexpr double kFastScale = 0.5;
 /// Sides of the images that refine depth, relative to sweptSize, if the photograph is that large.
@@ -56,8 +55,6 @@ class DepthMatcher {
   };
   void readViews(const Photograph& photograph, std::size_t first);
 
-  // Inverse depths of the tracks that a view sees, along its axis.
-  std::vector<double> tracksSeenBy(std::size_t view) const;
   bool isRefined() const { return search_ >= DepthSearch::refined; }
   static std::vector<SweepView> viewsOf(const std::vector<ViewImages>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const;
@@ -65,10 +62,8 @@ class DepthMatcher {
   const BuildInput& input_;
   DepthSearch search_;
   std::filesystem::path cacheFolder_;
-  PosedModel model_;  // the input's model; photographs without tracks get assumed ones
-  std::vector<std::vector<std::uint32_t>> tracksOf_;
-  std::vector<DepthView> views_;
-  bool fromInfinity_ = false;                            // all sweeps start at infinity (mostReachInfinity)
+  SweepPlan plan_;
+  const std::vector<DepthView>& views_ = plan_.views();
   std::vector<ViewImages> sweptImages_, refinedImages_;  // of the views: to sweep, and to refine (if isRefined)
 };
 

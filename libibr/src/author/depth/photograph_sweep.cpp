@@ -289,11 +289,11 @@ DepthQuantiles quantilesOf(std::vector<double> tracks) {
   return {quantile(0.005), quantile(0.995)};
 }
 
-Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range) {
+Levels levelsOf(const Camera& photograph, std::span<const Camera> sources, SweepRange range) {
   const auto [first, near] = range;
   std::vector<double> motion;
-  for (const SweepView& source : sources)
-    if (const double m = motionOf(photograph.camera, source.camera, 0.5 * (first + near)); m > 0) motion.push_back(m);
+  for (const Camera& source : sources)
+    if (const double m = motionOf(photograph, source, 0.5 * (first + near)); m > 0) motion.push_back(m);
   std::sort(motion.begin(), motion.end());
   const double px = motion.empty() ? kMinLevels : motion[motion.size() / 2] * (near - first);
   const int count = int(std::clamp(std::ceil(px), kMinLevels, kMaxLevels)) + 1;
@@ -351,10 +351,16 @@ SweepRange sweepRange(std::vector<double> trackInverseDepths, bool fromInfinity)
   return {std::exp2(std::floor(octaves(kFarFactor * tracks.far)) / kStepsPerOctave), near};
 }
 
+int sweepLevelCount(const Camera& photograph, std::span<const Camera> sources, SweepRange range) {
+  return levelsOf(photograph, sources, range).count;
+}
+
 SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range) {
   const int width = photograph.grey.width, height = photograph.grey.height;
   const std::size_t pixels = photograph.grey.values.size();
-  const Levels levels = levelsOf(photograph, sources, range);
+  std::vector<Camera> cameras;
+  for (const SweepView& source : sources) cameras.push_back(source.camera);
+  const Levels levels = levelsOf(photograph.camera, cameras, range);
   const CostVolume volume = costsOf(photograph, sources, levels);
   const SemiGlobalMatch match = semiGlobalMatch(volume);
   SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1), float(levels.step)};

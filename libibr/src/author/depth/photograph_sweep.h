@@ -40,6 +40,9 @@ struct SweepRange {
 /// photographs' depth. `trackInverseDepths`: of the photograph's tracks; at least one, all positive.
 SweepRange sweepRange(std::vector<double> trackInverseDepths, bool fromInfinity = false);
 
+/// Number of levels of the sweep, for cameras of the swept sizes.
+int sweepLevelCount(const Camera& photograph, std::span<const Camera> sources, SweepRange range);
+
 /// `photograph` and `sources`: at about half their size, with masks widened by kSweptWindow. Precondition: at least one
 /// source.
 SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range);

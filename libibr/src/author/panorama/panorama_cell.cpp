@@ -86,8 +86,7 @@ class Maker {
   Face matched(glm::dquat rotation, const MatchOptions& options) const {
     Face face;
     for (const PanoramaView& view : views_) {
-      const int size = std::min(faceSize(view.picture.width, kFov), int(std::sqrt(kFacePixels)));
-      const Intrinsics intrinsics = faceIntrinsics(size, kFov);
+      const Intrinsics intrinsics = faceIntrinsics(matchedFaceSide(view.picture.width), kFov);
       const glm::dquat turn = glm::conjugate(view.camera.pose.rotation) * rotation;
       MatchView& seen = face.views.emplace_back();
       seen.camera = {intrinsics, {view.camera.pose.position, rotation}};
@@ -225,6 +224,10 @@ class Maker {
 };
 
 }  // namespace
+
+int matchedFaceSide(int panoramaWidth) {
+  return std::min(faceSize(panoramaWidth, kFov), int(std::sqrt(kFacePixels)));
+}
 
 CellMesh makePanoramaCell(std::span<const PanoramaView> views, std::span<const glm::dvec3> points,
                           const MatchOptions& options) {

@@ -21,6 +21,9 @@ struct PanoramaView {
   Image8 mask;     // of the picture's size, 0 where ignored; empty: no mask
 };
 
+/// Side of a face on which cells of panoramas of this width are matched, px; there are six faces.
+int matchedFaceSide(int panoramaWidth);
+
 /// Matches the panoramas face by face and returns the labelled mesh of the cell between them. `points`: world points
 /// that the members see, which bound the depths; without any, surfaces nearer than half of the members' distance are
 /// not found. Coverage is the share of the sphere. Precondition: 2 to 4 views at different positions. Throws Error.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What each view's depth is swept against: the sources and the range of depths, from the tracks. Reads no photographs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "author/build/build_input.h"
+#include "author/depth/depth_views.h"
+#include "author/depth/photograph_sweep.h"
+
+namespace ibr {
+
+/// Size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
+glm::ivec2 sweptSize(const Intrinsics& stored);
+
+struct ViewSweep {
+  std::vector<std::uint32_t> sources;  // other views
+  SweepRange range;
+};
+
+/// Immutable, hence thread-safe.
+class SweepPlan {
+ public:
+  explicit SweepPlan(const BuildInput& input);
+
+  const std::vector<DepthView>& views() const { return views_; }
+  /// nullopt if no other view overlaps.
+  std::optional<ViewSweep> sweep(std::size_t view) const;
+  /// Number of levels of the view's sweep; 0 without one.
+  int levels(std::size_t view) const;
+
+ private:
+  // Inverse depths of the tracks that a view sees, along its axis.
+  std::vector<double> tracksSeenBy(std::size_t view) const;
+
+  PosedModel model_;  // the input's model; photographs without tracks get assumed ones
+  std::vector<std::vector<std::uint32_t>> tracksOf_;
+  std::vector<DepthView> views_;
+  bool fromInfinity_ = false;  // all sweeps start at infinity (mostReachInfinity)
+};
+
+}  // namespace ibr
