@@ -127,12 +127,13 @@ ItemOnDevice* ViewerSession::currentItemOnDevice() {
 
 Background<UploadedScene> ViewerSession::startUpload(std::shared_ptr<const OpenItem> item) {
   const auto device = std::make_shared<Device>(sharedDevice());
-  return Background<UploadedScene>([this, item = std::move(item), device](const std::stop_token&) {
+  return Background<UploadedScene>([this, item = std::move(item), device](const std::stop_token& stop) {
     struct Wake {
       ~Wake() { wakeWindow(); }
     } wake;
     GpuSceneOptions options = options_.gpuScene;
     options.log = [this](LogLevel level, std::string_view text) { viewer_.post(level, text); };
+    options.stop = stop;
     return uploadScene(std::move(*device), *item->scene, options);
   });
 }
