@@ -83,10 +83,12 @@ std::size_t widestAxis(std::span<const Entry> entries, double size) {
 
 class Builder {
  public:
-  Builder(std::vector<Entry> entries, std::uint32_t leafSize, CellIndex& index)
-      : entries_(std::move(entries)), leafSize_(leafSize), index_(index) {
+  Builder(std::vector<Entry> entries, std::uint32_t leafSize) : entries_(std::move(entries)), leafSize_(leafSize) {}
+
+  CellIndex run() {
     if (!entries_.empty()) build(0, std::uint32_t(entries_.size()));
-    for (const Entry& entry : entries_) index.cells.push_back(entry.cell);
+    for (const Entry& entry : entries_) index_.cells.push_back(entry.cell);
+    return std::move(index_);
   }
 
  private:
@@ -111,7 +113,7 @@ class Builder {
 
   std::vector<Entry> entries_;
   std::uint32_t leafSize_;
-  CellIndex& index_;
+  CellIndex index_;
 };
 
 double largest(glm::dvec3 v) {
@@ -161,9 +163,7 @@ CellIndex makeCellIndex(const Scene& scene, std::span<const CellBounds> cells, s
   std::vector<Entry> entries;
   entries.reserve(cells.size());
   for (std::uint32_t c = 0; c < cells.size(); ++c) entries.push_back(entryOf(scene, cells[c], c));
-  CellIndex index;
-  Builder(std::move(entries), leafSize, index);
-  return index;
+  return Builder(std::move(entries), leafSize).run();
 }
 
 CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, const CellIndex& index,
