@@ -6,8 +6,9 @@ run.py CONSUMER --build DIR --scene SCENE --expected PROGRAM
 
 DIR: the repository's build folder. Its libraries are installed into a temporary prefix, which is then moved. SCENE: the
 scene to draw. PROGRAM: draws the expected picture (the example 01_offscreen). The consumer `fetch_content` builds the
-repository's sources instead, `author` builds a scene of its own, `examples` is the folder of examples, `configurations`
-configures the repository with other options.
+repository's sources in CMake's release configuration instead, whose optimisation the other tests do not have, and draws
+a draft too; `author` builds a scene of its own, `examples` is the folder of examples, `configurations` configures the
+repository with other options.
 """
 import argparse
 import os
@@ -95,8 +96,15 @@ def build_pkg_config(folder, prefix):
     return folder / "consumer", {"LD_LIBRARY_PATH": str(library.parent)}
 
 
+def build_draft(build, folder):
+    """Builds a scene without cells."""
+    photographs = ROOT / "examples/photographs/cathedral"
+    run(build / "apps/batch/ibr", "build", photographs, "-o", folder / "draft", "--draft", "--max-size", "480", "-q")
+    return folder / "draft"
+
+
 def build_fetch_content(folder, _):
-    return configure_and_build("fetch_content", folder / "build", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O2"), {}
+    return configure_and_build("fetch_content", folder / "build", "-DCMAKE_BUILD_TYPE=Release"), {}
 
 
 def check_mixed_linkage(folder, prefix):
@@ -181,11 +189,16 @@ def main():
             globals()[f"check_{arguments.consumer}"](folder, prefix)
             return
         program, environment = globals()[f"build_{arguments.consumer}"](folder, prefix)
-        run(program, arguments.scene, folder / "picture.ppm", env=environment)
-        run(arguments.expected, arguments.scene, folder / "expected.ppm")
-        if (folder / "picture.ppm").read_bytes() != (folder / "expected.ppm").read_bytes():
-            shutil.copy(folder / "picture.ppm", f"consumer_{arguments.consumer}.ppm")
-            fail(f"the picture differs from that of {arguments.expected.name}: consumer_{arguments.consumer}.ppm")
+        scenes = [arguments.scene]
+        if arguments.consumer == "fetch_content":
+            scenes.append(build_draft(arguments.build, folder))
+        for scene in scenes:
+            run(program, scene, folder / "picture.ppm", env=environment)
+            run(arguments.expected, scene, folder / "expected.ppm")
+            if (folder / "picture.ppm").read_bytes() != (folder / "expected.ppm").read_bytes():
+                shutil.copy(folder / "picture.ppm", f"consumer_{arguments.consumer}.ppm")
+                fail(f"the picture of {scene.name} differs from that of {arguments.expected.name}: "
+                     f"consumer_{arguments.consumer}.ppm")
 
 
 if __name__ == "__main__":

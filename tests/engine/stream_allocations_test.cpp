@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // GpuScene::stream allocates nothing on the thread of the frame: neither host memory nor objects of the device. The
-// program replaces operator new, and the Vulkan functions that allocate.
+// program replaces operator new (support/allocation_count.cpp), and the Vulkan functions that allocate.
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <cstdlib>
-#include <new>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,6 +10,7 @@
 #include "base/vulkan/submit.h"
 #include "faults/small_place.h"
 #include "reference/grid_walk.h"
+#include "support/allocation_count.h"
 #include "support/gpu.h"
 #include "support/vulkan_replacement.h"
 
@@ -20,28 +19,33 @@ using namespace ibr::test;
 
 namespace {
 
-thread_local bool counts = false;  // within stream(), outside of Vulkan
-thread_local int hostAllocations = 0, deviceAllocations = 0;
+thread_local bool counts = false;       // between begin and end of a Count, outside of Vulkan
+thread_local std::size_t inVulkan = 0;  // heap allocations of drivers and layers while they record
+thread_local int deviceAllocations = 0;
 std::atomic<int> allDeviceAllocations = 0;
 
-/// Drivers and layers may allocate while they record.
-struct Pause {
-  bool counted = std::exchange(counts, false);
-  ~Pause() { counts = counted; }
+/// Counts allocations of this thread, without those of Vulkan.
+class Count {
+ public:
+  Count() { counts = true; }
+  ~Count() { counts = false; }
+  std::size_t host() const { return allocationCount() - inVulkan - hostBefore_; }
+  int device() const { return deviceAllocations - deviceBefore_; }
+
+ private:
+  std::size_t hostBefore_ = allocationCount() - inVulkan;
+  int deviceBefore_ = deviceAllocations;
 };
 
-void* allocated(std::size_t bytes) {
-  hostAllocations += counts;
-  if (void* const memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
-  throw std::bad_alloc();
-}
-
-void* allocated(std::size_t bytes, std::align_val_t alignment) {
-  hostAllocations += counts;
-  const auto side = std::size_t(alignment);
-  if (void* const memory = std::aligned_alloc(side, (bytes + side - 1) / side * side)) return memory;
-  throw std::bad_alloc();
-}
+/// A call of Vulkan.
+struct Pause {
+  bool counted = std::exchange(counts, false);
+  std::size_t before = allocationCount();
+  ~Pause() {
+    inVulkan += allocationCount() - before;
+    counts = counted;
+  }
+};
 
 #define IBR_ALLOCATES(name, Result, parameters, arguments) \
   IBR_REPLACE(Result, name, parameters) {                  \
@@ -102,27 +106,6 @@ Scene twoSizes(int side) {
 
 }  // namespace
 
-// NOLINTBEGIN: replacements of the global functions
-void* operator new(std::size_t bytes) {
-  return allocated(bytes);
-}
-void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return allocated(bytes, alignment);
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
-// NOLINTEND
-
 TEST_CASE("frames that stream allocate neither host nor device memory") {
   REQUIRE(installed);
   constexpr int kSide = 12;
@@ -131,15 +114,18 @@ TEST_CASE("frames that stream allocate neither host nor device memory") {
   GpuScene gpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .stagingBytes = 1 * kMiB});
   REQUIRE(gpuScene.needsStreaming());
   std::uint64_t number = 0, uploaded = 0;
+  std::size_t host = 0;  // allocations in stream()
+  int onDevice = 0;
   GpuScene::StreamStatus status;
   const auto frame = [&](double along) {
     const FramePlan plan =
         planFrame(scene, bounds, {{cameraAt({along, 0, along}, 0, 0, 64, 64, 1.2)}, {.switchSeconds = 0}});
     ++number;
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
-      counts = true;
+      const Count count;
       status = gpuScene.stream(commands, plan, number, number - 1);
-      counts = false;
+      host += count.host();
+      onDevice += count.device();
     });
     uploaded += status.uploadedBytes;
   };
@@ -154,22 +140,23 @@ TEST_CASE("frames that stream allocate neither host nor device memory") {
   walk();
   CHECK(uploaded > 0);
   CHECK(allDeviceAllocations > before);  // on other threads
-  CHECK(hostAllocations == 0);
-  CHECK(deviceAllocations == 0);
+  CHECK(host == 0);
+  CHECK(onDevice == 0);
 
   {  // the counters count
-    std::vector<char*> made;
-    counts = true;
-    made.push_back(new char);
-    counts = false;
-    delete made[0];
-    CHECK(hostAllocations == 2);
+    std::vector<char> made;
+    const Count count;
+    made.push_back(0);
+    host = count.host();
+    CHECK(host == 1);
+  }
+  {
     GpuScene synchronous(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .readerThreads = 0});
     gpuScene = std::move(synchronous);
     number = 0;
     frame(0);
-    CHECK(deviceAllocations > 0);
-    CHECK(hostAllocations > 2);
+    CHECK(onDevice > 0);
+    CHECK(host > 1);
   }
 }
 
@@ -195,14 +182,16 @@ TEST_CASE("recorded frames allocate neither host nor device memory") {
       Offscreen offscreen(device, {48, 36}), second(device, {48, 36});
       ScopeTimer timer(device, 64);
       const std::vector<Target> targets{offscreen.target(), second.target()};
-      hostAllocations = deviceAllocations = 0;
+      std::size_t host = 1;  // allocations in record()
+      int onDevice = 1;
       offscreen.render([&](VkCommandBuffer commands) {
         timer.reset(commands);
-        counts = true;
+        const Count count;
         renderer.record(commands, plan, std::span(targets).first(views), &timer);
-        counts = false;
+        host = count.host();
+        onDevice = count.device();
       });
-      CHECK(hostAllocations == 0);
-      CHECK(deviceAllocations == 0);
+      CHECK(host == 0);
+      CHECK(onDevice == 0);
     }
 }

@@ -19,7 +19,7 @@ struct RunSource {
 
 /// Partial sums: eight lanes of 32 bits each, products split into halves of 16 bits to avoid widening in the loop. The
 /// portable version does not use them.
-struct alignas(32) RunLanes {
+struct RunLanes {
   enum Sum { x0, x1, x2, y0, y1, y2, xxLow, xxHigh, yyLow, yyHigh, xyLow, xyHigh, kSums };
   std::array<std::array<std::int32_t, 8>, kSums> lanes{};
   int steps = 0;  // since the lanes were emptied, each at most 2¹⁷ per lane

@@ -79,7 +79,7 @@ IBR_AVX2 Colours sampled(const RunSource& s, __m256i index) {
 
 IBR_AVX2 void addTo(RunLanes& lanes, RunLanes::Sum sum, __m256i values) {
   auto* at = reinterpret_cast<__m256i*>(lanes.lanes[sum].data());
-  _mm256_store_si256(at, _mm256_add_epi32(_mm256_load_si256(at), values));
+  _mm256_storeu_si256(at, _mm256_add_epi32(_mm256_loadu_si256(at), values));
 }
 
 // Adds products of two 16-bit numbers, of red with green and of blue, with low and high halves separate.

@@ -12,6 +12,7 @@
 #include "author/geometry/mean_frame.h"
 #include "author/sweep/sgm.h"
 #include "base/wide.h"
+#include "base/wide_math.h"
 
 namespace ibr {
 namespace {
@@ -37,14 +38,6 @@ constexpr float kWorstCost = 3.0f;  // above any cost
 struct BestCosts {
   float* row[kMaxAveragedSources];
 };
-
-// By value: the references of std::max would prevent vectorisation of the loops below.
-[[gnu::always_inline]] inline float larger(float a, float b) {
-  return a < b ? b : a;
-}
-[[gnu::always_inline]] inline float smaller(float a, float b) {
-  return b < a ? b : a;
-}
 
 // Movement of a source, px, per change of ρ by 1, at the middle of the range: median over the image.
 double motionOf(const Camera& photograph, const Camera& source, double middle) {

@@ -15,6 +15,7 @@
 #endif
 
 #include "base/check.h"
+#include "base/wide_math.h"
 #include "ibr/author/panorama.h"
 
 namespace ibr {
@@ -27,29 +28,12 @@ constexpr float kMaxSamplesPerParallel = 64;  // along a parallel
 constexpr std::size_t kBehind = 16;           // bytes that may be read behind the last pixel
 constexpr float kPi = std::numbers::pi_v<float>;
 
-// Arguments by value, so that loops are vectorised.
-inline float least(float a, float b) {
-  return a < b ? a : b;
-}
-inline float most(float a, float b) {
-  return a > b ? a : b;
-}
-
-// Abramowitz & Stegun 4.4.49, accurate to 2e-8 for |t| <= 1; extended to all quadrants. x = y = 0 gives 0.
+// As std::atan2. x = y = 0 gives 0.
 inline float angle(float y, float x) {
   const float ax = std::abs(x), ay = std::abs(y);
   // Lesser over greater without a comparison: a second comparison of the same values would become a branch.
   const float apart = std::abs(ax - ay);
-  const float t = (ax + ay - apart) / (ax + ay + apart + 1e-30F), s = t * t;
-  float r = 0.0028662257F;
-  r = r * s - 0.0161657367F;
-  r = r * s + 0.0429096138F;
-  r = r * s - 0.0752896400F;
-  r = r * s + 0.1065626393F;
-  r = r * s - 0.1420889944F;
-  r = r * s + 0.1999355085F;
-  r = r * s - 0.3333314528F;
-  r = (r * s + 1) * t;
+  float r = arctangent((ax + ay - apart) / (ax + ay + apart + 1e-30F));
   r = ay > ax ? 0.5F * kPi - r : r;
   r = x < 0 ? kPi - r : r;
   return std::copysign(r, y);
@@ -141,9 +125,9 @@ void place(const Source& from, glm::vec3 first, glm::vec3 step, Places& places) 
     places.across[i] = std::sqrt(dx[i] * dx[i] + dz[i] * dz[i]);
   }
   for (int i = 0; i < kRun; ++i)
-    places.x[i] = most(least(angle(dx[i], -dz[i]) * turn + 0.5F * from.width, from.width), 0);
+    places.x[i] = larger(smaller(angle(dx[i], -dz[i]) * turn + 0.5F * from.width, from.width), 0);
   for (int i = 0; i < kRun; ++i)
-    places.y[i] = most(least(0.5F * from.height - angle(dy[i], places.across[i]) * halfTurn, from.height), 0);
+    places.y[i] = larger(smaller(0.5F * from.height - angle(dy[i], places.across[i]) * halfTurn, from.height), 0);
 }
 
 // Calls put(i, colour) for `count` positions, moved along the parallel by `shift` × the width of a pixel there.
@@ -151,7 +135,7 @@ template <int C, class Put>
 void sample(const Source& from, const Places& places, int count, float widthTimesAcross, float shift, const Put& put) {
   alignas(16) std::array<std::int32_t, kRun> x, y;
   for (int i = 0; i < kRun; ++i) {
-    const float wide = least(widthTimesAcross / most(places.across[i], 1e-30F), from.width);
+    const float wide = smaller(widthTimesAcross / larger(places.across[i], 1e-30F), from.width);
     float at = places.x[i] + shift * wide;
     at = at < 0 ? at + from.width : at;
     at = at > from.width ? at - from.width : at;
@@ -188,7 +172,7 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
           const double inX = (part % parts + 0.5) / parts, inY = (part / parts + 0.5) / parts;
           place(from, glm::vec3(corner + (begin + inX) * right + (y + inY) * down), glm::vec3(right), places);
           const float nearest = *std::min_element(places.across.begin(), places.across.begin() + count);
-          const int along = int(std::clamp(wide / most(nearest, 1e-30F) + 0.5F, 1.0F, kMaxSamplesPerParallel));
+          const int along = int(std::clamp(wide / larger(nearest, 1e-30F) + 0.5F, 1.0F, kMaxSamplesPerParallel));
           if (parts == 1 && along == 1) {
             sample<C>(from, places, count, wide, 0,
                       [&](int i, const Blended<C>& colour) { colour.store(&row[i * C]); });

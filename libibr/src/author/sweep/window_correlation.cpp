@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/wide.h"
+#include "base/wide_math.h"
 
 namespace ibr {
 namespace {
@@ -28,14 +29,6 @@ constexpr float kFarther = 0.2f;
 // … Windows without texture cost this much more at the nearest level: otherwise a cloudless sky attaches to the roofs
 // below it. With higher values, plain walls become sky.
 constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
-
-// Arguments by value: references of std::max would prevent vectorisation of the loops below.
-[[gnu::always_inline]] inline float larger(float a, float b) {
-  return a < b ? b : a;
-}
-[[gnu::always_inline]] inline float smaller(float a, float b) {
-  return b < a ? b : a;
-}
 
 // Sums kWindow × kWindow values row by row: column sums over kWindow rows are kept, then summed sideways.
 [[gnu::always_inline]] inline void sumHorizontally(const float* __restrict column, float* __restrict out, int width) {

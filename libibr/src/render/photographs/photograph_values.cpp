@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/wide.h"
+#include "base/wide_math.h"
 #include "shared/gather.h"
 
 namespace ibr {
@@ -21,27 +22,9 @@ constexpr std::size_t kColours = 4;  // photographs that the gather blends
 constexpr double kFarthest = 1e6;    // median depths: farther away, directions do not change
 constexpr double kWidest = 1e4;      // tangent of a ray
 
-// Arguments by value: references of std::max would prevent vectorisation of the loops below.
-[[gnu::always_inline]] inline float larger(float a, float b) {
-  return a < b ? b : a;
-}
-[[gnu::always_inline]] inline float smaller(float a, float b) {
-  return b < a ? b : a;
-}
-
-// Returns the angle of a vector (x, y) with x, y >= 0, radians: Abramowitz and Stegun, 4.4.49, error below 1e-7.
+// Returns the angle of a vector (x, y) with x, y >= 0, radians.
 [[gnu::always_inline]] inline float angleOf(float x, float y) {
-  const float ratio = smaller(x, y) / larger(larger(x, y), std::numeric_limits<float>::min());
-  const float s = ratio * ratio;
-  float sum = 0.0028662257f;
-  sum = sum * s - 0.0161657367f;
-  sum = sum * s + 0.0429096138f;
-  sum = sum * s - 0.0752896400f;
-  sum = sum * s + 0.1065626393f;
-  sum = sum * s - 0.1420889944f;
-  sum = sum * s + 0.1999355085f;
-  sum = sum * s - 0.3333314528f;
-  const float angle = ratio + ratio * s * sum;
+  const float angle = arctangent(smaller(x, y) / larger(larger(x, y), std::numeric_limits<float>::min()));
   return y > x ? 1.5707963268f - angle : angle;
 }
 
@@ -82,14 +65,14 @@ struct Placed {
 }
 
 [[gnu::always_inline]] inline float rootSum(const float* __restrict a) {
-  alignas(32) float lanes[kLanes] = {};
+  float lanes[kLanes] = {};
   for (std::size_t p = 0; p < kSamplePoints; p += kLanes)
     for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += std::sqrt(a[p + l]);
   return total(lanes);
 }
 
 [[gnu::always_inline]] inline float rootSumOfTwo(const float* __restrict a, const float* __restrict b) {
-  alignas(32) float lanes[kLanes] = {};
+  float lanes[kLanes] = {};
   for (std::size_t p = 0; p < kSamplePoints; p += kLanes)
     for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += std::sqrt(a[p + l] + b[p + l]);
   return total(lanes);
@@ -110,7 +93,7 @@ struct Placed {
 
 [[gnu::always_inline]] inline float linearSum(const float* __restrict slope, const float* __restrict root,
                                               const float* __restrict b) {
-  alignas(32) float lanes[kLanes] = {};
+  float lanes[kLanes] = {};
   for (std::size_t p = 0; p < kSamplePoints; p += kLanes)
     for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += slope[p + l] * b[p + l] + root[p + l] * std::sqrt(b[p + l]);
   return total(lanes);
@@ -149,7 +132,7 @@ struct Placed {
 }
 
 [[gnu::always_inline]] inline float shareOf(const float* __restrict best, const float* __restrict weights) {
-  alignas(32) float lanes[kLanes] = {};
+  float lanes[kLanes] = {};
   for (std::size_t p = 0; p < kSamplePoints; p += kLanes)
     for (std::size_t l = 0; l < kLanes; ++l)
       lanes[l] += larger(weights[p + l] - best[kColours * kSamplePoints + p + l], 0.0f) * best[p + l];
@@ -233,7 +216,7 @@ void toGatherWeights(SampleValues& values, double distance, float fade) {
 }
 
 void gatherShares(std::span<const SampleValues> weights, std::span<double> shares) {
-  alignas(32) std::array<float, (kColours + 1) * kSamplePoints> best{};
+  std::array<float, (kColours + 1) * kSamplePoints> best{};
   for (const SampleValues& one : weights) runVectorised<insert>(best.data(), one.at.data());
   runVectorised<invertSums>(best.data());
   for (std::size_t m = 0; m < weights.size(); ++m)

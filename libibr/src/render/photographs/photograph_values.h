@@ -21,13 +21,13 @@ inline constexpr std::array kSampleDepths{1.6, 0.4};  // of the median ρ
 inline constexpr std::size_t kSamplePoints = kSampleRays * kSampleDepths.size();
 
 /// By ray and depth.
-struct alignas(32) SampleValues {
+struct SampleValues {
   std::array<float, kSamplePoints> at{};
 };
 
 /// Directions (x, y, −1) over all views, in the axes of the middle pose.
 struct SampleRays {
-  alignas(32) std::array<float, kSampleRays> x, y;
+  std::array<float, kSampleRays> x, y;
 };
 SampleRays sampleRays(std::span<const Camera> views, const Pose& middle);
 
