@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/draw/graph_lines.h"
 
+#include <algorithm>
+#include <array>
+
 #include "shared/camera/roaming.h"
 
 namespace ibr::app {
@@ -31,10 +34,11 @@ GraphOverlay graphLines(Device& device, const HtmModel& model, VkFormat format) 
 
 void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const FramePlan& plan,
                  std::span<const Target> pictures) {
-  std::vector<std::uint32_t> best;
-  for (const PlannedCell& cell : plan.cells) best.push_back(cell.cell);
+  std::array<std::uint32_t, kMaxCellCount> best;
+  const std::size_t count = std::min<std::size_t>(plan.cells.size(), best.size());
+  for (std::size_t rank = 0; rank < count; ++rank) best[rank] = plan.cells[rank].cell;
   for (std::size_t view = 0; view < pictures.size(); ++view)
-    graph.record(commands, plan.views[view], best, recorded(pictures[view]));
+    graph.record(commands, plan.views[view], std::span(best).first(count), recorded(pictures[view]));
 }
 
 void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const Camera& view, const Target& picture) {

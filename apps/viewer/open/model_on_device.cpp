@@ -22,11 +22,9 @@ class ModelOnDevice final : public ItemOnDevice {
     choose();
     prepare(target);
     const Camera view = cameraOf(item_, target.extent);
-    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, item_.htmSettings, context.seconds}, state_);
-    quiet_ = sameView(view, lastView_) ? quiet_ + context.seconds : 0;
-    lastView_ = view;
-    state_ = plan.next;
-    renderer_->record(context.commands, plan, target, timer);
+    quiet_ = sameView(view, plan_.view) ? quiet_ + context.seconds : 0;
+    planHtmFrame(*model_, bounds_, {view, item_.htmSettings, context.seconds}, plan_.next, plan_);
+    renderer_->record(context.commands, plan_, target, timer);
     if (item_.showGraph) {
       const GpuScope scope(context.commands, timer, "graph");
       recordGraph(context.commands, graph(), view, target);
@@ -89,7 +87,7 @@ class ModelOnDevice final : public ItemOnDevice {
     }
     if (model == model_) return;
     if (gpuModel_) {
-      state_ = transferHtmState(*model, *model_, state_);
+      plan_.next = transferHtmState(*model, *model_, plan_.next);
       waitIdle(device_);
       gpuModel_->replace(*model, source);
       if (renderer_) renderer_->setModel(*gpuModel_);
@@ -123,8 +121,7 @@ class ModelOnDevice final : public ItemOnDevice {
   std::optional<GraphOverlay> graph_;
   VkExtent2D largest_{0, 0};
   VkFormat format_ = VK_FORMAT_UNDEFINED;
-  HtmPlanState state_;
-  Camera lastView_;
+  HtmFramePlan plan_;  // of the last frame
   double quiet_ = 0;
   bool waiting_ = false;
 };

@@ -42,8 +42,14 @@ class SceneOnDevice final : public ItemOnDevice {
 
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     const Camera view = cameraOf(item_, target.extent);
-    planFrame(*item_.scene, bounds_, {{view}, item_.settings, context.seconds}, plan_.next, plan_);
-    prepare(target);
+    const RenderSettings& s = item_.settings;
+    const bool sameSettings = s == input_.settings;
+    const bool same = sameSettings && sameView(view, input_.views[0]);
+    if (!sameSettings) input_.settings = s;
+    input_.views[0] = view;
+    input_.dtSeconds = context.seconds;
+    planFrame(*item_.scene, bounds_, input_, plan_.next, plan_);
+    prepare(target, sameSettings);
     streamed_ = gpuScene_.stream(context.commands, plan_, context.frame, context.completed);
     renderer_->record(context.commands, plan_, std::span(&target, 1), timer);
     if (item_.showGraph) {
@@ -51,10 +57,6 @@ class SceneOnDevice final : public ItemOnDevice {
       recordGraph(context.commands, graph(), plan_, std::span(&target, 1));
     }
     // The colour mapping may fade for longer than the draw order's cross-fade.
-    const RenderSettings& s = item_.settings;
-    const bool same = sameView(view, lastView_) && s == lastSettings_;
-    lastView_ = view;
-    lastSettings_ = s;
     quiet_ = same ? quiet_ + context.seconds : 0;
     const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
     const std::optional<glm::dvec3>& exposure = plan_.next.exposure;
@@ -141,7 +143,12 @@ class SceneOnDevice final : public ItemOnDevice {
     return options;
   }
 
-  void prepare(const Target& target) {
+  // `sameSettings`: as in the previous frame.
+  void prepare(const Target& target, bool sameSettings) {
+    const bool sameTarget = target.extent.width == prepared_.extent.width &&
+                            target.extent.height == prepared_.extent.height && target.format == prepared_.format;
+    if (renderer_ && sameSettings && sameTarget) return;
+    prepared_ = target;
     const RendererOptions needed = optionsNeeded(item_.settings, target.extent, target.format);
     if (renderer_ && canDraw(options_, needed)) return;
     waitIdle(device_);
@@ -169,10 +176,10 @@ class SceneOnDevice final : public ItemOnDevice {
   std::optional<Renderer> renderer_;
   std::optional<GraphOverlay> graph_;
   std::optional<TrustProbe> probe_;
+  FrameInput input_{.views = std::vector<Camera>(1)};  // of the last frame
   FramePlan plan_;
+  Target prepared_{};  // that renderer_ was last checked for
   GpuScene::StreamStatus streamed_;
-  Camera lastView_;
-  RenderSettings lastSettings_;
   std::optional<glm::dvec3> lastExposure_;  // of the adapting exposure, logarithms
   double quiet_ = 0;
   bool needsRedraw_ = true;

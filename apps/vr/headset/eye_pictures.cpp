@@ -26,7 +26,7 @@ fs::path freePicture(const fs::path& folder) {
 }
 
 std::array<fs::path, 2> writeEyes(const fs::path& file, const std::array<Image8, 2>& pictures,
-                                  const std::vector<Camera>& eyes, nlohmann::ordered_json settings) {
+                                  const std::array<Camera, 2>& eyes, nlohmann::ordered_json settings) {
   if (file.has_parent_path()) makeFolders(file.parent_path());
   settings["graph"] = false;
   const std::array<fs::path, 2> files{eyeFile(file, 'l'), eyeFile(file, 'r')};

@@ -6,7 +6,6 @@
 #include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
 
 #include "ibr/camera.h"
 #include "ibr/image.h"
@@ -18,6 +17,6 @@ std::filesystem::path freePicture(const std::filesystem::path& folder);
 
 /// `file`: NAME.png; the eyes' file names derive from it and are returned. Creates folders. Throws Error{io}.
 std::array<std::filesystem::path, 2> writeEyes(const std::filesystem::path& file, const std::array<Image8, 2>& pictures,
-                                               const std::vector<Camera>& eyes, nlohmann::ordered_json settings);
+                                               const std::array<Camera, 2>& eyes, nlohmann::ordered_json settings);
 
 }  // namespace ibr::app

@@ -96,9 +96,12 @@ void StereoScene::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& are
   renderer_.emplace(device_, gpuScene_, rendererOptions_);
 }
 
-void StereoScene::record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+void StereoScene::record(const FrameRing::Frame& frame, double seconds, const std::array<Camera, 2>& eyes,
                          const RenderSettings& settings, std::span<const Target> targets) {
-  planFrame(files_->scene, files_->bounds, {eyes, settings, seconds}, plan_.next, plan_);
+  input_.views.assign(eyes.begin(), eyes.end());
+  input_.settings = settings;
+  input_.dtSeconds = seconds;
+  planFrame(files_->scene, files_->bounds, input_, plan_.next, plan_);
   gpuScene_.stream(frame.commands, plan_, frame.number, frame.completed);
   renderer_->record(frame.commands, plan_, targets, frame.timer);
 }

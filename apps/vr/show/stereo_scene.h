@@ -59,7 +59,7 @@ class StereoScene {
   void setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area);
 
   /// Records both eyes' images; the draw order depends on previous frames. `seconds`: since the previous frame.
-  void record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+  void record(const FrameRing::Frame& frame, double seconds, const std::array<Camera, 2>& eyes,
               const RenderSettings& settings, std::span<const Target> targets);
 
   /// Starts the draw order afresh after a jump of the view, without cross-fades from previous frames.
@@ -75,6 +75,7 @@ class StereoScene {
   bool floor_;
   RendererOptions rendererOptions_;
   std::optional<Renderer> renderer_;
+  FrameInput input_;  // of the last frame
   FramePlan plan_;
 };
 

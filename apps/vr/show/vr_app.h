@@ -48,7 +48,7 @@ class VrApp {
 
   // Drawing.
   void draw(double seconds);
-  void recordScene(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+  void recordScene(const FrameRing::Frame& frame, double seconds, const std::array<Camera, 2>& eyes,
                    std::span<const Target> targets, bool captured);
   void recordBackground(VkCommandBuffer commands, std::span<const Target> targets) const;
   void setFloor(RenderSettings& settings);
@@ -82,7 +82,7 @@ class VrApp {
   // Screenshots.
   struct Capture;
   Capture* dueCapture();
-  void keepCapture(Capture& capture, std::uint64_t frame, const std::vector<Camera>& eyes);
+  void keepCapture(Capture& capture, std::uint64_t frame, const std::array<Camera, 2>& eyes);
   void writeCaptures(std::uint64_t completed);
   void reportPictures(const std::vector<PictureResult>& results);
   void finishPictures();

@@ -23,12 +23,13 @@ void VrApp::draw(double seconds) {
     scene_->setHiddenArea({session_.hiddenArea(0), session_.hiddenArea(1)});
     ignoreNextFrames(governor_);
   }
-  std::vector<Camera> inSpace, cameras;
-  for (const EyeView& eye : eyes_.eyes) {
+  std::array<Camera, 2> inSpace, cameras;
+  for (std::size_t i = 0; i < eyes_.eyes.size(); ++i) {
+    const EyeView& eye = eyes_.eyes[i];
     const VkExtent2D extent = images_.extent();
     const Intrinsics lens = intrinsicsOf(eye.fov, int(extent.width), int(extent.height));
-    inSpace.push_back({lens, eye.pose});
-    cameras.push_back({lens, inWorld(walkOutput_.tracking, eye.pose)});
+    inSpace[i] = {lens, eye.pose};
+    cameras[i] = {lens, inWorld(walkOutput_.tracking, eye.pose)};
   }
   Capture* const capture = scene_ ? dueCapture() : nullptr;
   const Stopwatch waiting;
@@ -58,7 +59,7 @@ void VrApp::draw(double seconds) {
   if (menuShown_) menu_.release();
 }
 
-void VrApp::recordScene(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+void VrApp::recordScene(const FrameRing::Frame& frame, double seconds, const std::array<Camera, 2>& eyes,
                         std::span<const Target> targets, bool captured) {
   drawnSettings_ = governor_.levels[state_.governorEnabled ? governor_.level : 0];
   drawnSettings_.skipHiddenArea = !captured;

@@ -31,7 +31,7 @@ VrApp::Capture* VrApp::dueCapture() {
 }
 
 // Call after the frame with the capture's copies was submitted.
-void VrApp::keepCapture(Capture& capture, std::uint64_t frame, const std::vector<Camera>& eyes) {
+void VrApp::keepCapture(Capture& capture, std::uint64_t frame, const std::array<Camera, 2>& eyes) {
   capture.eyes = eyes;
   capture.settings = drawnSettings_;
   capture.floor = floor_;

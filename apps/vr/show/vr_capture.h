@@ -2,8 +2,8 @@
 // A screenshot between the frame that it shows and the file.
 #pragma once
 
+#include <array>
 #include <optional>
-#include <vector>
 
 #include "shared/camera/up.h"
 #include "vr/headset/eye_capture.h"
@@ -17,7 +17,7 @@ struct VrApp::Capture {
   EyeCapture images;
   bool isQueued = false;  // the writer has the capture
   bool required = false;  // VrOptions::screenshot
-  std::vector<Camera> eyes;
+  std::array<Camera, 2> eyes;
   RenderSettings settings;
   std::optional<FloorOptions> floor;
 };

@@ -99,6 +99,11 @@ struct HtmFramePlan {
 IBR_API HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
                                   const HtmPlanState& state = {});
 
+/// As above, into a plan that may hold a previous frame, whose memory is used again: later frames allocate no heap
+/// memory. `state` may be `plan.next`. The plan is unchanged if the input is refused.
+IBR_API void planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
+                          const HtmPlanState& state, HtmFramePlan& plan);
+
 /// Prepares a camera's picture for upload to GpuHtmModel: builds its mip levels, which take a third more memory. Pure,
 /// so another thread can do it ahead of time. Throws Error{invalidInput} for a picture that does not fit its camera.
 IBR_API HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -80,24 +82,44 @@ HtmBounds htmBounds(const HtmModel& model) {
 
 HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
                           const HtmPlanState& state) {
+  HtmFramePlan plan;
+  planHtmFrame(model, bounds, input, state, plan);
+  return plan;
+}
+
+void planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input, const HtmPlanState& state,
+                  HtmFramePlan& plan) {
   checkInput(bounds, input);
-  HtmFramePlan plan{.view = input.view, .settings = input.settings, .bounds = bounds, .cameras = {}, .next = {}};
-  std::vector<glm::dvec3> directions;
-  for (const HtmCamera& camera : model.cameras)
-    directions.push_back(directionOf(camera.camera.pose, bounds, input.settings.direction));
-  std::vector<double> logs =
-      htmLogWeights(directions, directionOf(input.view.pose, bounds, input.settings.direction), input.settings.gamma);
-  if (state.logWeights.size() == logs.size()) {
-    checkState(state.logWeights);
+  const std::size_t count = model.cameras.size();
+  const bool continues = state.logWeights.size() == count;
+  if (continues) checkState(state.logWeights);
+
+  std::array<glm::dvec3, kMaxHtmCameraCount> directions;
+  std::array<double, kMaxHtmCameraCount> targets;
+  for (std::size_t i = 0; i < count; ++i)
+    directions[i] = directionOf(model.cameras[i].camera.pose, bounds, input.settings.direction);
+  htmLogWeights(std::span(directions).first(count), directionOf(input.view.pose, bounds, input.settings.direction),
+                input.settings.gamma, std::span(targets).first(count));
+  std::vector<double>& logs = plan.next.logWeights;  // may be state.logWeights
+  logs.resize(count);
+  if (continues) {
     const double share = smoothingShare(input);
-    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::lerp(state.logWeights[i], logs[i], share);
+    for (std::size_t i = 0; i < count; ++i) logs[i] = std::lerp(state.logWeights[i], targets[i], share);
     const double largest = *std::ranges::max_element(logs);
     for (double& log : logs) log -= largest;
+  } else {
+    std::ranges::copy_n(targets.begin(), std::ptrdiff_t(count), logs.begin());
   }
 
-  for (std::uint32_t i = 0; i < logs.size(); ++i)
+  plan.view = input.view;
+  plan.settings = input.settings;
+  plan.bounds = bounds;
+  plan.cameras.clear();
+  for (std::uint32_t i = 0; i < count; ++i)
     if (!(input.settings.exclude >> i & 1)) plan.cameras.push_back({i, logs[i], 0});
-  std::ranges::stable_sort(plan.cameras, std::greater(), &PlannedHtmCamera::logWeight);
+  std::ranges::sort(plan.cameras, [](const PlannedHtmCamera& a, const PlannedHtmCamera& b) {
+    return a.logWeight != b.logWeight ? a.logWeight > b.logWeight : a.camera < b.camera;
+  });
   const double best = plan.cameras.empty() ? 0 : plan.cameras.front().logWeight;
   double rest = -std::numeric_limits<double>::infinity();  // summed from the smallest, so that nothing underflows
   for (std::size_t k = plan.cameras.size(); k-- > 0;) {
@@ -106,8 +128,6 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
     plan.cameras[k].logRemainingWeight = rest;
     rest = log + std::log1p(std::exp(rest - log));
   }
-  plan.next.logWeights = std::move(logs);
-  return plan;
 }
 
 HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace ibr {
 namespace {
@@ -17,21 +18,19 @@ glm::dvec3 unit(glm::dvec3 d) {
 
 }  // namespace
 
-std::vector<double> htmLogWeights(std::span<const glm::dvec3> directions, glm::dvec3 viewDirection, double gamma) {
+void htmLogWeights(std::span<const glm::dvec3> directions, glm::dvec3 viewDirection, double gamma,
+                   std::span<double> logs) {
   constexpr double kLeast = 1e-30;
   const glm::dvec3 a = unit(viewDirection);
-  std::vector<double> logs;
-  logs.reserve(directions.size());
-  for (const glm::dvec3& direction : directions) {
-    const glm::dvec3 b = unit(direction);
+  double largest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const glm::dvec3 b = unit(directions[i]);
     const double plus = glm::dot(a + b, a + b), minus = glm::dot(a - b, a - b);
     const double sine = minus / (plus + minus), cosine = plus / (plus + minus);  // sin² and cos² of the half angle
-    logs.push_back(gamma * (sine < 0.5 ? std::log1p(-sine) : std::log(std::max(cosine, kLeast))));
+    logs[i] = gamma * (sine < 0.5 ? std::log1p(-sine) : std::log(std::max(cosine, kLeast)));
+    largest = std::max(largest, logs[i]);
   }
-  if (logs.empty()) return logs;
-  const double largest = *std::ranges::max_element(logs);
   for (double& log : logs) log -= largest;
-  return logs;
 }
 
 }  // namespace ibr

@@ -7,15 +7,15 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "ibr/conventions.h"
 
 namespace ibr {
 
-/// Logarithms of eq. 5, one per direction, relative to the largest (which is 0). Always finite: for a direction exactly
-/// opposite, cos²(θ/2) is 10⁻³⁰, so that cameras that are all behind the view weigh the same. Directions may have any
-/// finite length > 0.
-std::vector<double> htmLogWeights(std::span<const glm::dvec3> directions, glm::dvec3 viewDirection, double gamma);
+/// Sets the logarithms of eq. 5, one per direction, relative to the largest (which is 0). Always finite: for a
+/// direction exactly opposite, cos²(θ/2) is 10⁻³⁰, so that cameras that are all behind the view weigh the same.
+/// Directions may have any finite length > 0. Precondition: both spans have the same size.
+void htmLogWeights(std::span<const glm::dvec3> directions, glm::dvec3 viewDirection, double gamma,
+                   std::span<double> logs);
 
 }  // namespace ibr

@@ -94,6 +94,34 @@ TEST_CASE("weights follow the view with a time constant", "[htm]") {
   CHECK(planFor(viewAt(2), settings, {{0, 0}}, 0.1).next.logWeights == to);
 }
 
+TEST_CASE("a plan over a previous plan equals a new one", "[htm]") {
+  const HtmBounds bounds = htmBounds(bumpy().model);
+  HtmFramePlan reused;
+  HtmPlanState state;
+  for (int frame = 0; frame < 6; ++frame) {
+    HtmSettings settings{.smoothingSeconds = frame % 2 == 0 ? 0.5 : 0.0};
+    settings.exclude = frame == 3 ? 5 : 0;
+    if (frame == 4) state = reused.next = {};
+    const HtmFramePlan fresh = planFor(viewAt(frame), settings, state, 0.1);
+    planHtmFrame(bumpy().model, bounds, {viewAt(frame), settings, 0.1}, reused.next, reused);
+    state = fresh.next;
+    CHECK(reused.view == fresh.view);
+    CHECK(reused.settings.exclude == settings.exclude);
+    CHECK(reused.bounds.radius == fresh.bounds.radius);
+    CHECK(reused.next.logWeights == fresh.next.logWeights);
+    REQUIRE(reused.cameras.size() == fresh.cameras.size());
+    for (std::size_t i = 0; i < fresh.cameras.size(); ++i) {
+      CHECK(reused.cameras[i].camera == fresh.cameras[i].camera);
+      CHECK(reused.cameras[i].logWeight == fresh.cameras[i].logWeight);
+      CHECK(reused.cameras[i].logRemainingWeight == fresh.cameras[i].logRemainingWeight);
+    }
+  }
+  // A refused input leaves the plan as it was.
+  errorOf([&] { planHtmFrame(bumpy().model, bounds, {viewAt(1), {.gamma = 0}, 0.1}, reused.next, reused); });
+  CHECK(reused.view == viewAt(5));
+  CHECK(reused.next.logWeights == state.logWeights);
+}
+
 TEST_CASE("a plan refuses invalid input by field", "[htm]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto message = [](const HtmSettings& settings) {
