@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -193,8 +191,7 @@ ExitCode run(int argc, char** argv) {
   const ExitCode code = show(viewer, argc, argv);
   for (Opening& opening : viewer.opening) opening.item.requestStop();
   if (viewer.opening.empty()) return code;
-  std::fflush(nullptr);
-  std::_Exit(int(code));
+  exitWithoutWaiting(code);
 }
 
 }  // namespace

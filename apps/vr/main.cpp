@@ -161,7 +161,7 @@ nlohmann::ordered_json report(const VrState& state, const nlohmann::ordered_json
               {"pictures", std::move(pictures)}};
 }
 
-ExitCode run(int argc, char** argv) {
+ExitCode show(SceneReading& reading, int argc, char** argv) {
   Options o;
   o.common.program = kName;
   const ProgramText program{kName, std::string(version()),
@@ -185,7 +185,7 @@ ExitCode run(int argc, char** argv) {
   FrameLog log(o.log);
   const fs::path settings = o.forget ? fs::path() : settingsFolder();
   ScaleCache scales(settings.empty() ? fs::path() : settings / "scales.json", context.log());
-  VrState state{.options = o.vr, .context = context, .log = log, .scales = scales};
+  VrState state{.options = o.vr, .context = context, .log = log, .scales = scales, .reading = reading};
   state.files.resize(o.vr.places.size());
   state.walking = o.vr.walk;
   state.eyeHeight = o.vr.eyeHeight;
@@ -206,6 +206,16 @@ ExitCode run(int argc, char** argv) {
   context.report(report(state, log.finish()));
   log.check();
   return interrupted() ? kExitInterrupted : kExitOk;
+}
+
+// A scene that is still being read is not waited for: a stopped thread frees its document value by value, which takes
+// about a second for a hundred megabytes.
+ExitCode run(int argc, char** argv) {
+  SceneReading reading;
+  const ExitCode code = show(reading, argc, argv);
+  reading.requestStop();
+  if (!reading.isRunning()) return code;
+  exitWithoutWaiting(code);
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ Walk walk(const Options& options, const Scene& scene, Device& device, GpuScene& 
   const SceneBounds bounds = sceneBounds(scene);
   const Renderer renderer(device, gpuScene, optionsFor(options.settings, extent));
   Offscreen offscreen(device, extent);
-  Camera view{pinholeFromFov(options.picture.width, options.picture.height, kFovY), {}};
+  FrameInput input{{{pinholeFromFov(options.picture.width, options.picture.height, kFovY), {}}}, options.settings};
   Walk walk;
   FramePlan plan;
   ProgressLine progress(context);
@@ -153,9 +153,10 @@ Walk walk(const Options& options, const Scene& scene, Device& device, GpuScene& 
     check(progress.show({"walking", std::size_t(now * 100), std::size_t(seconds * 100)}), ErrorCode::cancelled,
           "stopped");
     const double along = now * kMetresPerSecond / std::numbers::sqrt2;
-    view.pose.position = {along, 0, along};
+    input.views[0].pose.position = {along, 0, along};
+    input.dtSeconds = now - before;
     const CpuTimer planning;
-    plan = planFrame(scene, bounds, {{view}, options.settings, now - before}, plan.next);
+    planFrame(scene, bounds, input, plan.next, plan);
     walk.planMs.push_back(planning.ownMs());
     double driverMs = planning.driverMs();
     const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {

@@ -2,6 +2,7 @@
 #include "shared/cli/exit_code.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -26,6 +27,11 @@ ExitCode exitCodeOf(ErrorCode code) {
       return kExitRunTime;
   }
   return kExitRunTime;
+}
+
+void exitWithoutWaiting(ExitCode code) {
+  std::fflush(nullptr);
+  std::_Exit(int(code));
 }
 
 ExitCode printError(std::string_view program, std::string_view what, ExitCode code) {

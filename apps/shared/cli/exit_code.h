@@ -23,6 +23,9 @@ enum ExitCode : int {
 
 ExitCode exitCodeOf(ErrorCode code);
 
+/// Ends the program at once: neither waits for threads nor runs destructors. Writes what the C streams hold.
+[[noreturn]] void exitWithoutWaiting(ExitCode code);
+
 /// Writes "PROGRAM: error: WHAT" to stderr and returns `code`.
 ExitCode printError(std::string_view program, std::string_view what, ExitCode code);
 

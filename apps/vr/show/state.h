@@ -42,6 +42,7 @@ struct VrState {
   const Context& context;
   FrameLog& log;
   ScaleCache& scales;
+  SceneReading& reading;                                  // of the current scene, while its entry of `files` is null
   std::vector<std::shared_ptr<const LoadedScene>> files;  // of options.places; null until loaded
   std::size_t current = 0;                                // index into options.places
   Window* window = nullptr;                               // the mirror; null: none

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/background.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/renderer.h"
 #include "vr/headset/frame_ring.h"
@@ -33,6 +34,9 @@ struct LoadedScene {
 /// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. Throws Error that names the file, and
 /// Error{cancelled} soon after a stop was requested.
 LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, const std::stop_token& stop);
+
+/// Reads a scene on a thread of its own.
+using SceneReading = Background<std::shared_ptr<const LoadedScene>>;
 
 /// Format of the eyes' images.
 struct EyeFormat {

@@ -50,7 +50,7 @@ VrApp::VrApp(VrState& state)
 }
 
 VrApp::~VrApp() {
-  loading_ = {};
+  uploading_ = {};
   waitIdle(device_);
   // After a lost device, the copies that the writer already has are still written.
   for (const bool lost : {false, true}) try {

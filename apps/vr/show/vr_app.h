@@ -60,6 +60,7 @@ class VrApp {
 
   // Loading and leaving scenes.
   void beginLoading();
+  void beginUpload();
   void collectLoadedScene();
   void enterScene(std::unique_ptr<StereoScene> scene);
   void returnToPreviousScene(const std::string& why);
@@ -100,9 +101,9 @@ class VrApp {
   MenuLayer menu_;
   std::optional<Swapchain> window_;  // of the mirror
   std::optional<Mirror> mirror_;
-  std::unique_ptr<StereoScene> scene_;                // null while a scene is loading
-  Background<std::unique_ptr<StereoScene>> loading_;  // declared after everything that the loading thread uses
-  std::optional<std::size_t> nextScene_;              // index into options().places: loaded once the view is black
+  std::unique_ptr<StereoScene> scene_;                  // null while a scene is loading
+  Background<std::unique_ptr<StereoScene>> uploading_;  // declared after everything that its thread uses
+  std::optional<std::size_t> nextScene_;                // index into options().places: loaded once the view is black
   GovernorState governor_;
 
   // State of the current frame.

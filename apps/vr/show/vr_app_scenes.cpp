@@ -14,12 +14,19 @@ EyeFormat VrApp::eyeFormat() const {
 
 void VrApp::beginLoading() {
   loadingSeconds_ = 0;
-  // The main thread does not change the parts of the state that the loading thread uses.
-  loading_ = Background<std::unique_ptr<StereoScene>>([this, eyes = eyeFormat()](const std::stop_token& stop) {
-    std::shared_ptr<const LoadedScene>& files = state_.files[state_.current];
-    if (!files)
-      files = std::make_shared<LoadedScene>(
-          readScene(options().places[state_.current], state_.initialScale(state_.current), stop));
+  if (state_.files[state_.current])
+    beginUpload();
+  else if (!state_.reading.isRunning())  // it may run since before the headset was lost
+    state_.reading = SceneReading([path = options().places[state_.current],
+                                   scale = state_.initialScale(state_.current)](const std::stop_token& stop) {
+      return std::make_shared<const LoadedScene>(readScene(path, scale, stop));
+    });
+}
+
+void VrApp::beginUpload() {
+  // The main thread does not change the parts of the state that the uploading thread uses.
+  uploading_ = Background<std::unique_ptr<StereoScene>>([this, eyes = eyeFormat()](const std::stop_token& stop) {
+    const std::shared_ptr<const LoadedScene>& files = state_.files[state_.current];
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = state_.context.log();
@@ -37,9 +44,12 @@ std::vector<RenderSettings> VrApp::levelsOf(const LoadedScene& files) const {
 }
 
 void VrApp::collectLoadedScene() {
-  if (!loading_.isReady()) return;
   try {
-    enterScene(loading_.take());
+    if (state_.reading.isReady()) {
+      state_.files[state_.current] = state_.reading.take();
+      beginUpload();
+    }
+    if (uploading_.isReady()) enterScene(uploading_.take());
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost || !state_.previousScene) throw;
     returnToPreviousScene(e.what());
