@@ -77,6 +77,10 @@ void runSessions(Window& window, Interface& interface, Viewer& viewer, const Ses
   using Clock = std::chrono::steady_clock;
   int losses = 0;
   for (auto begun = Clock::now();; begun = Clock::now()) {
+    struct TakePosted {
+      Viewer& viewer;
+      ~TakePosted() { viewer.takePosted(); }
+    } takePosted{viewer};  // declared before the session: the messages of its end
     try {
       ViewerSession session(window, interface, viewer, options);
       session.run();
@@ -184,20 +188,17 @@ ExitCode show(Viewer& viewer, int argc, char** argv) {
   return viewer.failed && viewer.items.empty() ? kExitRunTime : kExitOk;
 }
 
-// Scenes that are still being read are not waited for: a stopped thread frees its document value by value, which takes
-// about a second for a hundred megabytes. Everything else is destroyed by now.
-ExitCode run(int argc, char** argv) {
-  Viewer viewer;
-  const ExitCode code = show(viewer, argc, argv);
-  for (Opening& opening : viewer.opening) opening.item.requestStop();
-  if (viewer.opening.empty()) return code;
-  exitWithoutWaiting(code);
-}
-
 }  // namespace
 }  // namespace ibr::app
 
+// Scenes that are still being read are not waited for: a stopped thread frees its document value by value, which takes
+// about a second for a hundred megabytes.
 int main(int argc, char** argv) {
   using namespace ibr::app;
-  return guarded(kName, [&] { return run(argc, argv); });
+  Viewer viewer;
+  const ExitCode code = guarded(kName, [&] { return show(viewer, argc, argv); });
+  viewer.jobs.clear();
+  for (Opening& opening : viewer.opening) opening.item.requestStop();
+  if (!viewer.opening.empty()) exitWithoutWaiting(code);
+  return code;
 }

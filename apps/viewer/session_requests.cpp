@@ -79,8 +79,8 @@ void ViewerSession::startVideoJob() {
 
 void ViewerSession::takeScreenshot(const fs::path& file) {
   OpenItem* item = viewer_.item();
-  check(item && sceneImage_ && currentItemOnDevice(), ErrorCode::invalidInput, "{}: no screenshot: {}", file.string(),
-        item ? "the scene is still loading" : "no scene is open");
+  check(item && sceneImage_ && currentItemOnDevice(), ErrorCode::invalidInput, "{}no screenshot: {}",
+        file.empty() ? std::string() : file.string() + ": ", item ? "the scene is still loading" : "no scene is open");
   waitIdle(device_);
   const VkExtent2D extent = sceneImage_->target().extent;
   PictureJob job =

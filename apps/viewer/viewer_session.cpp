@@ -59,9 +59,10 @@ ViewerSession::ViewerSession(Window& window, Interface& interface, Viewer& viewe
 
 ViewerSession::~ViewerSession() {
   for (auto& [number, upload] : uploads_) upload.requestStop();
+  for (auto& upload : stoppedUploads_) upload.requestStop();
   uploads_.clear();
+  stoppedUploads_.clear();
   waitIdle(device_);
-  viewer_.takePosted();
   try {
     reportPictures(writer_.finish());
   } catch (const Error& e) {
@@ -70,10 +71,11 @@ ViewerSession::~ViewerSession() {
 }
 
 double ViewerSession::pause() const {
-  if (redraws_ > 0 || imageOutdated_) return 0;
+  if (redraws_ > 0 || imageOutdated_ || viewer_.hasPosted()) return 0;
   const auto now = std::chrono::steady_clock::now();
   // Wake up to remove a message and to take results of loading and jobs.
-  const bool waits = !viewer_.opening.empty() || !viewer_.jobs.empty() || !uploads_.empty();
+  const bool waits =
+      !viewer_.opening.empty() || !viewer_.jobs.empty() || !uploads_.empty() || !stoppedUploads_.empty();
   return shaders_ || viewer_.messageUntil > now || waits ? 0.1 : 3600;
 }
 
@@ -114,7 +116,10 @@ Device ViewerSession::sharedDevice() {
                         .queue = owner_.queue(),
                         .queueFamily = owner_.queueFamily(),
                         .optionalFeatures = Device::featuresFor(owner_.physicalDevice()),
-                        .log = [this](LogLevel level, std::string_view text) { viewer_.post(level, text); },
+                        .log =
+                            [this](LogLevel level, std::string_view text) {
+                              if (level != LogLevel::info) viewer_.post(level, text);  // owner_ has told the device
+                            },
                         .pipelineCache = owner_.pipelineCache(),
                         .queueMutex = &queueMutex_});
 }
@@ -149,9 +154,9 @@ ItemOnDevice* ViewerSession::uploadCurrentItem() {
     if (!upload->second.isReady()) return nullptr;
     Background<UploadedScene> done = std::move(upload->second);
     uploads_.erase(upload);
-    drawn = sceneOnDevice(device_, *item, done.take());
+    drawn = sceneOnDevice(device_, viewer_.items[viewer_.current], done.take());
   } else {
-    drawn = modelOnDevice(device_, *item);
+    drawn = modelOnDevice(device_, viewer_.items[viewer_.current]);
   }
   imageOutdated_ = true;
   redraws_ = 3;
@@ -188,7 +193,16 @@ void ViewerSession::releaseClosedItems() {
   const auto isClosed = [&](const auto& entry) {
     return std::ranges::none_of(viewer_.items, [&](const auto& item) { return item->number == entry.first; });
   };
-  std::erase_if(uploads_, isClosed);
+  for (auto entry = uploads_.begin(); entry != uploads_.end();) {
+    if (!isClosed(*entry)) {
+      ++entry;
+      continue;
+    }
+    entry->second.requestStop();
+    stoppedUploads_.push_back(std::move(entry->second));
+    entry = uploads_.erase(entry);
+  }
+  std::erase_if(stoppedUploads_, [](const auto& upload) { return upload.isReady(); });
   std::erase_if(itemsOnDevice_, [&](const auto& entry) {
     const bool closed = isClosed(entry);
     if (closed) waitIdle(device_);

@@ -91,6 +91,7 @@ class ViewerSession {
   std::optional<ShaderReloader> shaders_;
   std::map<std::uint64_t, std::unique_ptr<ItemOnDevice>> itemsOnDevice_;  // by OpenItem::number
   std::map<std::uint64_t, Background<UploadedScene>> uploads_;            // likewise
+  std::vector<Background<UploadedScene>> stoppedUploads_;                 // of closed items
   std::unique_ptr<Offscreen> sceneImage_;  // image without the interface, with the window's size
   PictureWriter writer_{wakeWindow};
   std::uint64_t frame_ = 0;    // number of the last frame, shown or being recorded

@@ -208,20 +208,16 @@ ExitCode show(SceneReading& reading, int argc, char** argv) {
   return interrupted() ? kExitInterrupted : kExitOk;
 }
 
-// A scene that is still being read is not waited for: a stopped thread frees its document value by value, which takes
-// about a second for a hundred megabytes.
-ExitCode run(int argc, char** argv) {
-  SceneReading reading;
-  const ExitCode code = show(reading, argc, argv);
-  reading.requestStop();
-  if (!reading.isRunning()) return code;
-  exitWithoutWaiting(code);
-}
-
 }  // namespace
 }  // namespace ibr::app
 
+// A scene that is still being read is not waited for: a stopped thread frees its document value by value, which takes
+// about a second for a hundred megabytes.
 int main(int argc, char** argv) {
   using namespace ibr::app;
-  return guarded(kName, [&] { return run(argc, argv); });
+  SceneReading reading;
+  const ExitCode code = guarded(kName, [&] { return show(reading, argc, argv); });
+  reading.requestStop();
+  if (reading.isRunning()) exitWithoutWaiting(code);
+  return code;
 }

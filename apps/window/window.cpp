@@ -5,6 +5,7 @@
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 
+#include <mutex>
 #include <utility>
 
 #include "base/check.h"
@@ -18,6 +19,9 @@ std::string lastError() {
   glfwGetError(&text);
   return text ? text : "GLFW gives no reason";
 }
+
+std::mutex wakeMutex;
+bool canWake = false;  // GLFW is initialised
 
 Window& of(GLFWwindow* window) {
   return *static_cast<Window*>(glfwGetWindowUserPointer(window));
@@ -66,9 +70,15 @@ Window::Window(const std::string& title, int width, int height) {
     if ((mods & GLFW_MOD_CONTROL) && name[0] == '-') meant = GLFW_KEY_MINUS;
   });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { of(w).touched_ = true; });
+  const std::lock_guard lock(wakeMutex);
+  canWake = true;
 }
 
 Window::~Window() {
+  {
+    const std::lock_guard lock(wakeMutex);
+    canWake = false;
+  }
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
@@ -146,7 +156,8 @@ void Window::setClipboard(const std::string& text) {
 }
 
 void wakeWindow() noexcept {
-  glfwPostEmptyEvent();
+  const std::lock_guard lock(wakeMutex);
+  if (canWake) glfwPostEmptyEvent();
 }
 
 }  // namespace ibr::app

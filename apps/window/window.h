@@ -71,7 +71,7 @@ class Window {
   std::vector<KeyChange> keyChanges_;
 };
 
-/// Wakes handleEvents from a wait. May be called from any thread.
+/// Wakes handleEvents from a wait; without a window, does nothing. May be called from any thread.
 void wakeWindow() noexcept;
 
 }  // namespace ibr::app

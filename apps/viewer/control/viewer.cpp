@@ -131,8 +131,16 @@ void Viewer::logMessage(LogLevel level, std::string text) {
 }
 
 void Viewer::post(LogLevel level, std::string_view text) {
+  {
+    const std::lock_guard lock(postedMutex_);
+    posted_.push_back({level, std::string(text)});
+  }
+  wakeWindow();
+}
+
+bool Viewer::hasPosted() const {
   const std::lock_guard lock(postedMutex_);
-  posted_.push_back({level, std::string(text)});
+  return !posted_.empty();
 }
 
 void Viewer::takePosted() {

@@ -84,10 +84,11 @@ struct Viewer {
   void show(std::string text);                        // writes to the log, and over the image for 3 s
   void logMessage(LogLevel level, std::string text);  // writes to the log; warnings also over the image
   void post(LogLevel level, std::string_view text);   // the same from any thread, at the next call of takePosted
+  bool hasPosted() const;
   void takePosted();
 
  private:
-  std::mutex postedMutex_;
+  mutable std::mutex postedMutex_;
   std::vector<LogLine> posted_;
 };
 

@@ -81,9 +81,9 @@ struct UploadedScene {
 /// result. Throws Error.
 UploadedScene uploadScene(Device device, const Scene& scene, const GpuSceneOptions& options);
 
-// `item` must outlive the result and may change meanwhile as OpenItem allows.
-std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded);
+/// `item` may change meanwhile as OpenItem allows.
+std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, std::shared_ptr<OpenItem> item, UploadedScene uploaded);
 /// For harmonised models and 3D video. Uploads and waits. Throws Error.
-std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, OpenItem& item);
+std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, std::shared_ptr<OpenItem> item);
 
 }  // namespace ibr::app

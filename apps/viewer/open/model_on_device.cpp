@@ -16,7 +16,7 @@ namespace {
 
 class ModelOnDevice final : public ItemOnDevice {
  public:
-  ModelOnDevice(Device& device, OpenItem& item) : device_(device), item_(item) { choose(); }
+  ModelOnDevice(Device& device, std::shared_ptr<OpenItem> item) : device_(device), owned_(std::move(item)) { choose(); }
 
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     choose();
@@ -113,7 +113,8 @@ class ModelOnDevice final : public ItemOnDevice {
   }
 
   Device& device_;
-  OpenItem& item_;
+  std::shared_ptr<OpenItem> owned_;
+  OpenItem& item_ = *owned_;
   std::shared_ptr<const HtmModel> model_;
   HtmBounds bounds_;
   std::optional<GpuHtmModel> gpuModel_;
@@ -128,8 +129,8 @@ class ModelOnDevice final : public ItemOnDevice {
 
 }  // namespace
 
-std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, OpenItem& item) {
-  return std::make_unique<ModelOnDevice>(device, item);
+std::unique_ptr<ItemOnDevice> modelOnDevice(Device& device, std::shared_ptr<OpenItem> item) {
+  return std::make_unique<ModelOnDevice>(device, std::move(item));
 }
 
 }  // namespace ibr::app

@@ -37,8 +37,8 @@ bool canDraw(const RendererOptions& has, const RendererOptions& needs) {
 
 class SceneOnDevice final : public ItemOnDevice {
  public:
-  SceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded)
-      : device_(device), item_(item), bounds_(item.sceneBounds), uploaded_(std::move(uploaded)) {}
+  SceneOnDevice(Device& device, std::shared_ptr<OpenItem> item, UploadedScene uploaded)
+      : device_(device), owned_(std::move(item)), uploaded_(std::move(uploaded)) {}
 
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     const Camera view = cameraOf(item_, target.extent);
@@ -168,8 +168,9 @@ class SceneOnDevice final : public ItemOnDevice {
   }
 
   Device& device_;
-  OpenItem& item_;
-  const SceneBounds& bounds_;
+  std::shared_ptr<OpenItem> owned_;  // declared before the scene on the device, whose threads read it
+  OpenItem& item_ = *owned_;
+  const SceneBounds& bounds_ = item_.sceneBounds;
   UploadedScene uploaded_;
   GpuScene& gpuScene_ = uploaded_.scene;
   RendererOptions options_;
@@ -193,8 +194,8 @@ UploadedScene uploadScene(Device device, const Scene& scene, const GpuSceneOptio
   return {std::move(own), std::move(uploaded)};
 }
 
-std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, OpenItem& item, UploadedScene uploaded) {
-  return std::make_unique<SceneOnDevice>(device, item, std::move(uploaded));
+std::unique_ptr<ItemOnDevice> sceneOnDevice(Device& device, std::shared_ptr<OpenItem> item, UploadedScene uploaded) {
+  return std::make_unique<SceneOnDevice>(device, std::move(item), std::move(uploaded));
 }
 
 }  // namespace ibr::app

@@ -102,7 +102,7 @@ void StereoScene::record(const FrameRing::Frame& frame, double seconds, const st
   input_.settings = settings;
   input_.dtSeconds = seconds;
   planFrame(files_->scene, files_->bounds, input_, plan_.next, plan_);
-  gpuScene_.stream(frame.commands, plan_, frame.number, frame.completed);
+  streamed_ = gpuScene_.stream(frame.commands, plan_, frame.number, frame.completed);
   renderer_->record(frame.commands, plan_, targets, frame.timer);
 }
 

@@ -69,7 +69,8 @@ class StereoScene {
   /// Starts the draw order afresh after a jump of the view, without cross-fades from previous frames.
   void forgetFrames() { plan_ = {}; }
 
-  const FramePlan& plan() const noexcept { return plan_; }  // of the last frame
+  const FramePlan& plan() const noexcept { return plan_; }                           // of the last frame
+  const GpuScene::StreamStatus& streamed() const noexcept { return streamed_; }  // likewise
 
  private:
   Device device_;
@@ -81,6 +82,7 @@ class StereoScene {
   std::optional<Renderer> renderer_;
   FrameInput input_;  // of the last frame
   FramePlan plan_;
+  GpuScene::StreamStatus streamed_;
 };
 
 }  // namespace ibr::app

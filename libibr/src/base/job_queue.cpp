@@ -63,6 +63,11 @@ struct JobQueue::Control {
     }
   }
 
+  // The mutex must be locked. Leaves `next` to the caller if it is not needed.
+  void addReady(Ready& next) noexcept {
+    if (next.call && !closed && ready.size() < concurrency) ready.push_back(std::move(next));
+  }
+
   void handOver();
 };
 
@@ -72,34 +77,39 @@ struct JobQueue::Ticket {
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
   ~Ticket() {
-    if (isHandedOver) takeBack();
+    if (!isHandedOver) return;
+    Control::Ready next = makeReady(control);
+    const std::lock_guard lock(control->mutex);
+    takeBack(next);
   }
 
   void run() {
-    {
-      std::unique_lock lock(control->mutex);
-      if (!isHandedOver || control->closed) return;
-      control->runAll(lock);
-    }
-    takeBack();
+    std::unique_lock lock(control->mutex);
+    if (!isHandedOver || control->closed) return;
+    control->runAll(lock);
+    lock.unlock();
+    Control::Ready next = makeReady(control);
+    lock.lock();
+    // Jobs that were added meanwhile: add() hands nothing over as long as this function counts.
+    if (!control->closed) control->runAll(lock);
+    takeBack(next);
   }
 
-  void takeBack() noexcept {
-    {
-      const std::lock_guard lock(control->mutex);
-      if (!std::exchange(isHandedOver, false)) return;
-      --control->handedOver;
-    }
-    addReady(control);
+  // The mutex must be locked.
+  void takeBack(Control::Ready& next) noexcept {
+    if (!std::exchange(isHandedOver, false)) return;  // a copy of the function was called, too
+    --control->handedOver;
+    control->addReady(next);
   }
 
-  static void addReady(const std::shared_ptr<Control>& control) noexcept try {
+  // Returns an empty function if out of memory: then fewer functions are handed over at a time.
+  static Control::Ready makeReady(const std::shared_ptr<Control>& control) noexcept try {
     auto ticket = std::make_shared<Ticket>(control);
     Control::Ready made{.ticket = ticket.get()};
     made.call = [ticket = std::move(ticket)] { ticket->run(); };
-    const std::lock_guard lock(control->mutex);
-    if (!control->closed && control->ready.size() < control->concurrency) control->ready.push_back(std::move(made));
-  } catch (const std::exception&) {  // out of memory: fewer functions are handed over at a time
+    return made;
+  } catch (const std::exception&) {
+    return {};
   }
 
   std::shared_ptr<Control> control;
@@ -130,7 +140,10 @@ JobQueue::JobQueue(unsigned threads, Executor executor, std::size_t capacity) : 
   if (executor) {
     control.executor = std::move(executor);
     control.ready.reserve(threads);
-    for (unsigned i = 0; i < threads; ++i) Ticket::addReady(control_);
+    for (unsigned i = 0; i < threads; ++i) {
+      Control::Ready made = Ticket::makeReady(control_);
+      control.addReady(made);
+    }
     return;
   }
   threads_.reserve(threads);

@@ -27,7 +27,8 @@ class JobQueue {
     Job(const Job&) = delete;
     Job& operator=(const Job&) = delete;
 
-    /// Called on any thread, by one thread at a time. `stop`: the queue is being destroyed, the result is not needed.
+    /// Called on any thread, by one thread at a time. `stop`: after requestStop(), also by the queue's destruction; the
+    /// result is not needed.
     virtual void run(const std::stop_token& stop) noexcept = 0;
 
    protected:

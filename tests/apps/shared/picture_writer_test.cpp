@@ -47,17 +47,21 @@ Error errorOf(const PictureResult& result) {
 TEST_CASE("the picture writer writes all pictures in the order of the jobs") {
   TemporaryFolder folder;
   std::atomic<int> results = 0;
-  PictureWriter writer([&] { ++results; }, 2);
-  CHECK_FALSE(writer.hasResults());
-  CHECK(writer.takeResults().empty());
-  CHECK(writer.finish().empty());
   constexpr int kCount = 20;
-  for (int i = 0; i < kCount; ++i)
-    writer.add(writing(folder / (std::to_string(i) + ".png"), std::uint8_t(i), i % 2 == 1));
-  std::vector<PictureResult> all = writer.takeResults();
-  for (PictureResult& result : writer.finish()) all.push_back(std::move(result));
+  std::vector<PictureResult> all;
+  {
+    PictureWriter writer([&] { ++results; }, 2);
+    CHECK_FALSE(writer.hasResults());
+    CHECK(writer.takeResults().empty());
+    CHECK(writer.finish().empty());
+    for (int i = 0; i < kCount; ++i)
+      writer.add(writing(folder / (std::to_string(i) + ".png"), std::uint8_t(i), i % 2 == 1));
+    all = writer.takeResults();
+    for (PictureResult& result : writer.finish()) all.push_back(std::move(result));
+    CHECK_FALSE(writer.hasResults());
+  }
+  CHECK(results == kCount);
   REQUIRE(all.size() == kCount);
-  CHECK_FALSE(writer.hasResults());
   for (int i = 0; i < kCount; ++i) {
     const PictureResult& result = all[std::size_t(i)];
     const fs::path file = folder / (std::to_string(i) + ".png");
@@ -92,6 +96,7 @@ TEST_CASE("the picture writer runs on another thread, and waits only for a full 
     writer.add(job);
     added = true;
   });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
   CHECK_FALSE(added);  // the queue is full until the first job has ended
   allowed.release();
   started.acquire();

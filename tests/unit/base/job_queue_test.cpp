@@ -2,6 +2,8 @@
 #include "base/job_queue.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -185,6 +187,39 @@ TEST_CASE("functions that an executor calls or destroys after the queue is gone 
   copy();
   held.calls.clear();
   CHECK(log.runs.empty());
+}
+
+TEST_CASE("no job waits for the next one while an executor's function ends") {
+  Log log;
+  std::mutex mutex;
+  std::condition_variable_any added;
+  std::deque<std::function<void()>> calls;
+  std::jthread thread([&](const std::stop_token& stop) {
+    std::unique_lock lock(mutex);
+    while (added.wait(lock, stop, [&] { return !calls.empty(); })) {
+      std::function<void()> call = std::move(calls.front());
+      calls.pop_front();
+      lock.unlock();
+      call();
+      call = nullptr;
+      lock.lock();
+    }
+  });
+  Numbered job(1, log);
+  JobQueue queue(
+      1,
+      [&](std::function<void()> call) {
+        const std::lock_guard lock(mutex);
+        calls.push_back(std::move(call));
+        added.notify_one();
+      },
+      1);
+  const auto late = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  for (int round = 0; round < 50000; ++round) {
+    queue.add(job, 0);
+    while (queue.state(job) != JobState::idle)
+      if (std::chrono::steady_clock::now() > late) FAIL("the job still waits in round " << round);
+  }
 }
 
 TEST_CASE("an executor that throws or runs a job at once is tolerated") {

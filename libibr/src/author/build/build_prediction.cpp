@@ -150,18 +150,19 @@ class Predictor {
     made_.disk += kCachedFeatureBytes * double(images.size());
   }
 
-  // Faces of panoramas show surfaces beside the capture sites, so their sweeps have more levels than usual. A few
-  // faces, each of another direction, stand for all.
+  // Faces of panoramas show surfaces beside the capture sites, so their sweeps have more levels than usual. Six faces,
+  // one of each direction, stand for all.
   void countLevels() {
-    constexpr std::size_t kSampled = 6;
+    constexpr std::size_t kFaces = 6;
     if (std::ranges::none_of(input_.photographs, isPanorama)) return;
     const SweepPlan plan(input_);
     std::vector<std::size_t> faces;
     for (std::size_t v = 0; v < plan.views().size(); ++v)
       if (plan.views()[v].isFace) faces.push_back(v);
     double levels = 0, pixels = 0;
-    for (std::size_t k = 0; k < kSampled; ++k)
-      levels += plan.levels(faces[(k * faces.size() / kSampled + k) % faces.size()]) / double(kSampled);
+    const std::size_t panoramas = faces.size() / kFaces;
+    for (std::size_t k = 0; k < kFaces; ++k)
+      levels += plan.levels(faces[k * panoramas / kFaces * kFaces + k]) / double(kFaces);
     for (const std::size_t v : faces) {
       const glm::ivec2 swept = sweptSize(plan.views()[v].camera.intrinsics);
       pixels += double(swept.x) * swept.y;

@@ -134,6 +134,12 @@ TEST_CASE("the predicted time of panoramas grows with their number and size") {
     CHECK(costPerPixel(six, stage) > 0);
     CHECK(costPerPixel(twelve, stage) == Approx(costPerPixel(six, stage)).epsilon(0.2));
   }
+  // Faces of all directions are sampled, whatever the number of panoramas.
+  for (const int count : {2, 3, 5, 11, 17}) {
+    CAPTURE(count);
+    const double cost = costPerPixel(predictionOf(panoramas(1024, count)), "finding depth");
+    CHECK(cost == Approx(costPerPixel(six, "finding depth")).epsilon(0.2));
+  }
   CHECK(costPerPixel(twelve, "matching cells") ==
         Approx(costPerPixel(six, "matching cells") * (10 / 12.0) / (4 / 6.0)));
   CHECK(costPerPixel(large, "matching cells") == Approx(costPerPixel(six, "matching cells")).epsilon(0.05));
