@@ -55,7 +55,7 @@ OpenItem openItem(const fs::path& path, const std::stop_token& stop) {
   switch (*kind) {
     case AssetKind::scene:
       item.scene = loadScene(path, stop);
-      item.sceneBounds = sceneBounds(*item.scene, false, stop);
+      item.sceneBounds = sceneBounds(*item.scene, true, stop);  // cells may be aligned at any time
       for (const Node& node : item.scene->nodes) item.viewpoints.push_back({node.name, node.camera});
       break;
     case AssetKind::htmModel:

@@ -18,8 +18,8 @@ void VrApp::beginLoading() {
   loading_ = Background<std::unique_ptr<StereoScene>>([this, eyes = eyeFormat()](const std::stop_token& stop) {
     std::shared_ptr<const LoadedScene>& files = state_.files[state_.current];
     if (!files)
-      files = std::make_shared<LoadedScene>(
-          readScene(options().places[state_.current], state_.initialScale(state_.current), stop));
+      files = std::make_shared<LoadedScene>(readScene(
+          options().places[state_.current], state_.initialScale(state_.current), options().settings.alignCells, stop));
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = state_.context.log();
