@@ -106,8 +106,8 @@ TEST_CASE("governor: a ratio that was measured while the load changed does not b
 
 TEST_CASE("governor: learns again after the scene changes") {
   GovernorState state = fresh();
-  const Simulated dear{std::vector<double>(state.levels.size(), 0.55), [](int) { return kPeriod90; }};
-  Simulated device = dear;
+  const Simulated cheap{std::vector<double>(state.levels.size(), 0.55), [](int) { return kPeriod90; }};
+  Simulated device = cheap;
   device.share[0] = 1.1;
   run(state, device, 500);
   REQUIRE(state.level == 1);
@@ -117,16 +117,16 @@ TEST_CASE("governor: learns again after the scene changes") {
   changeLadder(other, ladder({}));
   CHECK(other.level == 1);
   CHECK(std::ranges::all_of(other.ratios, [](const StepRatio& r) { return r.ratio == 0; }));
-  const Run changed = run(other, dear, 200);
+  const Run changed = run(other, cheap, 200);
   CHECK(other.level == 0);
   CHECK(changed.changes == 1);
   // In the same scene the view changes: the ratio is forgotten after a minute, and the new one is learned.
-  run(state, dear, 4500);
+  run(state, cheap, 4500);
   CHECK(state.level == 1);
-  run(state, dear, 1200);
+  run(state, cheap, 1200);
   CHECK(state.level == 0);
   CHECK(state.ratios[0].ratio == Approx(1));
-  CHECK(run(state, dear, 20000).changes == 0);
+  CHECK(run(state, cheap, 20000).changes == 0);
 }
 
 TEST_CASE("governor: attempts become rarer while they fail") {

@@ -87,6 +87,16 @@ std::vector<Pose> OpenItem::poses() const {
   return all;
 }
 
+bool OpenItem::canAlign() {
+  if (hasAnchors) return true;
+  if (!aligned.isRunning())
+    aligned = Background<SceneBounds>(
+        [&place = *scene](const std::stop_token& stop) { return sceneBounds(place, true, stop); });
+  if (!aligned.isReady()) return false;
+  sceneBounds.anchors = aligned.take().anchors;
+  return hasAnchors = true;
+}
+
 void OpenItem::flyToViewpoint(std::size_t viewpoint, double seconds) {
   constexpr double kPanoramaFovY = 1.2;  // rad
   const Camera& camera = viewpoints[viewpoint].camera;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/background.h"
 #include "ibr/htm.h"
 #include "ibr/htm_sequence.h"
 #include "ibr/renderer.h"
@@ -69,7 +70,12 @@ struct OpenItem {
   bool comparisonRequested = false;
   std::optional<SettingsComparison> comparison;
 
+  bool hasAnchors = false;          // sceneBounds has anchors for RenderSettings::alignCells
+  Background<SceneBounds> aligned;  // bounds with anchors, being computed
+
   std::vector<Pose> poses() const;  // of viewpoints
+  /// Returns true if a frame may align cells without waiting for anchors; else computes them on another thread.
+  bool canAlign();
   /// Moves the view to a photograph within `seconds`.
   void flyToViewpoint(std::size_t viewpoint, double seconds = 0.6);
 };

@@ -43,9 +43,13 @@ class SceneOnDevice final : public ItemOnDevice {
   void record(const FrameContext& context, const Target& target, ScopeTimer* timer) override {
     const Camera view = cameraOf(item_, target.extent);
     const RenderSettings& s = item_.settings;
-    const bool sameSettings = s == input_.settings;
+    const bool aligns = s.alignCells && item_.canAlign();
+    const bool sameAlignment = input_.settings.alignCells == aligns;
+    input_.settings.alignCells = s.alignCells;
+    const bool sameSettings = s == input_.settings && sameAlignment;
     const bool same = sameSettings && sameView(view, input_.views[0]);
     if (!sameSettings) input_.settings = s;
+    input_.settings.alignCells = aligns;
     input_.views[0] = view;
     input_.dtSeconds = context.seconds;
     planFrame(*item_.scene, bounds_, input_, plan_.next, plan_);
@@ -62,7 +66,7 @@ class SceneOnDevice final : public ItemOnDevice {
     const std::optional<glm::dvec3>& exposure = plan_.next.exposure;
     const bool adapts = exposure && lastExposure_ && glm::distance(*exposure, *lastExposure_) > 1e-4;
     lastExposure_ = exposure;
-    needsRedraw_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts;
+    needsRedraw_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts || aligns != s.alignCells;
   }
 
   bool needsRedraw() const override { return needsRedraw_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies both eyes' images to the host, without a wait of the frame that is copied.
+// Copies both eyes' images to the host. The frame that is copied does not wait.
 #pragma once
 
 #include <array>

@@ -56,12 +56,13 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
 
 }  // namespace
 
-LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, const std::stop_token& stop) {
+LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, bool alignCells,
+                      const std::stop_token& stop) {
   check(assetKind(path).value_or(AssetKind::scene) == AssetKind::scene, ErrorCode::unsupported,
         "{}: ibr-vr shows scenes only; open harmonised models in ibr-viewer", path.string());
   LoadedScene files{.path = path, .scene = loadScene(path, stop)};
   check(!files.scene.nodes.empty(), ErrorCode::invalidInput, "{}: the scene has no photographs", path.string());
-  files.bounds = sceneBounds(files.scene, false, stop);
+  files.bounds = sceneBounds(files.scene, alignCells, stop);
   const std::vector<Pose> poses = posesOf(files.scene);
   const std::optional<glm::dvec3> up = upOf(poses);
   files.canBeGathered = requirementsOf(files.scene, {}).gatherable > 0;

@@ -31,9 +31,11 @@ struct LoadedScene {
   bool level = true;  // false: the up direction is unknown, because photographs were held in too many ways; y is used
 };
 
-/// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. Throws Error that names the file, and
-/// Error{cancelled} soon after a stop was requested.
-LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, const std::stop_token& stop);
+/// Reads the files. May run on any thread. `unitsPerMetre`: initial scale. `alignCells`: as in RenderSettings, so that
+/// the first frame need not compute anchors. Throws Error that names the file, and Error{cancelled} soon after a stop
+/// was requested.
+LoadedScene readScene(const std::filesystem::path& path, double unitsPerMetre, bool alignCells,
+                      const std::stop_token& stop);
 
 /// Reads a scene on a thread of its own.
 using SceneReading = Background<std::shared_ptr<const LoadedScene>>;

@@ -6,7 +6,9 @@
 //   FramePlan plan = planFrame(scene, bounds, {{view}, settings, dtSeconds}, state);
 //   state = plan.next;
 //
-// Threading: all functions are pure and may run on any thread.
+// Threading: all functions may run on any thread, also at the same time with the same scene and bounds. The result
+// depends on the arguments alone. The overload of planFrame that writes over a plan changes that plan: two threads must
+// not share it.
 #pragma once
 
 #include <array>
@@ -44,10 +46,10 @@ struct CellBounds {
     std::uint32_t gridCell = 0;
     Corner point;
   };
-  struct OutlineEdge {                 // of the outline, or a chain of its edges with the same ends
-    std::uint32_t from = 0, to = 0;    // corners
-    std::array<float, 4> deviation{};  // of the chain from the edge at most, by member: of a_i r_i, and of r_i
-    float inverseDistanceDeviation = 0;
+  struct OutlineEdge {                   // of the outline, or a chain of its edges with the same ends
+    std::uint32_t from = 0, to = 0;      // corners
+    std::array<float, 4> deviation{};    // of the chain from the edge at most, by member: of a_i r_i, and of r_i
+    float inverseDistanceDeviation = 0;  // 1 / world unit
   };
   std::vector<Member> members;       // as Cell::members
   std::vector<glm::vec4> surface;    // points of tier 0: (x, y, z) / w from the first member's position, world axes
@@ -63,17 +65,20 @@ struct GatherStatistics {
   double residualPx = 0;          // median reprojection residual of the cells, px of the photographs
   bool operator==(const GatherStatistics&) const = default;
 };
+/// Made by sceneBounds alone, which sets both pointers.
 struct SceneBounds {
   std::vector<CellBounds> cells;  // in the order of Scene::cells
   GatherStatistics gather;
-  struct Index;                        // finds the cells and photographs near a view
-  std::shared_ptr<const Index> index;  // null only for a scene without nodes
-  struct Anchors;                      // for RenderSettings::alignCells
-  std::shared_ptr<Anchors> anchors;    // thread-safe
+  struct Index;
+  std::shared_ptr<const Index> index;  // finds the cells and photographs near a view
+  struct Anchors;
+  std::shared_ptr<Anchors> anchors;  // for RenderSettings::alignCells; thread-safe
 };
-/// Time is linear in the number of vertices. `alignCells`: computes what RenderSettings::alignCells needs, too, which
-/// takes several times as long; otherwise the first frame that aligns cells does so. A requested stop throws
-/// Error{cancelled} before the next cell. Precondition: validate(scene) is empty.
+/// Time is linear in the number of vertices, and n log n in those of cells and photographs. `alignCells`: computes the
+/// anchors that RenderSettings::alignCells needs, too, at most 256 points in memory for each photograph of each cell;
+/// otherwise the first aligned frame, or misalignmentsPx, computes those of the whole scene. A requested stop throws
+/// Error{cancelled} before the next cell or photograph. Preconditions: validate(scene) is empty; the scene does not
+/// change while the bounds are used.
 IBR_API SceneBounds sceneBounds(const Scene& scene, bool alignCells = false, const std::stop_token& stop = {});
 
 struct FrameInput {
@@ -184,11 +189,15 @@ struct FramePlan {
   bool operator==(const FramePlan&) const = default;
 };
 
-/// Plans a frame. Time does not depend on the number of cells, photographs and vertices of the scene, but on those
-/// near the views. Precondition: validate(scene) is empty; `bounds` are of this scene. Throws Error{invalidInput}
-/// unless there are one or two views, pinholes with finite, positive focal lengths and unit rotations, within 1e12
-/// world units of the origin, and positive scales. The draw order is total and does not depend on the order of cells in
-/// the scene. All views share the order, which is computed at the pose midway between them ([T] §2.5.4).
+/// Plans a frame. Time depends on the number of cells that are within RenderSettings::extrapolationLimit and in view,
+/// and hardly on the scene's other cells, its photographs and vertices. With an infinite limit all cells are within it.
+/// With RenderSettings::alignCells or Morph::paper, cells within the limit count even if they are out of view. The
+/// first aligned frame may compute anchors (sceneBounds). Preconditions: validate(scene) is empty; `bounds` are of this
+/// scene. Throws Error{invalidInput} unless there are one or two views, pinholes with finite, positive focal lengths
+/// and unit rotations, within 1e12 world units of the origin, and positive scales. The draw order is total and does not
+/// depend on the order of cells in the scene. All views share the order, which is computed at the pose midway between
+/// them
+/// ([T] §2.5.4).
 ///
 /// When the main cell changes, the previous draw order is cross-faded over switchSeconds, colours included; until then
 /// the main cell stays. Cells that change their rank behind the main cell fade one by one, also cells that are muted or

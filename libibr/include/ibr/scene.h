@@ -140,7 +140,8 @@ IBR_API std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell&
 
 /// Reads a scene from its folder or its scene.gltf; opens no photographs and textures. Throws Error (io, invalidInput)
 /// that names file and JSON pointer. A reference to a file outside the scene's folder is invalidInput. A requested stop
-/// throws Error{cancelled} before the next mesh or photograph is read.
+/// throws Error{cancelled} before the next mesh or photograph is read, or while scene.gltf is parsed; freeing a large
+/// document then takes about as long as parsing it has taken.
 IBR_API Scene loadScene(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 /// Returns the faults of a scene's files, at most `limit`: those that loadScene throws, and photographs, masks and

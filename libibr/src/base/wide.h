@@ -10,23 +10,23 @@ namespace ibr {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-inline bool cpuHasAvx2() {
+inline bool cpuHasAvx2AndFma() {
   return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
 }
 #define IBR_AVX2 __attribute__((target("avx2,fma")))
 
 #else
 
-inline bool cpuHasAvx2() {
+inline bool cpuHasAvx2AndFma() {
   return false;
 }
 #define IBR_AVX2
 
 #endif
 
-/// True if runVectorised uses the AVX2 version. Only tests set the value, on one thread.
+/// True if runVectorised uses the version for AVX2 and FMA. Only tests set the value, on one thread.
 inline bool& usesAvx2() {
-  static bool uses = cpuHasAvx2();
+  static bool uses = cpuHasAvx2AndFma();
   return uses;
 }
 
@@ -35,7 +35,8 @@ IBR_AVX2 auto runWithAvx2(Arguments... arguments) {
   return kLoop(arguments...);
 }
 
-/// Runs kLoop(arguments…), `arguments` by value. kLoop and the functions that kLoop calls are always inlined.
+/// Runs kLoop(arguments…), `arguments` by value. kLoop and the functions that kLoop calls are always inlined: a call
+/// would run code for every processor, with the same bits but slower.
 template <auto kLoop, class... Arguments>
 auto runVectorised(Arguments... arguments) {
   return usesAvx2() ? runWithAvx2<kLoop>(arguments...) : kLoop(arguments...);

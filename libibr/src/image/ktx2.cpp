@@ -19,6 +19,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "base/stop.h"
 #include "image/ktx2_file.h"
 
 namespace ibr {
@@ -264,7 +265,7 @@ Texture readKtx2(const fs::path& path, int firstLevel, const std::stop_token& st
   texture.width = side(int(file.header.width), first);
   texture.height = side(int(file.header.height), first);
   for (std::size_t l = first; l < file.levels.size(); ++l) {
-    check(!stop.stop_requested(), ErrorCode::cancelled, "{}: reading was stopped", path.string());
+    checkStop(stop, "reading a texture");
     input.read(file.levels[l].offset, texture.levels.emplace_back(file.levels[l].bytes));
   }
   return texture;

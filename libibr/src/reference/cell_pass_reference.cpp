@@ -259,7 +259,7 @@ void drawItem(const DrawItem& item, int index, const std::vector<std::vector<Ima
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
   const bool ours = item.plan.settings.morph == Morph::ours;
   const MorphMesh& mesh = item.cell.mesh;
-  for (std::size_t f = 0; f < mesh.tier0Count(); ++f) {
+  for (std::size_t f = 0, count = mesh.tier0Count(); f < count; ++f) {
     Triangle t;
     glm::dmat3 m;
     for (int v = 0; v < 3; ++v) {

@@ -11,6 +11,8 @@
 #include <random>
 #include <vector>
 
+#include "support/without_avx2.h"
+
 using namespace ibr;
 using Rational = boost::multiprecision::cpp_rational;
 
@@ -200,6 +202,25 @@ TEST_CASE("a millimetre cell at UTM coordinates has exact weights in double prec
   for (std::size_t i = 0; i < 4; ++i) CHECK(b.free[i] == Approx(expected[i]).margin(1e-14));
   // [T] stores positions as floats: on the ground all corners round to one point.
   for (const glm::dvec3& corner : corners) CHECK((glm::vec2(corner) == glm::vec2(o)));
+}
+
+TEST_CASE("weights are bit-identical in both versions of the inner loop") {
+  std::mt19937_64 random(13);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  auto vector = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  for (const std::size_t d : {1u, 2u, 3u, 4u})
+    for (int repeat = 0; repeat < 200; ++repeat) {
+      std::vector<glm::dvec3> corners;
+      for (std::size_t i = 0; i < d; ++i) corners.push_back(1e5 * glm::dvec3(0.3, -0.5, 0.8) + vector());
+      if (repeat % 10 == 9) corners.back() = corners.front();  // degenerate
+      const glm::dvec3 p = corners[0] + (repeat % 2 ? 0.3 : 3.0) * vector();
+      const Barycentric widest = barycentric(corners, p);
+      const Barycentric portable = test::withoutAvx2([&] { return barycentric(corners, p); });
+      CHECK(portable.free == widest.free);
+      CHECK(portable.clamped == widest.clamped);
+      CHECK(portable.distance == widest.distance);
+      CHECK(portable.degenerate == widest.degenerate);
+    }
 }
 
 TEST_CASE("weights do not depend on the order of members, far outside too", "[N5]") {

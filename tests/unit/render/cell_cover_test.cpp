@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 
+#include "support/without_avx2.h"
+
 using namespace ibr;
 
 namespace {
@@ -59,6 +61,23 @@ TEST_CASE("a cell covers the tiles of its visible points in each view") {
   const Camera away = viewAt(place, glm::angleAxis(std::numbers::pi, glm::dvec3(0, 1, 0)));
   CHECK(coverOf(bounds, place, std::vector{away}).none());
   CHECK(coverOf({}, place, std::vector{camera}).none());
+}
+
+TEST_CASE("covers are equal in both versions of the inner loop") {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  CellBounds bounds;
+  for (int p = 0; p < 300; ++p)  // more than a chunk, and a part of one
+    bounds.surface.emplace_back(unit(random), unit(random), unit(random), 0.5f + 0.5f * unit(random));
+  for (int repeat = 0; repeat < 100; ++repeat) {
+    const std::vector views{viewAt({unit(random), unit(random), unit(random)},
+                                   glm::angleAxis(3 * double(unit(random)), glm::dvec3(0, 1, 0)))};
+    const auto compute = [&] {
+      return coverOf({.surface = {bounds.surface.begin(), bounds.surface.begin() + 3 * repeat}}, {0.1, 0.2, 0.3},
+                     views);
+    };
+    CHECK(test::withoutAvx2(compute) == compute());
+  }
 }
 
 TEST_CASE("content at infinity is covered from every position, far from the origin too") {

@@ -15,6 +15,7 @@
 #include "ibr/error.h"
 #include "ibr/frame_plan.h"
 #include "render/passes/draw_list.h"
+#include "render/plan/anchors.h"
 #include "render/plan/cell_distance.h"
 #include "support/error_of.h"
 
@@ -81,13 +82,16 @@ FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings
 
 }  // namespace
 
-TEST_CASE("a requested stop ends the computation of bounds before the first cell") {
+TEST_CASE("a requested stop ends the computation of bounds and anchors before the first cell") {
   std::stop_source stop;
   const Scene scene = stackedGrid();
   CHECK(sceneBounds(scene, false, stop.get_token()).cells.size() == scene.cells.size());
   stop.request_stop();
   CHECK(test::errorOf([&] { sceneBounds(scene, false, stop.get_token()); }).code() == ErrorCode::cancelled);
   CHECK(sceneBounds(Scene{}, false, stop.get_token()).cells.empty());
+  SceneBounds::Anchors anchors;
+  CHECK(test::errorOf([&] { anchors.of(scene, stop.get_token()); }).code() == ErrorCode::cancelled);
+  CHECK(anchors.of(scene).size() == scene.cells.size());  // starts again after the stop
 }
 
 TEST_CASE("the main cell contains the camera, and other cells follow by distance, then angle") {

@@ -8,6 +8,7 @@
 
 #include "lab/generate/bench_scene.h"
 #include "render/plan/cover_mask.h"
+#include "support/flat_triangle.h"
 
 using namespace ibr;
 
@@ -36,15 +37,6 @@ std::vector<CoverMask::Rectangle> openOf(const CoverMask& mask) {
   std::vector<CoverMask::Rectangle> open;
   mask.forOpen([&](const CoverMask::Rectangle& one) { open.push_back(one); });
   return open;
-}
-
-double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
-  return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-}
-
-bool inside(const std::array<glm::dvec2, 3>& t, glm::dvec2 p) {
-  const double a = orientation(t[0], t[1], p), b = orientation(t[1], t[2], p), c = orientation(t[2], t[0], p);
-  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
 }  // namespace
@@ -100,7 +92,7 @@ TEST_CASE("no open point is marked as covered by any triangles") {
         if (!mask.covered(x / 16, y / 16)) continue;
         ++covered;
         bool any = false;
-        for (const auto& triangle : triangles) any |= inside(triangle, {x + 0.5, y + 0.5});
+        for (const auto& triangle : triangles) any |= test::isInside(triangle, {x + 0.5, y + 0.5});
         CHECK(any);
       }
   }

@@ -8,20 +8,12 @@
 #include <random>
 
 #include "ibr/frame_plan.h"
+#include "support/flat_triangle.h"
 #include "support/plan_scenes.h"
 
 using namespace ibr;
 
 namespace {
-
-double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
-  return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-}
-
-bool inside(const std::array<glm::dvec2, 3>& t, glm::dvec2 p) {
-  const double a = orientation(t[0], t[1], p), b = orientation(t[1], t[2], p), c = orientation(t[2], t[0], p);
-  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
-}
 
 // Three photographs near each other and one cell of quads × quads.
 Scene wall(int quads, unsigned seed = 3) {
@@ -148,7 +140,7 @@ TEST_CASE("a cell that the outline of another cell hides is behind its triangles
       const auto triangle = seen(scene, scene.cells[1], view, plan.cells[1], settings.morph, mesh.triangles[t]);
       const glm::dvec2 middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
       if (!(middle.x > 0 && middle.y > 0 && middle.x < 640 && middle.y < 480)) continue;
-      CHECK(std::ranges::any_of(front, [&](const auto& one) { return inside(one, middle); }));
+      CHECK(std::ranges::any_of(front, [&](const auto& one) { return test::isInside(one, middle); }));
     }
   }
   CHECK(hidden > 20);

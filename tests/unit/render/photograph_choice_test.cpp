@@ -10,6 +10,10 @@
 #include <random>
 #include <set>
 
+#include "render/photographs/photograph_set.h"
+#include "render/photographs/photograph_values.h"
+#include "support/plan_scenes.h"
+
 using namespace ibr;
 
 namespace {
@@ -158,6 +162,35 @@ TEST_CASE("both eyes share photographs chosen for either eye's view") {
   const Camera left = viewAt({1.0, 0.8, 0}, 0.2), right = viewAt({1.1, 0.8, 0}, -0.2);
   const Pose middle{{1.05, 0.8, 0}, glm::dquat(1, 0, 0, 0)};
   CHECK(planned(scene, {left, right}, middle, kCount).size() == kCount);
+}
+
+TEST_CASE("the chosen set covers a dense capture's views almost as well as the best set of all photographs") {
+  double least = 1;
+  for (const unsigned seed : {1u, 2u}) {
+    const test::PlanSceneShape shape{14, 14, 8, 0, true, seed};
+    const Scene scene = test::makePlanScene(shape);
+    REQUIRE(scene.backdrops.size() > 10 * kMaxPromising);
+    const PhotographIndex index = makePhotographIndex(scene);
+    const GatherStatistics statistics = gatherStatistics(scene);
+    for (int frame = 0; frame < 24; ++frame) {
+      const Camera view = test::planWalk(shape, 31 * frame, 640, 480);
+      const std::vector<Camera> views{view};
+      const SampleRays rays = sampleRays(views, view.pose);
+      std::vector<SampleValues> values;  // by node
+      std::vector<const SampleValues*> all;
+      for (const Node& node : scene.nodes)
+        values.push_back(photographValues(node.camera, view.pose, rays, statistics.medianInverseDepth));
+      for (const SampleValues& one : values) all.push_back(&one);
+      std::vector<PlannedPhotograph> chosen;
+      choosePhotographs(scene, index, statistics, views, view.pose, kCount, std::pmr::get_default_resource(), chosen);
+      SampleValues sum, best;
+      for (const PlannedPhotograph& one : chosen) add(sum, values[one.node]);
+      for (const SetMember& member : bestSet(all, kCount, std::pmr::get_default_resource()))
+        add(best, *all[member.photograph]);
+      least = std::min(least, double(coverage(sum) / coverage(best)));
+    }
+  }
+  CHECK(least >= 0.995);
 }
 
 TEST_CASE("photographs without evidence or without a depth texture are not chosen") {

@@ -11,8 +11,8 @@
 #include <optional>
 #include <random>
 
-#include "base/wide.h"
 #include "shared/gather.h"
+#include "support/without_avx2.h"
 
 using namespace ibr;
 
@@ -142,7 +142,6 @@ TEST_CASE("values in single precision are those in double precision, for pinhole
 }
 
 TEST_CASE("the inner loops give the same bits with and without AVX2") {
-  std::mt19937_64 random(4);
   const auto results = [](const Pool& pool) {
     SampleValues sum = pool.values[0], weights = pool.values[1];
     add(sum, pool.values[1]);
@@ -155,15 +154,11 @@ TEST_CASE("the inner loops give the same bits with and without AVX2") {
     shares.insert(shares.end(), weights.at.begin(), weights.at.end());
     return shares;
   };
-  const bool usual = usesAvx2();
-  std::vector<std::vector<double>> both;
-  for (const bool avx2 : {false, cpuHasAvx2()}) {
-    usesAvx2() = avx2;
-    random.seed(4);
-    both.push_back(results(poolOf(random, 8, false)));
-  }
-  usesAvx2() = usual;
-  CHECK(both[0] == both[1]);
+  const auto compute = [&] {
+    std::mt19937_64 random(4);
+    return results(poolOf(random, 8, false));
+  };
+  CHECK(test::withoutAvx2(compute) == compute());
 }
 
 TEST_CASE("the set is that of computing every gain") {

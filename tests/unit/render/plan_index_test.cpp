@@ -114,7 +114,7 @@ TEST_CASE("along a walk every setting gives the plans of visiting every cell and
   CHECK(planned > 20000);
 }
 
-TEST_CASE("more photographs than are evaluated give the choice of visiting all of them") {
+TEST_CASE("among more photographs than are evaluated, the index finds those of the greatest promise of all") {
   for (const int directions : {5, 8}) {
     const test::PlanSceneShape shape{9, 8, directions, 0, true};
     const Scene scene = test::makePlanScene(shape);
@@ -174,18 +174,26 @@ TEST_CASE("limits that are no numbers, negative or huge give the plans of visiti
     }
 }
 
-TEST_CASE("cells far from the view are counted without a visit") {
-  const Scene scene = test::makePlanScene({30, 30, 1, 2});
-  const SceneBounds bounds = sceneBounds(scene);
-  const Pose middle{{3.5, 0, 3.5}, glm::dquat(1, 0, 0, 0)};
-  std::pmr::vector<std::uint32_t> found;
-  const CulledCells culled = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, {}}, found);
-  CHECK(found.empty());  // no view shows anything
-  CHECK(culled.byDistance + culled.byFrustum == scene.cells.size());
-  const std::array views{CellQuery::View{frustum(test::planCamera(middle.position, 0)), middle.position}};
-  const CulledCells inView = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, views}, found);
-  CHECK(inView.byDistance + inView.byFrustum + found.size() == scene.cells.size());
-  CHECK(std::ranges::is_sorted(found));
-  CHECK(!found.empty());
-  CHECK(found.size() < 100);
+TEST_CASE("cells that are left out are counted, and cells far from the view cost no visits") {
+  std::vector<std::uint32_t> visited;
+  for (const int side : {20, 80}) {
+    const Scene scene = test::makePlanScene({side, side, 1, 1});
+    const SceneBounds bounds = sceneBounds(scene);
+    const Pose middle{{9.5, 0, 9.5}, glm::dquat(1, 0, 0, 0)};
+    std::pmr::vector<std::uint32_t> found;
+    const CulledCells culled = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, {}}, found);
+    CHECK(found.empty());  // no view shows anything
+    CHECK(culled.byDistance + culled.byFrustum == scene.cells.size());
+    const std::array views{CellQuery::View{frustum(test::planCamera(middle.position, 0)), middle.position}};
+    const CulledCells inView = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, views}, found);
+    CHECK(inView.byDistance + inView.byFrustum + found.size() == scene.cells.size());
+    CHECK(std::ranges::is_sorted(found));
+    CHECK(!found.empty());
+    CHECK(found.size() < 100);
+    CAPTURE(side, scene.cells.size(), found.size(), inView.visitedNodes);
+    visited.push_back(inView.visitedNodes);
+    CHECK(inView.visitedNodes < 8 * found.size());
+  }
+  // Four more levels of the tree, of two nodes each for every side of the neighbourhood.
+  CHECK(visited[1] < visited[0] + 64);
 }

@@ -92,12 +92,12 @@ class Predictor {
   void countDepth(const Photograph& photo) {
     reading_ = std::max(reading_, bytesToReadViews(photo));
     const double sweptShare = options_.depth == DepthSearch::fast ? kFastScale * kFastScale : 1;
-    const double fineShare = options_.depth < DepthSearch::refined ? 0 : 1;  // a face is sampled at its full size …
+    const double fineShare = options_.depth < DepthSearch::refined ? 0 : 1;
     for (const DepthView& view : depthViews({&photo.camera, 1})) {
       const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
       const double pixels = sweptShare * swept.x * swept.y;
       work_.sweptPixels += pixels;
-      const Intrinsics& face = view.camera.intrinsics;  // … for each image made of it
+      const Intrinsics& face = view.camera.intrinsics;  // sampled at its full size for each image that is made of it
       if (view.isFace) work_.facePixels += (1 + fineShare) * double(face.width) * face.height;
       made_.disk += kCachedDepthBytesPerPixel * finePixelFactor(options_.depth) * swept.x * swept.y;
       depths_ += kViewBytesPerPixel * pixels;

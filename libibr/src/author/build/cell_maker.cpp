@@ -145,16 +145,17 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 CellWork workOfPanoramas(const BuildInput& input, const std::vector<std::uint32_t>& members, CellWork work,
                          bool swept) {
   constexpr double kTypicalLevels = 100;
-  double largest = 0;
+  double largest = 0, face = 0;
   for (const std::uint32_t i : members) {
     const Intrinsics& k = input.photographs[i].camera.intrinsics;
     const double stored = double(k.width) * k.height, side = matchedFaceSide(k.width);
     largest = std::max(largest, stored);
-    work.pixels = i == members[0] ? side * side : std::max(work.pixels, side * side);
+    face = std::max(face, side * side);
     work.heldPixels += stored;
     const glm::ivec2 map = backdropSize(k);
     work.mapPixels += swept ? 0 : double(map.x) * map.y;
   }
+  work.pixels = face;
   work.faces = double(cubeRotations().size());
   work.sampledPixels = work.faces * work.pixels * double(members.size());
   work.heldPixels += largest;  // the sampler's copy

@@ -70,7 +70,7 @@ class StarsOfCell {
   void addTo(Seeds& seeds, std::size_t member) const {
     const MorphMesh& mesh = cell_.mesh;
     std::vector<std::optional<Star>> nearest(seeds.count());
-    for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
+    for (std::size_t t = 0, count = mesh.tier0Count(); t < count; ++t) {
       std::array<glm::dvec2, 3> corners;
       for (int c = 0; c < 3; ++c) corners[std::size_t(c)] = mesh.match[member][mesh.triangles[t][c]];
       const auto [a, b, c] = corners;

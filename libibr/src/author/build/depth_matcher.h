@@ -38,6 +38,8 @@ class DepthMatcher {
   /// Reads the photographs. `cacheFolder`: of depth maps. `input` must outlive the object. Throws as loadPhotograph and
   /// BuildJobs::runAll do.
   DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder, const BuildJobs& jobs);
+  DepthMatcher(const DepthMatcher&) = delete;
+  DepthMatcher& operator=(const DepthMatcher&) = delete;
 
   /// Depth of one of the photographs' depthViews(), at sweptSize() (DepthSearch::fine: kFineScale times that). Returns
   /// nullopt if no other view overlaps. Uses the cache. Thread-safe.

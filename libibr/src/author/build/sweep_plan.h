@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each view's depth is swept against: the sources and the range of depths, from the tracks. Reads no photographs.
+// Sources and range of depths of each view's sweep, from the tracks. Reads no photographs.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class SweepPlan {
   explicit SweepPlan(const BuildInput& input);
 
   const std::vector<DepthView>& views() const { return views_; }
-  /// nullopt if no other view overlaps.
+  /// nullopt if the view sees no tracks, or no other view overlaps.
   std::optional<ViewSweep> sweep(std::size_t view) const;
   /// Number of levels of the view's sweep; 0 without one.
   int levels(std::size_t view) const;

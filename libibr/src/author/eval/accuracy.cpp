@@ -65,7 +65,7 @@ class CellAccuracy {
   MatchAccuracy run() {
     pixels();
     vertices();
-    for (std::size_t t = 0; t < mesh_.tier0Count(); ++t) {
+    for (std::size_t t = 0, count = mesh_.tier0Count(); t < count; ++t) {
       const bool first = area(mesh_.match[0], mesh_.triangles[t]) > 0;
       result_.folded += std::ranges::any_of(mesh_.match, [&](const std::vector<glm::vec2>& at) {
         const double size = area(at, mesh_.triangles[t]);
@@ -120,7 +120,7 @@ class CellAccuracy {
 
   void vertices() {
     std::vector<bool> used(mesh_.vertexCount(), false);
-    for (std::size_t t = 0; t < mesh_.tier0Count(); ++t)
+    for (std::size_t t = 0, count = mesh_.tier0Count(); t < count; ++t)
       for (int k = 0; k < 3; ++k) used[mesh_.triangles[t][k]] = true;
     for (std::size_t v = 0; v < used.size(); ++v) {
       if (!used[v]) continue;

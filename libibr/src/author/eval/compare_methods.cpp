@@ -157,7 +157,7 @@ class PairTruth {
 
 std::vector<double> pairErrors(const PairTruth& truth, const MorphMesh& mesh) {
   std::vector<bool> used(mesh.vertexCount(), false);
-  for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
+  for (std::size_t t = 0, count = mesh.tier0Count(); t < count; ++t)
     for (int k = 0; k < 3; ++k) used[mesh.triangles[t][k]] = true;
   std::vector<double> errors;
   for (std::size_t v = 0; v < used.size(); ++v)
@@ -176,7 +176,7 @@ Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
   const Image8& first = subject.views[0].picture;
   Warped result{std::vector<std::vector<glm::vec3>>(d), {}};
   std::vector<bool> done(first.values.size() / 3, false);
-  for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
+  for (std::size_t t = 0, count = mesh.tier0Count(); t < count; ++t) {
     const glm::uvec3& v = mesh.triangles[t];
     const std::vector<glm::vec2>& at = mesh.match[0];
     forTrianglePixels(at[v.x], at[v.y], at[v.z], first.width, first.height, [&](int x, int y, const glm::dvec3& w) {
@@ -223,7 +223,7 @@ MatchScore scoreOf(const MatchCase& which, const Subject& subject, const PairTru
   score.name = which.name;
   const MorphMesh& mesh = cell.mesh;
   std::vector<bool> used(mesh.vertexCount(), false);
-  for (std::size_t t = 0; t < mesh.tier0Count(); ++t)
+  for (std::size_t t = 0, count = mesh.tier0Count(); t < count; ++t)
     for (int k = 0; k < 3; ++k) used[mesh.triangles[t][k]] = true;
   score.vertices = std::size_t(std::ranges::count(used, true));
   score.completeness = score.precision = kNan;

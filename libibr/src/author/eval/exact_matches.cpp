@@ -43,7 +43,7 @@ class ExactCell {
 
   std::size_t run() {
     std::vector<bool> agrees(mesh_.vertexCount(), false);
-    for (std::size_t t = 0; t < mesh_.tier0Count(); ++t)
+    for (std::size_t t = 0, count = mesh_.tier0Count(); t < count; ++t)
       for (int k = 0; k < 3; ++k) agrees[mesh_.triangles[t][k]] = true;
     for (std::size_t p = 0; p < agrees.size(); ++p)
       if (agrees[p]) place(p);

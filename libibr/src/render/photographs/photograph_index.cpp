@@ -48,78 +48,47 @@ Photograph photographOf(const Scene& scene, std::uint32_t backdrop) {
   return {node, backdrop, camera.pose.position, glm::normalize(viewAxis(camera.pose)), fieldOf(camera.intrinsics)};
 }
 
-class Builder {
- public:
-  Builder(std::uint32_t leafSize, PhotographIndex& index)
-      : photographs_(index.photographs), leafSize_(leafSize), index_(index) {
-    if (!photographs_.empty()) build(0, std::uint32_t(photographs_.size()));
+TreeNode boundsOf(std::span<const Photograph> photographs) {
+  TreeNode node;
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low), axes(0.0);
+  for (const Photograph& one : photographs) {
+    low = glm::min(low, one.position);
+    high = glm::max(high, one.position);
+    axes += one.axis;
+    node.field = std::max(node.field, one.field);
   }
-
- private:
-  void build(std::uint32_t first, std::uint32_t end) {
-    const std::size_t at = index_.nodes.size();
-    index_.nodes.push_back(around({&photographs_[first], end - first}));
-    index_.nodes[at].first = first;
-    index_.nodes[at].end = end;
-    if (end - first <= leafSize_) return;
-    const std::uint32_t half = first + (end - first) / 2;
-    split({&photographs_[first], end - first}, half - first);
-    build(first, half);
-    index_.nodes[at].second = std::uint32_t(index_.nodes.size());
-    build(half, end);
+  node.centre = 0.5 * (low + high);
+  const double length = glm::length(axes);
+  node.axis = length > 0 ? axes / length : glm::dvec3(0, 0, -1);
+  for (const Photograph& one : photographs) {
+    node.radius = std::max(node.radius, glm::distance(node.centre, one.position));
+    node.spread = std::max(node.spread, chord(node.axis, one.axis));
   }
+  return node;
+}
 
-  static TreeNode around(std::span<const Photograph> photographs) {
-    TreeNode node;
-    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low), axes(0.0);
-    for (const Photograph& one : photographs) {
-      low = glm::min(low, one.position);
-      high = glm::max(high, one.position);
-      axes += one.axis;
-      node.field = std::max(node.field, one.field);
+// Orders by direction while directions differ widely, else by the longest side of the positions' box.
+auto orderOf(const TreeNode& node, std::span<const Photograph> photographs) {
+  constexpr double kWide = 0.6;  // chord
+  std::array<double, 6> low, high;
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  const auto key = [](const Photograph& one, std::size_t axis) {
+    return axis < 3 ? one.position[int(axis)] : one.axis[int(axis) - 3];
+  };
+  for (const Photograph& one : photographs)
+    for (std::size_t a = 0; a < 6; ++a) {
+      low[a] = std::min(low[a], key(one, a));
+      high[a] = std::max(high[a], key(one, a));
     }
-    node.centre = 0.5 * (low + high);
-    const double length = glm::length(axes);
-    node.axis = length > 0 ? axes / length : glm::dvec3(0, 0, -1);
-    for (const Photograph& one : photographs) {
-      node.radius = std::max(node.radius, glm::distance(node.centre, one.position));
-      node.spread = std::max(node.spread, chord(node.axis, one.axis));
-    }
-    return node;
-  }
-
-  // Halves by direction while directions differ widely, else by the longest side of the positions' box.
-  static void split(std::span<Photograph> photographs, std::size_t half) {
-    const TreeNode node = around(photographs);
-    std::array<double, 6> low, high;
-    low.fill(std::numeric_limits<double>::infinity());
-    high.fill(-std::numeric_limits<double>::infinity());
-    const auto key = [](const Photograph& one, std::size_t axis) {
-      return axis < 3 ? one.position[int(axis)] : one.axis[int(axis) - 3];
-    };
-    for (const Photograph& one : photographs)
-      for (std::size_t a = 0; a < 6; ++a) {
-        low[a] = std::min(low[a], key(one, a));
-        high[a] = std::max(high[a], key(one, a));
-      }
-    const bool byDirection = node.spread > kWide;
-    const std::size_t from = byDirection ? 3 : 0;
-    std::size_t widest = from;
-    for (std::size_t a = from; a < from + 3; ++a)
-      if (high[a] - low[a] > high[widest] - low[widest]) widest = a;
-    std::nth_element(photographs.begin(), photographs.begin() + std::ptrdiff_t(half), photographs.end(),
-                     [&](const Photograph& a, const Photograph& b) {
-                       return key(a, widest) != key(b, widest) ? key(a, widest) < key(b, widest)
-                                                               : a.backdrop < b.backdrop;
-                     });
-  }
-
-  static constexpr double kWide = 0.6;  // chord
-
-  std::vector<Photograph>& photographs_;
-  std::uint32_t leafSize_;
-  PhotographIndex& index_;
-};
+  const std::size_t from = node.spread > kWide ? 3 : 0;
+  std::size_t widest = from;
+  for (std::size_t a = from; a < from + 3; ++a)
+    if (high[a] - low[a] > high[widest] - low[widest]) widest = a;
+  return [key, widest](const Photograph& a, const Photograph& b) {
+    return key(a, widest) != key(b, widest) ? key(a, widest) < key(b, widest) : a.backdrop < b.backdrop;
+  };
+}
 
 // Angle that a displacement of t depths causes: 0 to 1.57, at first t.
 double angleOfShift(double t) {
@@ -178,7 +147,7 @@ class Promise {
 PhotographIndex makePhotographIndex(const Scene& scene, std::uint32_t leafSize) {
   PhotographIndex index;
   for (const std::uint32_t b : gatherableBackdrops(scene)) index.photographs.push_back(photographOf(scene, b));
-  Builder(leafSize, index);
+  index.nodes = halvedTree(std::span(index.photographs), leafSize, boundsOf, orderOf);
   return index;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hierarchy of balls over the photographs that can be gathered from: finds the most promising ones for a view in time
-// that hardly depends on the number of the others. Pure.
+// Bounding volume hierarchy over the photographs that can be gathered from: finds the most promising ones for a view in
+// time that hardly depends on the number of the others. Pure.
 //
 // The promise of a photograph estimates its coverage (photograph_values.h) at the middle of the view, for points at two
 // depths: Σ overlap / √(kGatherAngleFloor + angle). It decreases with the photograph's distance across and along the
@@ -13,6 +13,7 @@
 #include <memory_resource>
 #include <vector>
 
+#include "base/halved_tree.h"
 #include "ibr/frame_plan.h"
 
 namespace ibr {
@@ -23,16 +24,14 @@ struct PhotographIndex {
     glm::dvec3 position{0.0}, axis{0.0};   // of the camera, world; the axis has length 1
     double field = 0;                      // largest chord between the axis and a corner
   };
-  struct Node {
+  struct Node : HalvedNode {
     glm::dvec3 centre{0.0};  // of a ball with the positions
     double radius = 0;
-    glm::dvec3 axis{0.0};              // of a cone with the optical axes, length 1
-    double spread = 0;                 // largest chord between it and an optical axis
-    double field = 0;                  // largest of the photographs'
-    std::uint32_t first = 0, end = 0;  // in `photographs`
-    std::uint32_t second = 0;          // the second child; the first one follows the node. 0: a leaf
+    glm::dvec3 axis{0.0};  // of a cone with the optical axes, length 1
+    double spread = 0;     // largest chord between it and an optical axis
+    double field = 0;      // largest of the photographs'
   };
-  std::vector<Node> nodes;              // the first is the root; none without photographs
+  std::vector<Node> nodes;              // over `photographs`
   std::vector<Photograph> photographs;  // in the order of the leaves
 };
 

@@ -11,6 +11,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/stop.h"
 #include "render/plan/vertex.h"
 
 namespace ibr {
@@ -128,10 +129,15 @@ std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell) {
   return points;
 }
 
-const SceneBounds::Anchors::OfCells& SceneBounds::Anchors::of(const Scene& scene) {
+const SceneBounds::Anchors::OfCells& SceneBounds::Anchors::of(const Scene& scene, const std::stop_token& stop) {
   std::call_once(once_, [&] {
     const std::vector<std::uint32_t> cellsOfNode = cellsOfNodes(scene);
-    for (const Cell& cell : scene.cells) all_.push_back(anchorsOf(scene, cell, cellsOfNode));
+    OfCells all;
+    for (const Cell& cell : scene.cells) {
+      checkStop(stop, "computing a scene's anchors");
+      all.push_back(anchorsOf(scene, cell, cellsOfNode));
+    }
+    all_ = std::move(all);
   });
   return all_;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "ibr/frame_plan.h"
@@ -26,12 +27,13 @@ std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& cell,
 /// position, world axes; w >= 0, 0 at infinity. At most kAnchorSide² / 2.
 std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell);
 
-/// Anchors of all cells. The first call computes them, so that scenes without alignment do not pay for them.
-/// Thread-safe.
+/// Anchors of all cells. The first call computes them, so that scenes without alignment need no time and memory for
+/// them. Thread-safe.
 struct SceneBounds::Anchors {
   using OfCells = std::vector<std::vector<CellBounds::Anchor>>;  // in the order of Scene::cells
-  /// Precondition: every call passes the same scene.
-  const OfCells& of(const Scene& scene);
+  /// Precondition: every call passes the same scene. A requested stop throws Error{cancelled} before the next cell; the
+  /// next call starts again.
+  const OfCells& of(const Scene& scene, const std::stop_token& stop = {});
 
  private:
   std::once_flag once_;

@@ -50,21 +50,22 @@ constexpr double kFlat = 1e-14;  // relative thickness below which the corners a
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (face >> i & 1u) index[n++] = i;
   const glm::dvec3 origin = corners[index[0]], w = p - origin;
-  auto edge = [&](std::size_t i) { return corners[index[i]] - origin; };
+  std::array<glm::dvec3, 3> edge;  // from the origin to corners 1 … n−1
+  for (std::size_t i = 1; i < n; ++i) edge[i - 1] = corners[index[i]] - origin;
   std::array<double, 3> part{};  // λ of corners 1 … n−1 of the face
   if (n == 2) {                  // eq. 1
-    const glm::dvec3 e = edge(1);
+    const glm::dvec3 e = edge[0];
     const double squared = dot(e, e);
     if (!(squared > 0.0)) return std::nullopt;
     part[0] = dot(w, e) / squared;
   } else if (n == 3) {  // eqs 2, 3
-    const glm::dvec3 e1 = edge(1), e2 = edge(2), normal = cross(e1, e2);
+    const glm::dvec3 e1 = edge[0], e2 = edge[1], normal = cross(e1, e2);
     const double squared = dot(normal, normal);
     if (!(std::sqrt(squared) > kFlat * glm::length(e1) * glm::length(e2))) return std::nullopt;
     part[0] = dot(cross(w, e2), normal) / squared;
     part[1] = dot(cross(e1, w), normal) / squared;
   } else if (n == 4) {
-    const glm::dvec3 e1 = edge(1), e2 = edge(2), e3 = edge(3);
+    const auto [e1, e2, e3] = edge;
     const double volume = dot(e1, cross(e2, e3));
     if (!(std::abs(volume) > kFlat * glm::length(e1) * glm::length(e2) * glm::length(e3))) return std::nullopt;
     part[0] = dot(w, cross(e2, e3)) / volume;

@@ -52,7 +52,7 @@ SceneBounds sceneBounds(const Scene& scene, bool alignCells, const std::stop_tok
   if (!index->photographs.photographs.empty()) bounds.gather = gatherStatistics(scene, stop);
   bounds.index = index;
   bounds.anchors = std::make_shared<SceneBounds::Anchors>();
-  if (alignCells) bounds.anchors->of(scene);
+  if (alignCells) bounds.anchors->of(scene, stop);
   return bounds;
 }
 

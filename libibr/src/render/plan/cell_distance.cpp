@@ -16,10 +16,6 @@ bool before(glm::dvec3 a, glm::dvec3 b) {
   return a.z < b.z;
 }
 
-double largestCoordinate(glm::dvec3 v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
 // Weights of the members sorted by position, so that their order in the cell does not matter.
 struct Sorted {
   std::array<std::size_t, 4> order{0, 1, 2, 3};
@@ -52,6 +48,10 @@ Barycentric inMemberOrder(const Sorted& sorted) {
 }
 
 }  // namespace
+
+double largestCoordinate(glm::dvec3 v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view) {
   const Sorted sorted = sortedWeights(scene, cell, view.position);

@@ -18,6 +18,9 @@ struct CellDistance {
 /// of their members, so that only the direction distinguishes stacked cells.
 CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view);
 
+/// Returns the largest absolute coordinate, which the rounding of positions is relative to.
+double largestCoordinate(glm::dvec3 v);
+
 /// CellDistance::weights alone.
 Barycentric cellWeights(const Scene& scene, const Cell& cell, glm::dvec3 position);
 

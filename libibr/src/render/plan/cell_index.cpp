@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "render/plan/cell_distance.h"
+#include "render/plan/culling.h"
 
 namespace ibr {
 namespace {
@@ -69,55 +70,24 @@ void extend(TreeNode& node, const TreeNode& other) {
   node.maxInverseDistance = std::max(node.maxInverseDistance, other.maxInverseDistance);
 }
 
-// The axis along which the entries differ most. Positions count in sizes of the largest cell.
-std::size_t widestAxis(std::span<const Entry> entries, double size) {
+TreeNode boundsOf(std::span<const Entry> entries) {
+  TreeNode node = entries.front().node;
+  for (const Entry& entry : entries.subspan(1)) extend(node, entry.node);
+  return node;
+}
+
+// Orders by the axis along which the entries differ most. Positions count in sizes of the largest cell.
+auto orderOf(const TreeNode& node, std::span<const Entry> entries) {
   std::size_t widest = 0;
   double most = -1;
   for (std::size_t a = 0; a < 6; ++a) {
     const auto [low, high] = std::ranges::minmax_element(entries, {}, [a](const Entry& e) { return e.key[a]; });
-    const double apart = (high->key[a] - low->key[a]) / (a < 3 ? std::max(size, 1e-300) : 1.0);
+    const double apart = (high->key[a] - low->key[a]) / (a < 3 ? std::max(node.maxSize, 1e-300) : 1.0);
     if (apart > most) most = apart, widest = a;
   }
-  return widest;
-}
-
-class Builder {
- public:
-  Builder(std::vector<Entry> entries, std::uint32_t leafSize) : entries_(std::move(entries)), leafSize_(leafSize) {}
-
-  CellIndex run() {
-    if (!entries_.empty()) build(0, std::uint32_t(entries_.size()));
-    for (const Entry& entry : entries_) index_.cells.push_back(entry.cell);
-    return std::move(index_);
-  }
-
- private:
-  void build(std::uint32_t first, std::uint32_t end) {
-    const std::size_t at = index_.nodes.size();
-    TreeNode node = entries_[first].node;
-    for (std::uint32_t e = first + 1; e < end; ++e) extend(node, entries_[e].node);
-    node.first = first;
-    node.end = end;
-    index_.nodes.push_back(node);
-    if (end - first <= leafSize_) return;
-    const std::uint32_t half = first + (end - first) / 2;
-    const std::size_t axis = widestAxis({&entries_[first], end - first}, node.maxSize);
-    std::nth_element(entries_.begin() + first, entries_.begin() + half, entries_.begin() + end,
-                     [axis](const Entry& a, const Entry& b) {
-                       return a.key[axis] != b.key[axis] ? a.key[axis] < b.key[axis] : a.cell < b.cell;
-                     });
-    build(first, half);
-    index_.nodes[at].second = std::uint32_t(index_.nodes.size());
-    build(half, end);
-  }
-
-  std::vector<Entry> entries_;
-  std::uint32_t leafSize_;
-  CellIndex index_;
-};
-
-double largest(glm::dvec3 v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return [axis = widest](const Entry& a, const Entry& b) {
+    return a.key[axis] != b.key[axis] ? a.key[axis] < b.key[axis] : a.cell < b.cell;
+  };
 }
 
 // True if cellDistance is certainly beyond the limit for all cells of a node.
@@ -125,7 +95,8 @@ bool certainlyFar(const TreeNode& node, const CellQuery& query) {
   const glm::dvec3 eye = query.middle.position;
   const glm::dvec3 outside = glm::max(glm::max(node.low - eye, eye - node.high), glm::dvec3(0.0));
   const double distance = (1 - kMargin) * glm::length(outside);
-  const double magnitude = std::max({largest(eye), largest(node.low), largest(node.high)});
+  const double magnitude =
+      std::max({largestCoordinate(eye), largestCoordinate(node.low), largestCoordinate(node.high)});
   // cellDistance counts smaller distances as 0.
   const double tolerance = std::max(2e-9 * node.maxSize, 16.0 * std::numeric_limits<double>::epsilon() * magnitude);
   return distance > tolerance && distance > query.limit * node.maxSize;  // false for a limit of NaN
@@ -138,21 +109,14 @@ bool certainlyNear(const TreeNode& node, const CellQuery& query) {
   return !((1 + kMargin) * farthest > query.limit * node.minSize);
 }
 
-// Returns the maximum of n·x over a box.
-double support(glm::dvec3 n, glm::dvec3 low, glm::dvec3 high) {
-  double sum = 0;
-  for (int a = 0; a < 3; ++a) sum += std::max(n[a] * low[a], n[a] * high[a]);
-  return sum;
-}
-
 // True if mayBeVisible is certainly false in the view for all cells of a node, with clamped weights and no correction.
 bool certainlyOutside(const TreeNode& node, const CellQuery::View& view) {
   const glm::dvec3 low = node.low - view.eye, high = node.high - view.eye;
   const double farthest = glm::length(glm::max(glm::abs(low), glm::abs(high)));
   const double margin = kMargin * (node.reach + double(node.maxInverseDistance) * farthest);
   return std::ranges::any_of(view.planes, [&](glm::dvec3 plane) {
-    const double most = double(node.maxInverseDistance) * std::max(0.0, support(plane, low, high)) +
-                        support(plane, node.shownLow, node.shownHigh);
+    const double most = double(node.maxInverseDistance) * std::max(0.0, mostInBox(plane, low, high)) +
+                        mostInBox(plane, node.shownLow, node.shownHigh);
     return most < -margin * glm::length(plane);
   });
 }
@@ -163,7 +127,10 @@ CellIndex makeCellIndex(const Scene& scene, std::span<const CellBounds> cells, s
   std::vector<Entry> entries;
   entries.reserve(cells.size());
   for (std::uint32_t c = 0; c < cells.size(); ++c) entries.push_back(entryOf(scene, cells[c], c));
-  return Builder(std::move(entries), leafSize).run();
+  CellIndex index;
+  index.nodes = halvedTree(std::span(entries), leafSize, boundsOf, orderOf);
+  for (const Entry& entry : entries) index.cells.push_back(entry.cell);
+  return index;
 }
 
 CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, const CellIndex& index,
@@ -173,12 +140,13 @@ CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, co
     bool outside;  // of all frusta
   };
   CulledCells culled;
-  std::array<Open, 64> open;  // deeper than any tree, whose subtrees halve the number of cells
+  std::array<Open, kMaxHalvings> open;
   std::size_t count = 0;
   if (!index.nodes.empty()) open[count++] = {0, false};
   while (count > 0) {
     auto [at, outside] = open[--count];
     const TreeNode& node = index.nodes[at];
+    ++culled.visitedNodes;
     if (certainlyFar(node, query)) {
       culled.byDistance += node.end - node.first;
       continue;

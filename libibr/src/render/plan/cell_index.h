@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hierarchy of boxes over a scene's cells: finds the cells that a frame may draw in time that does not depend on the
-// number of other cells. Pure.
+// Bounding volume hierarchy over a scene's cells: finds the cells that a frame may draw in time that hardly depends on
+// the number of other cells. Pure.
 //
 // A subtree is left out as a whole only where each of its cells would certainly be culled, and is counted under the
 // reason for which each would be culled alone: a cell beyond the extrapolation limit is culled by distance, another one
@@ -16,21 +16,20 @@
 #include <span>
 #include <vector>
 
+#include "base/halved_tree.h"
 #include "ibr/frame_plan.h"
 
 namespace ibr {
 
 struct CellIndex {
-  struct Node {
+  struct Node : HalvedNode {
     glm::dvec3 low{0.0}, high{0.0};             // box of the members' positions, world
     glm::vec3 shownLow{0.0f}, shownHigh{0.0f};  // box of the vertices' a_i R_i q_i, world axes
     double minSize = 0, maxSize = 0;            // of the cells, world units
     double reach = 0;                           // upper bound of |a_i R_i q_i|
     float maxInverseDistance = 0;               // of the vertices, ρ
-    std::uint32_t first = 0, end = 0;           // in `cells`
-    std::uint32_t second = 0;                   // the second child; the first one follows the node. 0: a leaf
   };
-  std::vector<Node> nodes;           // the first is the root; none without cells
+  std::vector<Node> nodes;           // over `cells`
   std::vector<std::uint32_t> cells;  // indices into Scene::cells, in the order of the leaves
 };
 
@@ -50,6 +49,7 @@ struct CellQuery {
 
 struct CulledCells {
   std::uint32_t byDistance = 0, byFrustum = 0;  // numbers of cells
+  std::uint32_t visitedNodes = 0;               // of the index
 };
 
 /// Appends the cells that may be near enough and in view, in ascending order, and counts the others.

@@ -44,8 +44,7 @@ double DirectionBounds::most(glm::dvec3 n) const {
   double sum = std::max(0.0, glm::dot(n, shift_));
   for (std::size_t i = 0; i < count_; ++i) {
     const Member& member = members_[i];
-    const glm::dvec3 turned = member.turn * n;
-    for (int a = 0; a < 3; ++a) sum += std::max(turned[a] * member.low[a], turned[a] * member.high[a]);
+    sum = mostInBox(member.turn * n, member.low, member.high, sum);
   }
   return sum;
 }

@@ -2,6 +2,7 @@
 // Frustum culling: finds meshes that a view cannot see ([T] §2.5.2: cells outside the frustum are not drawn).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
@@ -13,6 +14,12 @@ namespace ibr {
 
 /// Inward normals of the four side planes of a pinhole's frustum, world axes; all pass through its centre.
 std::array<glm::dvec3, 4> frustum(const Camera& view);
+
+/// Returns the maximum of n·x over a box, added to `sum`.
+inline double mostInBox(glm::dvec3 n, glm::dvec3 low, glm::dvec3 high, double sum = 0) {
+  for (int a = 0; a < 3; ++a) sum += std::max(n[a] * low[a], n[a] * high[a]);
+  return sum;
+}
 
 /// Parameters with which a mesh is drawn for a camera at `eye`.
 struct Placement {

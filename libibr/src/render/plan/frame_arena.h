@@ -13,8 +13,8 @@
 
 namespace ibr {
 
-/// Not thread-safe. Keeps one block, as large as the largest frame so far. Of single deallocations only that of the
-/// last allocation makes its memory available again.
+/// Not thread-safe. Keeps one block, at least as large as the largest frame so far. Of single deallocations only that
+/// of the last allocation makes its memory available again.
 class FrameArena final : public std::pmr::memory_resource {
  public:
   /// Frees everything. Objects in the arena must be destroyed or abandoned.

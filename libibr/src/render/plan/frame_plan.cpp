@@ -98,8 +98,7 @@ class Planner {
       frusta_.push_back({frustum(view), view.pose.position});
     }
     plan_.settings = settings_;
-    if (settings_.maxTier >= kTierFilled && bounds_.index && bounds_.index->masked)
-      plan_.settings.maxTier = kTierCompleted;
+    if (settings_.maxTier >= kTierFilled && bounds_.index->masked) plan_.settings.maxTier = kTierCompleted;
     middle_ = middleOf(plan_.views);
     dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
     seconds_ = state.secondsSinceSwitch + dt_;
@@ -170,7 +169,6 @@ class Planner {
   // Cells that may be in view, ascending; counts the others.
   std::pmr::vector<std::uint32_t> cellsNearby() {
     std::pmr::vector<std::uint32_t> cells(memory_);
-    if (!bounds_.index) return cells;
     const CellQuery query{middle_, settings_.extrapolationLimit, settings_.morph == Morph::ours && !aligned(), frusta_};
     const CulledCells culled = findCells(scene_, bounds_.cells, bounds_.index->cells, query, cells);
     plan_.culledByDistance += culled.byDistance;
@@ -317,7 +315,7 @@ class Planner {
   // A scene that cannot be gathered from is drawn by its cells. Solo cells and Overlay::overlap show cells alone.
   void choosePhotographs() {
     if (!gathers()) return;
-    if (bounds_.index && settings_.overlay != Overlay::overlap && settings_.soloCells.empty())
+    if (settings_.overlay != Overlay::overlap && settings_.soloCells.empty())
       ibr::choosePhotographs(scene_, bounds_.index->photographs, bounds_.gather, plan_.views, middle_,
                              settings_.gatherCandidates, memory_, plan_.photographs);
     if (plan_.photographs.empty())

@@ -102,9 +102,9 @@ class Simplifier {
 
   // Returns at most `most` chains, >= 1.
   std::vector<Chain> simplified(std::size_t most) const {
-    if (length_ <= most) return simplifiedTo(0);
+    if (length_ <= most) return simplifiedTo(0, most);
     for (double tolerance = 1e-4; std::isfinite(tolerance); tolerance *= 1.5)
-      if (std::vector<Chain> chains = simplifiedTo(tolerance); chains.size() <= most) return chains;
+      if (std::vector<Chain> chains = simplifiedTo(tolerance, most); chains.size() <= most) return chains;
     return {};
   }
 
@@ -149,10 +149,11 @@ class Simplifier {
     });
   }
 
-  std::vector<Chain> simplifiedTo(double tolerance) const {
+  // Ends early with more than `most` chains.
+  std::vector<Chain> simplifiedTo(double tolerance, std::size_t most) const {
     std::vector<Chain> chains;
     const Values* middle = nullptr;  // of the last chain, if it stands for whole walks
-    for (std::size_t w = 0; w < walks_.size(); ++w) {
+    for (std::size_t w = 0; w < walks_.size() && chains.size() <= most; ++w) {
       if (tolerance > 0) {
         if (middle && absorb(chains.back(), *middle, values_[w], tolerance)) continue;
         Chain whole{walks_[w][0], walks_[w][0], {}};
@@ -162,7 +163,7 @@ class Simplifier {
           continue;
         }
       }
-      addChains(walks_[w], values_[w], tolerance, chains);
+      addChains(walks_[w], values_[w], tolerance, most, chains);
       middle = nullptr;
     }
     return chains;
@@ -180,10 +181,10 @@ class Simplifier {
   }
 
   // Splits a walk into chains. Their lengths grow by doubling, then by halved steps.
-  void addChains(const Walk& walk, const std::vector<Values>& values, double tolerance,
+  void addChains(const Walk& walk, const std::vector<Values>& values, double tolerance, std::size_t most,
                  std::vector<Chain>& chains) const {
     const std::size_t n = walk.size();
-    for (std::size_t first = 0; first < n;) {
+    for (std::size_t first = 0; first < n && chains.size() <= most;) {
       std::size_t length = 1;
       Deviation deviation;
       const auto grow = [&](std::size_t wanted) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What planning looks up in a scene, computed once by sceneBounds.
+// Trees over a scene's cells and photographs, in which planning looks up those near a view; made by sceneBounds.
 #pragma once
 
 #include "render/photographs/photograph_index.h"

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "author/backdrop/complete_depth.h"
-#include "base/wide.h"
 #include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
+#include "support/without_avx2.h"
 
 using namespace ibr;
 using namespace ibr::test;
@@ -173,9 +173,7 @@ TEST_CASE("swept depth is bit-identical in both versions of the inner loops, als
   place.views[2].mask = Image8(kWidth, kHeight, 1, 255);
   for (int x = 0; x < kWidth / 2; ++x) place.views[2].mask.pixel(x, kHeight / 2)[0] = 0;
   const SweptDepth widest = place.swept();
-  const bool before = std::exchange(usesAvx2(), false);
-  const SweptDepth portable = place.swept();
-  usesAvx2() = before;
+  const SweptDepth portable = withoutAvx2([&] { return place.swept(); });
   CHECK(portable.inverseDepth == widest.inverseDepth);
   CHECK(portable.sky == widest.sky);
 }

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "author/backdrop/complete_depth.h"
-#include "base/wide.h"
 #include "lab/generate/synthetic.h"
 #include "support/posed_rig.h"
+#include "support/without_avx2.h"
 
 using namespace ibr;
 using namespace ibr::test;
@@ -78,9 +78,7 @@ TEST_CASE("swept depth is refined to a fraction of a sweep level, also on slante
 TEST_CASE("refined depth is bit-identical in both versions of the inner loops") {
   const Wall wall;
   const SweptDepth widest = wall.refined();
-  const bool before = std::exchange(usesAvx2(), false);
-  const SweptDepth portable = wall.refined();
-  usesAvx2() = before;
+  const SweptDepth portable = withoutAvx2([&] { return wall.refined(); });
   CHECK(portable.inverseDepth == widest.inverseDepth);
 }
 
