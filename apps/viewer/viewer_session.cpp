@@ -74,8 +74,7 @@ double ViewerSession::pause() const {
   if (redraws_ > 0 || imageOutdated_ || viewer_.hasPosted()) return 0;
   const auto now = std::chrono::steady_clock::now();
   // Wake up to remove a message and to take results of loading and jobs.
-  const bool waits =
-      !viewer_.opening.empty() || !viewer_.jobs.empty() || !uploads_.empty() || !stoppedUploads_.empty();
+  const bool waits = !viewer_.opening.empty() || !viewer_.jobs.empty() || !uploads_.empty() || !stoppedUploads_.empty();
   return shaders_ || viewer_.messageUntil > now || waits ? 0.1 : 3600;
 }
 

@@ -71,7 +71,7 @@ class StereoScene {
   /// Starts the draw order afresh after a jump of the view, without cross-fades from previous frames.
   void forgetFrames() { plan_ = {}; }
 
-  const FramePlan& plan() const noexcept { return plan_; }                           // of the last frame
+  const FramePlan& plan() const noexcept { return plan_; }                       // of the last frame
   const GpuScene::StreamStatus& streamed() const noexcept { return streamed_; }  // likewise
 
  private:

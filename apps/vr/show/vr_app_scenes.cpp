@@ -17,8 +17,7 @@ void VrApp::beginLoading() {
   if (state_.files[state_.current])
     beginUpload();
   else if (!state_.reading.isRunning())  // it may run since before the headset was lost
-    state_.reading = SceneReading([path = options().places[state_.current],
-                                   scale = state_.initialScale(state_.current),
+    state_.reading = SceneReading([path = options().places[state_.current], scale = state_.initialScale(state_.current),
                                    aligns = options().settings.alignCells](const std::stop_token& stop) {
       return std::make_shared<const LoadedScene>(readScene(path, scale, aligns, stop));
     });

@@ -18,6 +18,7 @@
 #include "ibr/scene.h"
 #include "scene/capture_spacing.h"
 #include "scene/json_check.h"
+#include "scene/scene_faults.h"
 #include "support/error_of.h"
 #include "support/temporary_folder.h"
 
@@ -131,6 +132,9 @@ TEST_CASE("a stop ends the parsing of a long document, the check of a scene and 
   CHECK(parseJson(list + "]").size() == 10001);
   CHECK(errorOf([&] { parseJson(list + "]", stopped()); }).code() == ErrorCode::cancelled);
   CHECK(errorOf([&] { parseJson(list, stopped()); }).code() == ErrorCode::cancelled);  // before the syntax error
+  const Scene scene = manyCells(3);
+  CHECK(faultsOf(scene, 1, std::stop_source().get_token()).empty());
+  CHECK(errorOf([&] { static_cast<void>(faultsOf(scene, 1, stopped())); }).code() == ErrorCode::cancelled);
   const std::vector<Camera> cameras(3, Camera{pinholeFromFov(8, 8, 1), {}});
   CHECK(captureSpacing(cameras) == 1);
   CHECK(errorOf([&] { captureSpacing(cameras, stopped()); }).code() == ErrorCode::cancelled);
