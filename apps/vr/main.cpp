@@ -71,7 +71,9 @@ void declareOptions(CLI::App& app, Options& o) {
   addFlag(app, "--no-governor", o.noGovernor, "Draw all requested detail, even if frames are missed");
   addFlag(app, "--forget", o.forget, "Neither load nor save state between runs, such as scales and pipelines");
   addFlag(app, "--validation", o.vr.validation, "Report errors found by Vulkan's validation layers");
-  addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "").group("");  // for tests
+  addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000,
+         "Write a screenshot of every N-th frame; frames wait until the previous ones are written. 0: none")
+      .group("");  // for tests
   inGroup(app, "Comfort", [&] { declareComfort(app, o); });
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.vr.settings);

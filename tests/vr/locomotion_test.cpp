@@ -62,7 +62,9 @@ TEST_CASE("walk: starts black, and fades in at the spot, facing as its photograp
 
 TEST_CASE("walk: a spot chosen before the head is tracked sets the facing") {
   Walker walker;
-  walker.place.spots[1].facing = {1, 0, 0};
+  std::vector<Spot> spots = walker.place.spots.all();
+  spots[1].facing = {1, 0, 0};
+  walker.place.spots = Spots(std::move(spots));
   walker.state = startWalk(walker.place, walker.settings, 3);
   const auto head = std::exchange(walker.input.head, std::nullopt);
   walker.input.teleportTo = 1;

@@ -23,11 +23,14 @@ MenuModel model() {
   MenuModel m;
   m.scenes = {"Town hall, morning", "Garden behind the museum with its long wall and the old gate", "Station"};
   m.scene = 1;
+  std::vector<glm::dvec2> spots;
   for (int i = 0; i < 60; ++i) {
     const double angle = 0.33 * i, radius = 0.06 + 0.006 * i;
-    m.spots.push_back({{0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle)}, i == 20});
+    spots.emplace_back(0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle));
   }
-  m.you = m.spots[20].at + 0.015;
+  m.spots = PointMap(std::move(spots));
+  m.here = 20;
+  m.you = m.spots[20] + 0.015;
   m.facing = {0.6, -0.8};
   m.unitsPerMetre = 1.25;
   m.eyeHeight = 1.6;
@@ -103,7 +106,8 @@ TEST_CASE("the menu marks hovered and pressed items") {
 
 TEST_CASE("the menu's map shows spots, the person and the target spot") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
-  menu.shown.spots = {{{0.25, 0.25}}, {{0.75, 0.25}, true}};
+  menu.shown.spots = PointMap({{0.25, 0.25}, {0.75, 0.25}});
+  menu.shown.here = 1;
   menu.shown.you = {0.5, 0.75};
   menu.hand.away();
   const glm::dvec2 first = menu.hand.in("map", {0.25, 0.25}), second = menu.hand.in("map", {0.75, 0.25});
@@ -146,8 +150,8 @@ TEST_CASE("the menu shortens long names") {
 TEST_CASE("the menu draws every page with many entries and with none") {
   Drawn menu(VK_FORMAT_R8G8B8A8_SRGB);
   menu.shown.loading = 0.4;
-  menu.hand.point(menu.hand.in("map", menu.shown.spots[31].at));
-  menu.hand.point(menu.hand.in("map", menu.shown.spots[31].at));
+  menu.hand.point(menu.hand.in("map", menu.shown.spots[31]));
+  menu.hand.point(menu.hand.in("map", menu.shown.spots[31]));
   menu.picture("map.png");
   menu.hand.press("scenes page");
   menu.hand.away();
@@ -159,7 +163,9 @@ TEST_CASE("the menu draws every page with many entries and with none") {
   menu.hand.press("exit");
   menu.picture("settings.png");
   menu.hand.press("map page");
-  for (int i = 0; i < 40000; ++i) menu.shown.spots.push_back({{(i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200}});
+  std::vector<glm::dvec2> spots;
+  for (int i = 0; i < 40000; ++i) spots.emplace_back((i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200);
+  menu.shown.spots = PointMap(std::move(spots));
   menu.hand.away();
   menu.picture("many_spots.png");
   menu.shown = {};

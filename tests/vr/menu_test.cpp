@@ -21,7 +21,8 @@ MenuModel model() {
   MenuModel m;
   m.scenes = {"Town hall", "Garden", "Station"};
   m.scene = 1;
-  m.spots = {{{0.2, 0.2}, false}, {{0.5, 0.5}, true}, {{0.8, 0.3}, false}};
+  m.spots = PointMap({{0.2, 0.2}, {0.5, 0.5}, {0.8, 0.3}});
+  m.here = 1;
   m.you = {0.5, 0.55};
   m.facing = {0, -1};
   m.unitsPerMetre = 2.5;
@@ -83,12 +84,12 @@ TEST_CASE("the menu drops the first press of exit after another press, after a w
 TEST_CASE("the menu's map teleports to the spot where the press began") {
   Opened menu;
   for (std::size_t i = 0; i < menu.shown.spots.size(); ++i)
-    CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuRequests::teleport, i));
+    CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i] + 0.01)) == wish(&MenuRequests::teleport, i));
   CHECK(menu.hand.press(menu.hand.in("map", {0.5, 0.9})) == MenuRequests{});
   CHECK(menu.hand.press(menu.hand.in("map", {0.3, 0.3})) == MenuRequests{});
   // The press starts on the first spot and ends on the third.
-  const glm::dvec2 first = menu.hand.in("map", menu.shown.spots[0].at);
-  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
+  const glm::dvec2 first = menu.hand.in("map", menu.shown.spots[0]);
+  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2]);
   menu.hand.point(first);
   menu.hand.point(first, true);
   menu.hand.point(third, true);
@@ -102,7 +103,7 @@ TEST_CASE("the menu's map teleports to the spot where the press began") {
 
 TEST_CASE("the menu's map selects the nearest spot, and the first of spots at one position") {
   MenuModel m = model();
-  m.spots = {{{0.50, 0.5}}, {{0.52, 0.5}}, {{0.52, 0.5}}};
+  m.spots = PointMap({{0.50, 0.5}, {0.52, 0.5}, {0.52, 0.5}});
   Opened menu(m);
   CHECK(menu.hand.press(menu.hand.in("map", {0.508, 0.5})).teleport == 0u);
   CHECK(menu.hand.press(menu.hand.in("map", {0.512, 0.5})).teleport == 1u);
@@ -110,10 +111,10 @@ TEST_CASE("the menu's map selects the nearest spot, and the first of spots at on
 
 TEST_CASE("the menu's map does not teleport to a spot that was removed during the press") {
   Opened menu;
-  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
+  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2]);
   menu.hand.point(third);
   menu.hand.point(third, true);
-  menu.shown.spots.resize(1);
+  menu.shown.spots = PointMap({{0.2, 0.2}});
   menu.hand.point(third, true);
   CHECK(menu.hand.point(third) == MenuRequests{});
 }
@@ -272,14 +273,16 @@ TEST_CASE("the menu accepts an empty model") {
 
 TEST_CASE("the menu accepts tens of thousands of spots and scenes, and any names") {
   MenuModel m = model();
-  m.spots.clear();
-  for (int i = 0; i < 40000; ++i) m.spots.push_back({{(i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200}, i == 5050});
+  std::vector<glm::dvec2> spots;
+  for (int i = 0; i < 40000; ++i) spots.emplace_back((i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200);
+  m.spots = PointMap(std::move(spots));
+  m.here = 5050;
   m.scenes.assign(10000, std::string(5000, 'M'));
   m.scenes[0] = "100 % ##hidden \xff\xfe %s";
   m.scenes[2] = "";
   m.line = std::string(100000, '%');
   Opened menu(m);
-  CHECK(menu.hand.press(menu.hand.in("map", m.spots[4321].at)).teleport == 4321u);
+  CHECK(menu.hand.press(menu.hand.in("map", m.spots[4321])).teleport == 4321u);
   menu.page("scenes page");
   CHECK(menu.hand.press("scene 0").scene == 0u);
   CHECK(menu.hand.press("scene 2").scene == 2u);
@@ -289,8 +292,7 @@ TEST_CASE("the menu accepts numbers that are not finite or out of range") {
   for (const double bad : {kNaN, kInfinite, -kInfinite, 0.0, -1.0, 1e300, 1e-300}) {
     INFO(bad);
     MenuModel m = model();
-    m.spots[0].at = {bad, 0.5};
-    m.spots[2].at = {0.5, bad};
+    m.spots = PointMap({{bad, 0.5}, {0.5, 0.5}, {0.5, bad}});
     m.you = {bad, bad};
     m.facing = {bad, 1};
     m.unitsPerMetre = bad;
@@ -299,7 +301,7 @@ TEST_CASE("the menu accepts numbers that are not finite or out of range") {
     m.loading = bad;
     Opened menu(m);
     menu.panel.show(menu.shown, {}, bad);
-    const glm::dvec2 middle = menu.hand.in("map", m.spots[1].at);
+    const glm::dvec2 middle = menu.hand.in("map", m.spots[1]);
     CHECK(menu.hand.press(middle).teleport == 1u);
     if (!std::isfinite(bad)) {
       // A spot with an invalid position does not appear at the map's corner.

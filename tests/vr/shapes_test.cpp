@@ -52,7 +52,7 @@ double cover(const Vertices& vertices, glm::dvec2 at) {
 Shapes marks(const std::vector<Spot>& spots, std::optional<std::size_t> pointed = std::nullopt,
              const Tracking& tracking = {}, const Pose& head = kHead) {
   Shapes shapes;
-  addMarks(shapes, spots, tracking, head, 1.6, pointed);
+  addMarks(shapes, Spots(spots), tracking, head, 1.6, pointed);
   return shapes;
 }
 

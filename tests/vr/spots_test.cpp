@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vr/walk/spots.h"
 
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <span>
 
 #include "any_tracking.h"
 
@@ -27,6 +31,37 @@ Spot spotAt(glm::dvec3 position) {
 
 Ray towards(glm::dvec3 from, glm::dvec3 to) {
   return {from, to - from};
+}
+
+// The reference implementation of pointedSpot: compares all spots; photographs are 1.6 above the ground.
+std::optional<std::size_t> pointedOfAll(const std::vector<Spot>& spots, const Ray& ray, std::optional<std::size_t> held,
+                                        const PointingSettings& settings) {
+  const auto angleTo = [&](glm::dvec3 point) {
+    const glm::dvec3 to = point - ray.origin, direction = glm::normalize(ray.direction);
+    if (!(glm::length(to) > settings.minDistance)) return glm::pi<double>();
+    return std::atan2(glm::length(glm::cross(direction, to)), glm::dot(direction, to));
+  };
+  const auto angle = [&](std::size_t spot) {
+    return std::min(angleTo(spots[spot].position), angleTo(groundOf(spots[spot], kUp, 1.6)));
+  };
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < spots.size(); ++i) best = std::min(best, angle(i));
+  if (held && angle(*held) <= settings.cone + settings.hold && angle(*held) <= best + settings.hold) return held;
+  std::optional<std::size_t> nearest;
+  for (std::size_t i = 0; i < spots.size(); ++i)
+    if (angle(i) <= std::min(best + settings.tie, settings.cone) &&
+        (!nearest ||
+         glm::distance(spots[i].position, ray.origin) < glm::distance(spots[*nearest].position, ray.origin)))
+      nearest = i;
+  return nearest;
+}
+
+std::optional<std::size_t> nearestOfAll(const std::vector<Spot>& spots, glm::dvec3 position) {
+  const auto away = [&](const Spot& spot) {
+    return std::hypot(spot.position.x - position.x, spot.position.z - position.z);
+  };
+  const auto nearest = std::ranges::min_element(spots, {}, away);
+  return nearest == spots.end() ? std::nullopt : std::optional(std::size_t(nearest - spots.begin()));
 }
 
 }  // namespace
@@ -109,7 +144,7 @@ TEST_CASE("standing at a spot puts the head above its ground, and keeps the phot
 }
 
 TEST_CASE("pointing: the photographs' position and the mark on the ground are hit within the cone") {
-  const std::vector<Spot> spots{spotAt({0, 1.6, -4}), spotAt({4, 1.6, 0}), spotAt({-4, 1.6, 0})};
+  const Spots spots({spotAt({0, 1.6, -4}), spotAt({4, 1.6, 0}), spotAt({-4, 1.6, 0})});
   const glm::dvec3 hand(0, 1.2, 0);
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(pointedSpot(spots, towards(hand, spots[i].position), kUp, 1.6) == i);
@@ -128,12 +163,12 @@ TEST_CASE("pointing: the photographs' position and the mark on the ground are hi
 }
 
 TEST_CASE("pointing: the nearest spot in line is selected, with hysteresis") {
-  const std::vector<Spot> line{spotAt({0, 1.6, -12}), spotAt({0, 1.6, -3}), spotAt({0, 1.6, -6})};
+  const Spots line({spotAt({0, 1.6, -12}), spotAt({0, 1.6, -3}), spotAt({0, 1.6, -6})});
   CHECK(pointedSpot(line, {{0, 1.6, 0}, {0, 0, -1}}, kUp, 1.6) == 1u);
   CHECK(pointedSpot(line, towards({0, 1.5, 0}, {0, 0, -12}), kUp, 1.6) == 0u);
   CHECK(pointedSpot(line, towards({0, 1.62, 0}, line[0].position), kUp, 1.6) == 1u);  // nearly in line
 
-  const std::vector<Spot> pair{spotAt({-0.2, 1.6, -4}), spotAt({0.2, 1.6, -4})};
+  const Spots pair({spotAt({-0.2, 1.6, -4}), spotAt({0.2, 1.6, -4})});
   const auto at = [](double degrees) {
     return Ray{{0, 1.6, 0}, glm::angleAxis(glm::radians(degrees), kUp) * glm::dvec3(0, 0, -1)};
   };
@@ -162,14 +197,14 @@ TEST_CASE("pointing: invariant to origin, scale and up, and ignores spots behind
     for (int k = 0; k < 30; ++k) spots.push_back(spotAt(4.0 * any.unit()));
     for (const Spot& spot : spots) moved.push_back(spotAt(inWorld(to, spot.position)));
     const Ray ray{any.unit(), any.unit()};
-    const auto here = pointedSpot(spots, ray, kUp, 1.6);
-    REQUIRE(here == pointedSpot(moved, {inWorld(to, ray.origin), to.rotation * (100.0 * ray.direction)}, upInWorld(to),
-                                1.6 * to.unitsPerMetre));
+    const auto here = pointedSpot(Spots(spots), ray, kUp, 1.6);
+    REQUIRE(here == pointedSpot(Spots(moved), {inWorld(to, ray.origin), to.rotation * (100.0 * ray.direction)},
+                                upInWorld(to), 1.6 * to.unitsPerMetre));
     pointed += here.has_value();
   }
   CHECK(pointed > 20);
   CHECK(pointed < 280);
-  const std::vector<Spot> one{spotAt({0, 0, -1})};
+  const Spots one({spotAt({0, 0, -1})});
   CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, 1}}, kUp, 0));
   CHECK(pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 0u);
   PointingSettings far;
@@ -178,8 +213,87 @@ TEST_CASE("pointing: invariant to origin, scale and up, and ignores spots behind
   for (const Ray& ray : {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{kNaN, 0, 0}, {0, 0, -1}}, Ray{{0, 0, 0}, {0, kNaN, -1}}})
     CHECK(!pointedSpot(one, ray, kUp, 0));
   CHECK(!pointedSpot(one, {{0, 0, -1}, {0, 0, -1}}, kUp, 0));  // exactly at the spot
-  const std::vector<Spot> broken{spotAt({kNaN, 0, 0}), spotAt({0, 0, -1})};
+  const Spots broken({spotAt({kNaN, 0, 0}), spotAt({0, 0, -1})});
   CHECK(pointedSpot(broken, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 1u);
+}
+
+TEST_CASE("pointing: finds the spot that a comparison of all spots finds") {
+  AnyTracking any(16);
+  int pointed = 0, held = 0;
+  for (int set = 0; set < 60; ++set) {
+    std::vector<Spot> all;
+    const int count = set == 0 ? 0 : set == 1 ? 1 : 200;
+    const glm::dvec3 far = (set % 3 == 0 ? 1e6 : 0) * any.unit();
+    for (int k = 0; k < count; ++k) {
+      glm::dvec3 at = any.between(0, 10) * any.unit();
+      if (set % 4 == 0) at.y = 1.6;           // on level ground
+      if (set % 5 == 0) at = glm::round(at);  // many at one position
+      all.push_back(spotAt(far + at));
+    }
+    const Spots spots(all);
+    std::optional<std::size_t> before;
+    for (int i = 0; i < 100; ++i) {
+      const Ray ray{far + any.between(0, 12) * any.unit(), any.unit()};
+      PointingSettings settings;
+      settings.minDistance = i % 2;
+      const auto found = pointedSpot(spots, ray, kUp, 1.6, before, settings);
+      REQUIRE(found == pointedOfAll(all, ray, before, settings));
+      pointed += found.has_value();
+      held += found && found == before;
+      if (found) before = found;
+      REQUIRE(nearestSpot(spots, ray.origin, kUp) == nearestOfAll(all, ray.origin));
+    }
+  }
+  CHECK(pointed > 1000);
+  CHECK(held > 10);
+}
+
+TEST_CASE("the nearest spots are found in order, and not beyond the distance or the number") {
+  AnyTracking any(17);
+  std::vector<Spot> all{spotAt({kNaN, 0, 0})};
+  for (int k = 0; k < 500; ++k) all.push_back(spotAt(glm::round(5.0 * any.unit() * any.between(0, 2))));
+  const Spots spots(all);
+  for (int i = 0; i < 100; ++i) {
+    const glm::dvec3 at = 8.0 * any.unit();
+    const double limit = any.between(0, 12);
+    std::vector<SpotDistance> expected;
+    for (std::uint32_t k = 1; k < all.size(); ++k)
+      if (const double distance = glm::distance(all[k].position, at); distance < limit)
+        expected.push_back({distance, k});
+    std::ranges::sort(expected);
+    for (const std::size_t size : {0, 1, 20, 1000}) {
+      std::vector<SpotDistance> found(size);
+      found.resize(nearestSpots(spots, at, limit, found));
+      REQUIRE(found.size() == std::min(size, expected.size()));
+      REQUIRE(std::ranges::equal(found, std::span(expected).first(found.size())));
+    }
+  }
+  CHECK(nearestSpots(Spots(), {0, 0, 0}, 1, std::span<SpotDistance>()) == 0);
+}
+
+TEST_CASE("searches for spots compare few spots, however many there are") {
+  std::array<std::array<std::size_t, 3>, 2> compared{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const int side = i == 0 ? 50 : 450;
+    std::vector<Spot> all;
+    for (int k = 0; k < side * side; ++k) all.push_back(spotAt({k % side, 1.6, k / side}));
+    const Spots spots(all);
+    AnyTracking any(18);
+    for (int k = 0; k < 200; ++k) {
+      const glm::dvec3 at = 0.5 * side + 0.3 * side * any.unit() * glm::dvec3(1, 0, 1);
+      std::array<SpotDistance, 100> found;
+      glm::dvec3 ahead = any.unit();
+      ahead.y = -std::abs(ahead.y) - 0.1;
+      pointedSpot(spots, {{at.x, 1.2, at.z}, ahead}, kUp, 1.6, std::nullopt, {}, &compared[i][0]);
+      nearestSpot(spots, at, kUp, &compared[i][1]);
+      nearestSpots(spots, {at.x, 1.6, at.z}, 60, found, &compared[i][2]);
+    }
+  }
+  for (std::size_t search = 0; search < 3; ++search) {
+    CAPTURE(search, compared[0][search], compared[1][search]);
+    CHECK(compared[1][search] < 3 * compared[0][search]);
+    CHECK(compared[1][search] < 200 * 1000);
+  }
 }
 
 TEST_CASE("a hand's ray points along its −z axis") {
@@ -189,7 +303,7 @@ TEST_CASE("a hand's ray points along its −z axis") {
 }
 
 TEST_CASE("the nearest spot is found by horizontal distance") {
-  const std::vector<Spot> spots{spotAt({0, 50, 0}), spotAt({3, 0, 0})};
+  const Spots spots({spotAt({0, 50, 0}), spotAt({3, 0, 0})});
   CHECK(nearestSpot(spots, {1, 0, 0}, kUp) == 0u);
   CHECK(nearestSpot(spots, {2, 0, 0}, kUp) == 1u);
   CHECK(nearestSpot(spots, {1, 0, 0}, {1, 0, 0}) == 1u);

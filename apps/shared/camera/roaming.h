@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "ibr/camera.h"
 #include "ibr/scene.h"
+#include "shared/camera/box_tree.h"
 
 namespace ibr::app {
 
@@ -17,7 +19,21 @@ struct RoamingBounds {
   std::vector<glm::dvec3> positions;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;  // indices into positions
   double radius = 0;                                                // world units, > 0
+  BoxTree index = {};  // of positions and neighbours, by addIndex(); empty: searches compare all of them
 };
+
+/// Call once when positions and neighbours are complete; they must not change afterwards. Frames need the index: their
+/// searches then hardly depend on the size of the scene. Results stay the same.
+void addIndex(RoamingBounds& bounds);
+
+struct NearestPoint {
+  glm::dvec3 point{std::numeric_limits<double>::infinity()};
+  double distance = std::numeric_limits<double>::infinity();  // world units
+  std::size_t compared = 0;                                   // number of positions and lines that the search compared
+};
+
+/// Returns the nearest point of all positions and lines, the first of equally near ones; infinite if there is none.
+NearestPoint nearestPoint(const RoamingBounds& bounds, glm::dvec3 position);
 
 /// Returns the edges between the members of a scene's cells, each once.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> cellNeighbours(const Scene& scene);

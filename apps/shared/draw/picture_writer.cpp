@@ -49,6 +49,14 @@ std::vector<PictureResult> PictureWriter::takeResults() {
   return std::exchange(results_, {});
 }
 
+std::vector<PictureResult> PictureWriter::waitForResults() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !results_.empty() || (queue_.empty() && !running_); });
+  }
+  return takeResults();
+}
+
 std::vector<PictureResult> PictureWriter::finish() {
   {
     std::unique_lock lock(mutex_);

@@ -42,6 +42,8 @@ class PictureWriter {
   bool hasResults() const noexcept { return hasResults_; }
   /// Returns the results since the last call, in the order of the jobs. Does not wait for jobs.
   std::vector<PictureResult> takeResults();
+  /// Waits until a result is available or all jobs have run. Returns the results since the last call.
+  std::vector<PictureResult> waitForResults();
   /// Waits until all jobs have run. Returns their results.
   std::vector<PictureResult> finish();
 

@@ -13,6 +13,8 @@ namespace {
 
 using Cells = std::vector<std::uint32_t>;
 
+constexpr std::size_t kMaxHiddenCells = 1000;  // max. number of cells in view that are listed without being drawn
+
 bool has(const Cells& cells, std::uint32_t cell) {
   return std::ranges::find(cells, cell) != cells.end();
 }
@@ -69,9 +71,11 @@ bool drawnCell(const Scene& scene, RenderSettings& settings, const FramePlan& pl
   return changed;
 }
 
-// Returns cells in view that were not chosen, and muted or soloed cells that are not drawn, ascending.
+// Returns cells in view that were not chosen, at most kMaxHiddenCells, and muted or soloed cells that are not drawn,
+// ascending.
 Cells skippedCells(const Scene& scene, const RenderSettings& settings, const FramePlan& plan) {
-  Cells out = plan.next.hiddenCells;
+  const Cells& hidden = plan.next.hiddenCells;
+  Cells out(hidden.begin(), hidden.begin() + std::ptrdiff_t(std::min(hidden.size(), kMaxHiddenCells)));
   out.insert(out.end(), settings.mutedCells.begin(), settings.mutedCells.end());
   out.insert(out.end(), settings.soloCells.begin(), settings.soloCells.end());
   std::ranges::sort(out);
@@ -127,8 +131,12 @@ void showCells(PanelInput& input) {
   for (const char* name : {"rank", "cell", "", "outside", "angle", "photographs"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (std::size_t rank = 0; rank < plan.cells.size(); ++rank) item.changed |= drawnCell(scene, settings, plan, rank);
-  for (const std::uint32_t cell : skippedCells(scene, settings, plan))
-    item.changed |= showSkippedCell(scene, settings, cell);
+  const Cells skipped = skippedCells(scene, settings, plan);
+  ImGuiListClipper clipper;
+  clipper.Begin(int(skipped.size()));
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
+      item.changed |= showSkippedCell(scene, settings, skipped[std::size_t(i)]);
   ImGui::EndTable();
 }
 

@@ -1,15 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
-// Map of the image graph from above: photographs' positions, cells between them, and the current view.
+// Map of the image graph from above: photographs' positions, cells between them, and the current view. Of large scenes
+// it draws at most kMaxMapMarks photographs and as many lines; each photograph can be clicked.
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "shared/camera/point_map.h"
 #include "viewer/panels/panels.h"
 
 namespace ibr::app {
 namespace {
+
+using Line = std::array<glm::dvec2, 2>;
+
+// Marks of an item, in coordinates of its GraphView.
+struct Marks {
+  std::uint64_t item = 0;  // OpenItem::number
+  glm::dvec2 low{0}, high{0};
+  PointMap photographs;
+  std::vector<Line> lines;  // between photographs of a cell, at most kMaxMapMarks
+};
+
+// Prepared once, because the photographs and cells of an item do not change: a frame draws a bounded number of marks.
+const Marks& marksOf(const OpenItem& item) {
+  static Marks marks;
+  if (marks.item == item.number) return marks;
+  marks = {.item = item.number};
+  std::vector<glm::dvec2> points;
+  for (const Viewpoint& v : item.viewpoints) points.push_back(item.map.flat(v.camera.pose.position));
+  marks.low = marks.high = points.front();
+  for (const glm::dvec2& point : points) {
+    marks.low = glm::min(marks.low, point);
+    marks.high = glm::max(marks.high, point);
+  }
+  if (item.scene) {
+    const auto& pairs = item.bounds.neighbours;
+    std::vector<glm::dvec2> middles;
+    for (const auto& [a, b] : pairs) middles.push_back(0.5 * (points[a] + points[b]));
+    for (const std::uint32_t i : thinned(middles, kMaxMapMarks))
+      marks.lines.push_back({points[pairs[i].first], points[pairs[i].second]});
+  }
+  marks.photographs = PointMap(std::move(points));
+  return marks;
+}
 
 // Maps world coordinates to panel coordinates.
 struct Map {
@@ -17,11 +53,18 @@ struct Map {
   glm::dvec2 low{0}, high{1};
   ImVec2 corner, size;
 
-  ImVec2 at(const glm::dvec3& world) const {
-    const glm::dvec2 flat = view.flat(world), extent = high - low;
-    const double scale = std::min(double(size.x) / extent.x, double(size.y) / extent.y);
-    const glm::dvec2 from = flat - 0.5 * (low + high);
-    return {corner.x + 0.5f * size.x + float(from.x * scale), corner.y + 0.5f * size.y - float(from.y * scale)};
+  double scale() const {
+    const glm::dvec2 extent = high - low;
+    return std::min(double(size.x) / extent.x, double(size.y) / extent.y);
+  }
+  ImVec2 at(const glm::dvec2& flat) const {
+    const glm::dvec2 from = (flat - 0.5 * (low + high)) * scale();
+    return {corner.x + 0.5f * size.x + float(from.x), corner.y + 0.5f * size.y - float(from.y)};
+  }
+  ImVec2 at(const glm::dvec3& world) const { return at(view.flat(world)); }
+  glm::dvec2 flatAt(ImVec2 pixel) const {
+    const glm::dvec2 from(pixel.x - corner.x - 0.5f * size.x, corner.y + 0.5f * size.y - pixel.y);
+    return 0.5 * (low + high) + from / scale();
   }
 };
 
@@ -29,34 +72,24 @@ struct Map {
 
 void showMap(PanelInput& input) {
   OpenItem& item = *input.viewer.item();
+  const Marks& marks = marksOf(item);
   Map map{item.map, {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
   map.size = {std::max(map.size.x, 50.0f), std::max(map.size.y, 50.0f)};
-  map.low = map.high = map.view.flat(item.viewpoints.front().camera.pose.position);
-  const auto include = [&](const glm::dvec3& world) {
-    map.low = glm::min(map.low, map.view.flat(world));
-    map.high = glm::max(map.high, map.view.flat(world));
-  };
-  for (const Viewpoint& v : item.viewpoints) include(v.camera.pose.position);
-  include(item.navigation.pose.position);
-  map.low -= item.step;
-  map.high += item.step;
+  const glm::dvec2 here = map.view.flat(item.navigation.pose.position);
+  map.low = glm::min(marks.low, here) - item.step;
+  map.high = glm::max(marks.high, here) + item.step;
 
   ImDrawList& list = *ImGui::GetWindowDrawList();
   ImGui::InvisibleButton("map", map.size);
   const bool pressed = ImGui::IsItemClicked();
   list.PushClipRect(map.corner, {map.corner.x + map.size.x, map.corner.y + map.size.y}, true);
-  if (item.scene)
-    for (const Cell& cell : item.scene->cells)
-      for (std::size_t a = 0; a < cell.members.size(); ++a)
-        for (std::size_t b = a + 1; b < cell.members.size(); ++b)
-          list.AddLine(map.at(item.viewpoints[cell.members[a]].camera.pose.position),
-                       map.at(item.viewpoints[cell.members[b]].camera.pose.position), IM_COL32(120, 130, 140, 90));
+  for (const auto& [a, b] : marks.lines) list.AddLine(map.at(a), map.at(b), IM_COL32(120, 130, 140, 90));
   if (input.plan && !input.plan->cells.empty()) {
     const Cell& best = item.scene->cells[input.plan->cells[0].cell];
     for (std::size_t a = 0; a < best.members.size(); ++a)
       for (std::size_t b = a + 1; b < best.members.size(); ++b)
-        list.AddLine(map.at(item.viewpoints[best.members[a]].camera.pose.position),
-                     map.at(item.viewpoints[best.members[b]].camera.pose.position), IM_COL32(253, 231, 37, 255), 2);
+        list.AddLine(map.at(marks.photographs[best.members[a]]), map.at(marks.photographs[best.members[b]]),
+                     IM_COL32(253, 231, 37, 255), 2);
   }
   const float dot = 0.2f * ImGui::GetFontSize(), look = 0.9f * ImGui::GetFontSize();
   const auto arrow = [&](const Pose& pose, ImU32 colour, float length) {
@@ -65,16 +98,14 @@ void showMap(PanelInput& input) {
     const glm::dvec2 flat(glm::dot(forward, map.view.right), glm::dot(forward, map.view.up));
     list.AddLine(from, {from.x + length * float(flat.x), from.y - length * float(flat.y)}, colour, 1.5f);
     list.AddCircleFilled(from, dot, colour);
-    return from;
   };
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  for (std::size_t i = 0; i < item.viewpoints.size(); ++i) {
-    const ImVec2 at = arrow(item.viewpoints[i].camera.pose, IM_COL32(33, 145, 140, 255), look);
-    const float dx = mouse.x - at.x, dy = mouse.y - at.y;
-    if (!ImGui::IsItemHovered() || dx * dx + dy * dy > 9 * dot * dot) continue;
-    ImGui::SetTooltip("%s", item.viewpoints[i].name.c_str());
-    if (pressed) item.flyToViewpoint(i);
-  }
+  for (const std::uint32_t i : marks.photographs.drawn())
+    arrow(item.viewpoints[i].camera.pose, IM_COL32(33, 145, 140, 255), look);
+  if (ImGui::IsItemHovered())
+    if (const auto at = marks.photographs.nearest(map.flatAt(ImGui::GetIO().MousePos), 3 * double(dot) / map.scale())) {
+      ImGui::SetTooltip("%s", item.viewpoints[*at].name.c_str());
+      if (pressed) item.flyToViewpoint(*at);
+    }
   arrow(item.navigation.pose, IM_COL32(255, 255, 255, 255), 1.6f * look);
   list.PopClipRect();
 }

@@ -11,17 +11,16 @@
 #include <string>
 #include <vector>
 
+#include "shared/camera/point_map.h"
+
 namespace ibr::app {
 
 /// Data that the menu shows. Numbers may be infinite or NaN; such values are not shown.
 struct MenuModel {
-  struct Spot {
-    glm::dvec2 at{0.0};  // on the map: x to the right, y down, 0 to 1
-    bool here = false;   // the user stands here
-  };
   std::vector<std::string> scenes;
   std::optional<std::size_t> scene;                    // the open scene
-  std::vector<Spot> spots;                             // capture sites, seen from above
+  PointMap spots;                                      // capture sites from above: x to the right, y down, 0 to 1
+  std::optional<std::size_t> here;                     // the user's spot
   std::optional<glm::dvec2> you;                       // the user's position on the map; clamped to its edge
   glm::dvec2 facing{0.0};                              // the user's direction on the map, any length; (0, 0): not shown
   double unitsPerMetre = 1, initialUnitsPerMetre = 1;  // world units; current, and when the scene was opened
@@ -49,7 +48,7 @@ struct MenuRequests {
 };
 
 /// An item that can be pointed at, in pixels. Names: "map page", "scenes page", "settings page", "picture", "recentre",
-/// "close", "exit"; "map", whose corners are (0, 0) and (1, 1) of MenuModel::Spot::at; "scene 0" and so on, "scenes
+/// "close", "exit"; "map", whose corners are (0, 0) and (1, 1) of MenuModel::spots; "scene 0" and so on, "scenes
 /// up", "scenes down"; "smaller", "larger", "first scale", "turn 15", 30, 45, 90, "lower", "higher", "smooth motion",
 /// "governor", "composition".
 struct MenuItem {

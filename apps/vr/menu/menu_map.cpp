@@ -28,34 +28,24 @@ struct Map {
     const glm::dvec2 held = glm::clamp(place, 0.0, 1.0);
     return {rect.low.x + float(held.x) * rect.size().x, rect.low.y + float(held.y) * rect.size().y};
   }
+  glm::dvec2 placeAt(ImVec2 pixel) const {
+    return {(pixel.x - rect.low.x) / rect.size().x, (pixel.y - rect.low.y) / rect.size().y};
+  }
 };
 
-std::optional<std::size_t> nearest(const Map& map, const std::vector<MenuModel::Spot>& spots, ImVec2 pointer) {
-  std::optional<std::size_t> best;
-  float least = kReach * map.unit * kReach * map.unit;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    if (!finite(spots[i].at)) continue;
-    const ImVec2 at = map.at(spots[i].at);
-    const float dx = at.x - pointer.x, dy = at.y - pointer.y, distance = dx * dx + dy * dy;
-    if (distance > least || (best && distance == least)) continue;
-    least = distance;
-    best = i;
-  }
-  return best;
+void drawSpot(ImDrawList& list, const Map& map, glm::dvec2 place, float radius, ImU32 colour) {
+  const ImVec2 at = map.at(place);
+  if (radius < 4)  // squares are faster for many spots
+    list.AddRectFilled({at.x - radius, at.y - radius}, {at.x + radius, at.y + radius}, colour);
+  else
+    list.AddCircleFilled(at, radius, colour, 16);
 }
 
-void drawSpots(ImDrawList& list, const Map& map, const std::vector<MenuModel::Spot>& spots) {
-  for (const bool here : {false, true})  // the user's spot is drawn over the others
-    for (const MenuModel::Spot& spot : spots) {
-      if (spot.here != here || !finite(spot.at)) continue;
-      const ImVec2 at = map.at(spot.at);
-      const float radius = here ? std::max(map.dot, 6 * map.unit) : map.dot;
-      const ImU32 colour = here ? kMenuCurrentSpot : kSpot;
-      if (radius < 4)  // squares are faster for many spots
-        list.AddRectFilled({at.x - radius, at.y - radius}, {at.x + radius, at.y + radius}, colour);
-      else
-        list.AddCircleFilled(at, radius, colour, 16);
-    }
+void drawSpots(ImDrawList& list, const Map& map, const MenuModel& model) {
+  for (const std::uint32_t spot : model.spots.drawn())
+    if (spot != model.here) drawSpot(list, map, model.spots[spot], map.dot, kSpot);
+  if (model.here && *model.here < model.spots.size() && finite(model.spots[*model.here]))
+    drawSpot(list, map, model.spots[*model.here], std::max(map.dot, 6 * map.unit), kMenuCurrentSpot);
 }
 
 void drawHoveredSpot(MenuCanvas& canvas, const Map& map, ImVec2 at, std::size_t number) {
@@ -98,13 +88,13 @@ void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 f
 
 // Chooses the spot under the pointer at the start of the press, because the hand shakes while pressing.
 void Menu::showMap(MenuCanvas& canvas, const MenuModel& model, MenuRequests& requests) {
-  const float crowd = kSide / std::sqrt(float(std::max<std::size_t>(model.spots.size(), 1)));
+  const float crowd = kSide / std::sqrt(float(std::max<std::size_t>(model.spots.drawn().size(), 1)));
   const Map map{canvas.rect(784 - kSide, 16, kSide, kSide), canvas.unit,
                 canvas.unit * std::clamp(0.18f * crowd, 1.6f, 10.0f)};
   canvas.list.AddRectFilled(map.rect.low, map.rect.high, kMenuField, 9 * canvas.unit);
   const bool chosen = canvas.area("map", map.rect);
   std::optional<std::size_t> hovered;
-  if (ImGui::IsItemHovered()) hovered = nearest(map, model.spots, ImGui::GetIO().MousePos);
+  if (ImGui::IsItemHovered()) hovered = model.spots.nearest(map.placeAt(ImGui::GetIO().MousePos), kReach / kSide);
   if (ImGui::IsItemActivated()) pressedSpot_ = hovered;
   if (pressedSpot_ && *pressedSpot_ >= model.spots.size()) pressedSpot_.reset();  // the scene has changed
   if (chosen) requests.teleport = pressedSpot_;
@@ -112,11 +102,10 @@ void Menu::showMap(MenuCanvas& canvas, const MenuModel& model, MenuRequests& req
   if (!ImGui::IsItemActive()) pressedSpot_.reset();
 
   canvas.list.PushClipRect(map.rect.low, map.rect.high, true);
-  if (model.spots.empty()) canvas.text("No photographs", map.rect, kMenuDim);
-  drawSpots(canvas.list, map, model.spots);
+  if (model.spots.size() == 0) canvas.text("No photographs", map.rect, kMenuDim);
+  drawSpots(canvas.list, map, model);
   if (model.you && finite(*model.you)) drawPerson(canvas.list, map, *model.you, model.facing);
-  if (hovered && finite(model.spots[*hovered].at))
-    drawHoveredSpot(canvas, map, map.at(model.spots[*hovered].at), *hovered + 1);
+  if (hovered) drawHoveredSpot(canvas, map, map.at(model.spots[*hovered]), *hovered + 1);
   canvas.list.PopClipRect();
 }
 

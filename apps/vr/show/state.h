@@ -34,7 +34,7 @@ struct VrOptions {
   std::uint64_t frames = 0;             // to show before the program ends; 0: until the user leaves
   std::filesystem::path screenshot;     // of both eyes, written at the end; empty: none
   std::filesystem::path screenshots;    // folder for screenshots that the user requests
-  std::uint64_t screenshotEvery = 0;    // writes every n-th frame, for tests; 0: none
+  std::uint64_t screenshotEvery = 0;    // writes every n-th frame, which waits for the writer, for tests; 0: none
 };
 
 struct VrState {

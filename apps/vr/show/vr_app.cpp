@@ -52,15 +52,15 @@ VrApp::VrApp(VrState& state)
 VrApp::~VrApp() {
   uploading_ = {};
   waitIdle(device_);
-  // After a lost device, the copies that the writer already has are still written.
-  for (const bool lost : {false, true}) try {
-      if (lost)
-        reportPictures(writer_.finish());
-      else
-        finishPictures();
+  const auto reportErrors = [this](const auto& work) {
+    try {
+      work();
     } catch (const Error& e) {
       logMessage(LogLevel::error, fmt::format("screenshots: {}", e.what()));
     }
+  };
+  reportErrors([this] { finishPictures(); });
+  reportErrors([this] { reportPictures(writer_.finish()); });  // after a lost device: the copies that the writer has
 }
 
 void VrApp::logMessage(LogLevel level, const std::string& text) const {
@@ -120,7 +120,7 @@ void VrApp::frame() {
   const bool draws = timing.shown && eyes_.oriented;
   if (draws) draw(seconds);
   const double processorMs = 1e3 * watch.seconds() - excludedMs_;
-  session_.endFrame(timing, draws ? layers() : Layers());
+  session_.endFrame(timing, draws ? updatedLayers() : std::span<const XrCompositionLayerBaseHeader* const>());
   if (draws && scene_ && !exitRequested_) recordStatistics(timing, seconds, processorMs);
 }
 

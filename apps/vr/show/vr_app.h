@@ -31,8 +31,6 @@ class VrApp {
   void run();
 
  private:
-  using Layers = std::vector<const XrCompositionLayerBaseHeader*>;
-
   const VrOptions& options() const noexcept { return state_.options; }
   void logMessage(LogLevel level, const std::string& text) const;
 
@@ -52,9 +50,9 @@ class VrApp {
                    std::span<const Target> targets, bool captured);
   void recordBackground(VkCommandBuffer commands, std::span<const Target> targets) const;
   void setFloor(RenderSettings& settings);
-  Shapes shapes() const;
+  const Shapes& updatedShapes();
   void addHands(Shapes& shapes) const;
-  Layers layers();
+  std::span<const XrCompositionLayerBaseHeader* const> updatedLayers();
   void makeMirror();
   void showInMirror();
 
@@ -69,7 +67,7 @@ class VrApp {
   std::vector<RenderSettings> levelsOf(const LoadedScene& files) const;
 
   // Menu.
-  MenuModel menuModel() const;
+  void updateMenuModel();
   void applyMenuRequests(double seconds);
   void applyLoadingMenu(double seconds);
   void returnToSpot();
@@ -84,6 +82,7 @@ class VrApp {
   struct Capture;
   Capture* dueCapture();
   void keepCapture(Capture& capture, std::uint64_t frame, const std::array<Camera, 2>& eyes);
+  Capture* freeCapture() const;
   void writeCaptures(std::uint64_t completed);
   void reportPictures(const std::vector<PictureResult>& results);
   void finishPictures();
@@ -115,6 +114,8 @@ class VrApp {
   std::array<XrCompositionLayerProjectionView, 2> projectionViews_{};
   std::array<XrCompositionLayerDepthInfoKHR, 2> depthInfos_{};
   XrCompositionLayerProjection projection_{};
+  std::array<const XrCompositionLayerBaseHeader*, 2> layers_{};
+  Shapes shapes_;  // keeps its memory between frames
 
   Pose head_;  // between the eyes, in the session's space; while not tracked, the last known pose
   std::array<glm::dvec3, 2> eyeOffsets_{glm::dvec3(-0.0315, 0, 0), glm::dvec3(0.0315, 0, 0)};  // from head_, its axes
@@ -126,6 +127,7 @@ class VrApp {
   std::optional<double> eyeHeight_;
 
   SpotMap map_;                         // of the scene
+  MenuModel menuModel_, loadingMenu_;   // of the scene, and while one is loading; keep their memory between frames
   std::string statusLine_, lastError_;  // lines for the menu: frame times, last error
   double statusSeconds_ = 0;            // since statusLine_ was written
   double loadingSeconds_ = 0;           // for the scene being loaded

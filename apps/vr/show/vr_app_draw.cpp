@@ -45,7 +45,7 @@ void VrApp::draw(double seconds) {
   else
     recordBackground(frame.commands, targets);
   if (capture) capture->images.record(frame.commands, images_);
-  shapesPass_.setShapes(frame.slot, shapes());
+  shapesPass_.setShapes(frame.slot, updatedShapes());
   for (std::size_t eye = 0; eye < 2; ++eye)
     shapesPass_.record(frame.commands, frame.slot, inSpace[eye], targets[eye], EyeImages::kNearPlane,
                        EyeImages::kFarPlane);
@@ -115,20 +115,21 @@ void VrApp::addHands(Shapes& shapes) const {
   if (walkOutput_.showMarks) addMarks(shapes, scene.spots, walkOutput_.tracking, head_, height, pointed);
 }
 
-Shapes VrApp::shapes() const {
-  Shapes shapes;
-  addHands(shapes);
+const Shapes& VrApp::updatedShapes() {
+  shapes_.inSpace.clear();
+  shapes_.onView.clear();
+  addHands(shapes_);
   if (scene_) {
-    addVignette(shapes, walkOutput_.vignette);
-    addFade(shapes, walkOutput_.fade);
+    addVignette(shapes_, walkOutput_.vignette);
+    addFade(shapes_, walkOutput_.fade);
   } else {
-    addFloorGrid(shapes, head_);
-    addProgressRing(shapes, head_, std::nullopt, loadingSeconds_);
+    addFloorGrid(shapes_, head_);
+    addProgressRing(shapes_, head_, std::nullopt, loadingSeconds_);
   }
-  return shapes;
+  return shapes_;
 }
 
-VrApp::Layers VrApp::layers() {
+std::span<const XrCompositionLayerBaseHeader* const> VrApp::updatedLayers() {
   for (std::uint32_t eye = 0; eye < 2; ++eye) {
     projectionViews_[eye] = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
                              .next = nullptr,
@@ -152,9 +153,9 @@ VrApp::Layers VrApp::layers() {
                  .space = session_.space(),
                  .viewCount = 2,
                  .views = projectionViews_.data()};
-  Layers all{reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_)};
-  if (menuShown_) all.push_back(menu_.layer(session_.space()));
-  return all;
+  layers_[0] = reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_);
+  if (menuShown_) layers_[1] = menu_.layer(session_.space());
+  return std::span(layers_).first(menuShown_ ? 2 : 1);
 }
 
 void VrApp::makeMirror() try {

@@ -4,31 +4,29 @@
 #include <numbers>
 #include <utility>
 
-#include "shared/cli/folders.h"
 #include "shared/cli/settings.h"
 #include "vr/show/vr_app.h"
 
 namespace ibr::app {
 
-MenuModel VrApp::menuModel() const {
-  MenuModel model;
-  for (const std::filesystem::path& scene : options().places) model.scenes.push_back(folderName(scene));
-  model.scene = state_.current;
+void VrApp::updateMenuModel() {
   const WalkScene& scene = scene_->files().walk;
   const Pose head = inWorld(walkOutput_.tracking, head_);
-  const std::optional<std::size_t> here = nearestSpot(scene.spots, head.position, scene.up);
-  for (std::size_t i = 0; i < map_.places.size(); ++i) model.spots.push_back({map_.places[i], here == i});
-  model.you = onMap(map_, head.position);
-  model.facing = directionOnMap(map_, facingOf(head.rotation, scene.up));
-  model.unitsPerMetre = walkOutput_.tracking.unitsPerMetre;
-  model.initialUnitsPerMetre = state_.walk->initialUnitsPerMetre;
-  model.smoothMotion = state_.walking.smoothMotion;
-  model.snapDegrees = state_.walking.snapTurn * 180 / std::numbers::pi;
-  if (session_.spaceKind() == SpaceKind::local) model.eyeHeight = state_.eyeHeight;
-  if (options().governorEnabled) model.governor = state_.governorEnabled;
-  if (scene_->canBeGathered()) model.composition = optionValue(state_.composition);
-  model.line = lastError_.empty() ? statusLine_ : lastError_;
-  return model;
+  menuModel_.scene = state_.current;
+  menuModel_.here = nearestSpot(scene.spots, head.position, scene.up);
+  menuModel_.you = onMap(map_, head.position);
+  menuModel_.facing = directionOnMap(map_, facingOf(head.rotation, scene.up));
+  menuModel_.unitsPerMetre = walkOutput_.tracking.unitsPerMetre;
+  menuModel_.initialUnitsPerMetre = state_.walk->initialUnitsPerMetre;
+  menuModel_.smoothMotion = state_.walking.smoothMotion;
+  menuModel_.snapDegrees = state_.walking.snapTurn * 180 / std::numbers::pi;
+  if (session_.spaceKind() == SpaceKind::local) menuModel_.eyeHeight = state_.eyeHeight;
+  if (options().governorEnabled) menuModel_.governor = state_.governorEnabled;
+  if (scene_->canBeGathered())
+    menuModel_.composition = optionValue(state_.composition);
+  else
+    menuModel_.composition.clear();
+  menuModel_.line = lastError_.empty() ? statusLine_ : lastError_;
 }
 
 void VrApp::applyMenuRequests(double seconds) {
@@ -42,7 +40,8 @@ void VrApp::applyMenuRequests(double seconds) {
     lastError_.clear();
     return;
   }
-  const MenuRequests requests = menu_.show(menuModel(), walkOutput_.hands, seconds);
+  updateMenuModel();
+  const MenuRequests requests = menu_.show(menuModel_, walkOutput_.hands, seconds);
   teleportSpot_ = requests.teleport;
   scale_ = requests.scaleFactor.value_or(1);
   eyeHeight_ = requests.eyeHeight;
@@ -78,9 +77,7 @@ void VrApp::applyLoadingMenu(double seconds) {
     hands[hand].panelSelect = input_[hand].select;
   }
   if (!menu_.isOpen()) return;
-  MenuModel model;
-  model.line = fmt::format("loading {}", options().places[state_.current].string());
-  const MenuRequests requests = menu_.show(model, hands, seconds);
+  const MenuRequests requests = menu_.show(loadingMenu_, hands, seconds);
   state_.leaving |= requests.exit;
   if (requests.close) menu_.close();
 }

@@ -16,18 +16,26 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 
 // Returns a free capture if this frame needs a screenshot. A screenshot of the menu waits for the next frame with a
-// free capture; those of options belong to this frame, so the writer is waited for.
+// free capture; those of options belong to this frame, which waits for the first capture that the writer releases.
 VrApp::Capture* VrApp::dueCapture() {
   const std::uint64_t number = state_.shown + 1;
   const bool last = number == options().frames && !options().screenshot.empty();
   const bool exact = last || (options().screenshotEvery > 0 && number % options().screenshotEvery == 0);
   if (!exact && !screenshotRequested_) return nullptr;
-  const auto isFree = [](const auto& capture) { return capture->images.isFree(); };
-  if (exact && std::ranges::none_of(captures_, isFree)) finishPictures();
-  const auto capture = std::ranges::find_if(captures_, isFree);
-  if (capture == captures_.end()) return nullptr;
-  (*capture)->required = last;
-  return capture->get();
+  Capture* capture = freeCapture();
+  if (exact && !capture) {
+    static_assert(std::tuple_size_v<decltype(captures_)> > FrameRing::kSlots);  // so the writer has at least one
+    const Stopwatch waiting;
+    while (!(capture = freeCapture())) reportPictures(writer_.waitForResults());
+    excludedMs_ += 1e3 * waiting.seconds();
+  }
+  if (capture) capture->required = last;
+  return capture;
+}
+
+VrApp::Capture* VrApp::freeCapture() const {
+  const auto capture = std::ranges::find_if(captures_, [](const auto& one) { return one->images.isFree(); });
+  return capture == captures_.end() ? nullptr : capture->get();
 }
 
 // Call after the frame with the capture's copies was submitted.

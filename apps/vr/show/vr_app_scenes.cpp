@@ -14,6 +14,7 @@ EyeFormat VrApp::eyeFormat() const {
 
 void VrApp::beginLoading() {
   loadingSeconds_ = 0;
+  loadingMenu_.line = fmt::format("loading {}", options().places[state_.current].string());
   if (state_.files[state_.current])
     beginUpload();
   else if (!state_.reading.isRunning())  // it may run since before the headset was lost
@@ -81,7 +82,8 @@ void VrApp::enterScene(std::unique_ptr<StereoScene> scene) {
   governor_ = startGovernor(levelsOf(files));
   ignoreNextFrames(governor_);
   pending_ = {};
-  map_ = mapOf(files.walk.spots, files.walk.up);
+  map_ = mapOf(files.walk.spots.all(), files.walk.up);
+  menuModel_.spots = PointMap(map_.places);
   if (!state_.walk)
     state_.walk = startWalk(files.walk, state_.walking, 0);
   else

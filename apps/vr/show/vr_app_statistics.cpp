@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VrApp: frame statistics.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "vr/show/vr_app.h"
@@ -44,10 +45,12 @@ void VrApp::updateStatusLine(const FrameLogEntry& times, double periodMs) {
   statusSeconds_ += 1e-3 * times.intervalMs;
   if (statusSeconds_ < kSeconds) return;
   statusSeconds_ = 0;
-  statusLine_ = fmt::format("{:.1f} ms of {:.1f} ms per frame, {} cells", std::max(times.processorMs, times.deviceMs),
-                            periodMs, times.cells);
+  statusLine_.clear();
+  fmt::format_to(std::back_inserter(statusLine_), "{:.1f} ms of {:.1f} ms per frame, {} cells",
+                 std::max(times.processorMs, times.deviceMs), periodMs, times.cells);
   if (times.level > 0)
-    statusLine_ += fmt::format(", detail reduced by {} of {} levels", times.level, governor_.levels.size() - 1);
+    fmt::format_to(std::back_inserter(statusLine_), ", detail reduced by {} of {} levels", times.level,
+                   governor_.levels.size() - 1);
 }
 
 }  // namespace ibr::app

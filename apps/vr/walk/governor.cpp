@@ -11,9 +11,9 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::size_t kRecent = 8, kMinRecent = 3;  // number of recent frames that decide
-constexpr int kInFlight = 3;                        // frames begun before a step takes effect
-constexpr int kIgnoredFrames = 5;                   // and the late frame after a pause
+constexpr std::size_t kMinRecent = 3;  // min. number of recent frames that decide
+constexpr int kInFlight = 3;           // frames begun before a step takes effect
+constexpr int kIgnoredFrames = 5;      // and the late frame after a pause
 constexpr double kStepDownShare = 0.85, kFitShare = 0.78,
                  kDoubleStepShare = 1.25;  // of the period: step down, predicted to fit, two steps down
 constexpr double kMissShare = 0.6;         // of the period: a second frame above it confirms a missed one
@@ -31,9 +31,10 @@ bool isPositive(double value) {
 
 // Returns the second highest of the recent costs: a single outlier must not decide.
 double highest(const GovernorState& state) {
-  if (state.recent.size() < 2) return 0;
-  std::vector<double> costs = state.recent;
-  std::nth_element(costs.begin(), costs.begin() + 1, costs.end(), std::greater<>());
+  if (state.recentCount < 2) return 0;
+  auto costs = state.recent;
+  std::nth_element(costs.begin(), costs.begin() + 1, costs.begin() + std::ptrdiff_t(state.recentCount),
+                   std::greater<>());
   return costs[1];
 }
 
@@ -83,7 +84,7 @@ Decision stepTo(GovernorState& state, std::size_t level, double costMs, const Re
   state.lastStep = {state.level, costMs};
   state.lastStepMeasured = false;
   state.level = level;
-  state.recent.clear();
+  state.recentCount = 0;
   state.ignored = kInFlight;
   state.headroomSeconds = state.levelSeconds = 0;
   return decision;
@@ -109,8 +110,11 @@ Decision stepUp(GovernorState& state, double costMs) {
 }
 
 void remember(GovernorState& state, double ms) {
-  if (state.recent.size() == kRecent) state.recent.erase(state.recent.begin());
-  state.recent.push_back(ms);
+  if (state.recentCount == GovernorState::kMaxRecent)
+    std::shift_left(state.recent.begin(), state.recent.end(), 1);
+  else
+    ++state.recentCount;
+  state.recent[state.recentCount - 1] = ms;
 }
 
 }  // namespace
@@ -156,15 +160,15 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
   }
   const bool known = isPositive(cost.workMs);
   // The frame after one that took too long is late because of that frame.
-  const bool late = cost.missed && !(state.recent.size() > 0 && state.recent.back() > period);
+  const bool late = cost.missed && !(state.recentCount > 0 && state.recent[state.recentCount - 1] > period);
   const bool missed = known ? cost.workMs > period || (late && cost.workMs > kMissedShare * period) : late;
   if (!known && !missed) return same;
   remember(state, missed ? std::max(known ? cost.workMs : 0, period) : cost.workMs);
   const double high = highest(state);
-  if ((missed && high > kMissShare * period) || (state.recent.size() >= kMinRecent && high > kStepDownShare * period))
+  if ((missed && high > kMissShare * period) || (state.recentCount >= kMinRecent && high > kStepDownShare * period))
     return stepDown(state, high, {missed ? (known ? cost.workMs : 0) : high, missed},
                     high > kDoubleStepShare * period ? 2 : 1);
-  const bool full = state.recent.size() == kRecent;
+  const bool full = state.recentCount == GovernorState::kMaxRecent;
   if (full) measureStep(state, high);
   if (state.level == 0) return same;
   const bool fits = predictedMs(state) < kFitShare * period;

@@ -3,6 +3,7 @@
 // fit. Pure: no clock; time is counted in display periods.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -42,17 +43,19 @@ struct StepRatio {
 };
 
 struct GovernorState {
-  std::vector<RenderSettings> levels;  // as returned by ladder()
-  std::size_t level = 0;               // index into levels
-  std::uint64_t frame = 0;             // number of frames measured so far
-  double seconds = 0;                  // sum of these frames' periods
-  double periodMs = 0;                 // last known; 0: none
-  std::vector<double> recent;          // ms of the last frames at this level, oldest first
-  int ignored = 0;                     // frames to ignore, because they began before the last step
-  double headroomSeconds = 0;          // time for which the next better level was predicted to fit
-  double levelSeconds = 0;             // time at this level
-  std::vector<StepRatio> ratios;       // by level, the last one unused
-  std::vector<int> reversals;          // by level: consecutive steps up to it that were reversed soon
+  std::vector<RenderSettings> levels;           // as returned by ladder()
+  std::size_t level = 0;                        // index into levels
+  std::uint64_t frame = 0;                      // number of frames measured so far
+  double seconds = 0;                           // sum of these frames' periods
+  double periodMs = 0;                          // last known; 0: none
+  static constexpr std::size_t kMaxRecent = 8;  // number of recent frames that decide
+  std::array<double, kMaxRecent> recent{};      // ms of the last frames at this level, oldest first
+  std::size_t recentCount = 0;                  // of valid values in `recent`
+  int ignored = 0;                              // frames to ignore, because they began before the last step
+  double headroomSeconds = 0;                   // time for which the next better level was predicted to fit
+  double levelSeconds = 0;                      // time at this level
+  std::vector<StepRatio> ratios;                // by level, the last one unused
+  std::vector<int> reversals;                   // by level: consecutive steps up to it that were reversed soon
   struct Step {
     std::size_t from;
     double costMs;

@@ -129,7 +129,8 @@ void realign(WalkState& state, const Pose& head) {
 
 WalkScene makeWalkScene(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds) {
   for (glm::dvec3& place : bounds.positions) place -= glm::dot(place, up) * up;
-  return {std::move(spots), up, std::move(bounds), unitsPerMetre};
+  addIndex(bounds);
+  return {Spots(std::move(spots)), up, std::move(bounds), unitsPerMetre};
 }
 
 WalkState startWalk(const WalkScene& place, const WalkSettings& settings, std::optional<std::size_t> spot) {

@@ -19,7 +19,7 @@ namespace ibr::app {
 
 /// A scene to walk through; created by makeWalkScene.
 struct WalkScene {
-  std::vector<Spot> spots;
+  Spots spots;
   glm::dvec3 up{0, 1, 0};    // unit, world
   RoamingBounds level;       // limits of the eyes, projected along `up` through the world's origin; no positions: none
   double unitsPerMetre = 1;  // initial, > 0

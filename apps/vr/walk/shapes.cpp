@@ -70,23 +70,9 @@ glm::dvec3 across(glm::dvec3 along, glm::dvec3 toEye) {
 }
 
 struct Mark {
-  double distance;
-  std::size_t spot;
+  double distance;  // from the eye, m
   glm::dvec3 photograph;
 };
-
-std::vector<Mark> marksNear(const std::vector<Spot>& spots, const Tracking& tracking, glm::dvec3 eye) {
-  std::vector<Mark> marks;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const glm::dvec3 photograph = inTracking(tracking, spots[i].position);
-    if (const double distance = glm::distance(photograph, eye); distance < kMaxMarkDistance)
-      marks.push_back({distance, i, photograph});
-  }
-  std::ranges::stable_sort(marks, {}, &Mark::distance);
-  if (marks.size() > kMaxMarks) marks.resize(kMaxMarks);
-  std::ranges::reverse(marks);
-  return marks;
-}
 
 void addMark(Vertices& vertices, const Mark& mark, glm::dvec3 eye, double height, bool pointed) {
   const glm::dvec3 ground = mark.photograph - glm::dvec3(0, height, 0);
@@ -104,10 +90,17 @@ void addMark(Vertices& vertices, const Mark& mark, glm::dvec3 eye, double height
 
 }  // namespace
 
-void addMarks(Shapes& shapes, const std::vector<Spot>& spots, const Tracking& tracking, const Pose& head,
+void addMarks(Shapes& shapes, const Spots& spots, const Tracking& tracking, const Pose& head,
               double photographHeightMetres, std::optional<std::size_t> pointed) {
-  for (const Mark& mark : marksNear(spots, tracking, head.position))
-    addMark(shapes.inSpace, mark, head.position, photographHeightMetres, mark.spot == pointed);
+  std::array<SpotDistance, kMaxMarks> nearest;
+  std::size_t left =
+      nearestSpots(spots, inWorld(tracking, head.position), kMaxMarkDistance * tracking.unitsPerMetre, nearest);
+  while (left > 0) {
+    const std::size_t spot = nearest[--left].spot;
+    const glm::dvec3 photograph = inTracking(tracking, spots[spot].position);
+    addMark(shapes.inSpace, {glm::distance(photograph, head.position), photograph}, head.position,
+            photographHeightMetres, spot == pointed);
+  }
 }
 
 void addHand(Shapes& shapes, const Pose& aim) {

@@ -28,7 +28,7 @@ inline constexpr std::size_t kMaxMarks = 500;
 /// Adds a ring on the ground below each spot and a thin post up to its cameras; the spot pointed at is bright. Draws
 /// the nearest kMaxMarks within 60 m, farthest first; marks fade out towards that distance and near the eye. `head`:
 /// in tracking space.
-void addMarks(Shapes& shapes, const std::vector<Spot>& spots, const Tracking& tracking, const Pose& head,
+void addMarks(Shapes& shapes, const Spots& spots, const Tracking& tracking, const Pose& head,
               double photographHeightMetres, std::optional<std::size_t> pointed);
 
 /// Adds a small wand that points along −z.

@@ -14,6 +14,7 @@ namespace ibr::app {
 namespace {
 
 constexpr double kAllAround = 0.3;   // min. length of a mean direction; below, the spot looks all around
+constexpr double kMargin = 1e-9;     // of lower bounds, for rounding: radians, or relative to distances
 constexpr double kMapMargin = 0.08;  // at each edge, share of the map's side
 
 Spot spotOf(const std::vector<Pose>& cameras, std::vector<std::uint32_t> nodes, glm::dvec3 up) {
@@ -35,6 +36,19 @@ double angleTo(const Ray& ray, glm::dvec3 direction, glm::dvec3 point, double mi
   const double distance = glm::length(to);
   if (!(distance > minDistance)) return glm::pi<double>();
   return std::atan2(glm::length(glm::cross(direction, to)), glm::dot(direction, to));
+}
+
+// Returns a lower bound of angleTo for all points of a box that is moved by `offset`.
+double angleTo(const Ray& ray, glm::dvec3 direction, const Box& box, glm::dvec3 offset) {
+  const glm::dvec3 to = 0.5 * (box.low + box.high) + offset - ray.origin;
+  const double distance = glm::length(to), radius = 0.5 * glm::length(box.high - box.low) + kMargin * distance;
+  if (!(distance > radius)) return 0;
+  return std::max(0.0, std::atan2(glm::length(glm::cross(direction, to)), glm::dot(direction, to)) -
+                           std::asin(radius / distance) - kMargin);
+}
+
+void count(std::size_t* compared) {
+  if (compared) ++*compared;
 }
 
 bool isFinite(glm::dvec3 v) {
@@ -69,9 +83,18 @@ Ray rayOf(const Pose& aim) {
   return {aim.position, viewAxis(aim)};
 }
 
-std::optional<std::size_t> pointedSpot(const std::vector<Spot>& spots, const Ray& ray, glm::dvec3 up,
-                                       double photographHeight, std::optional<std::size_t> held,
-                                       const PointingSettings& settings) {
+Spots::Spots(std::vector<Spot> spots) : spots_(std::move(spots)) {
+  std::vector<std::uint32_t> finite;
+  for (std::uint32_t i = 0; i < spots_.size(); ++i)
+    if (isFinite(spots_[i].position)) finite.push_back(i);
+  tree_ = makeBoxTree(std::move(finite), [this](std::uint32_t i) {
+    return Box{spots_[i].position, spots_[i].position};
+  });
+}
+
+std::optional<std::size_t> pointedSpot(const Spots& spots, const Ray& ray, glm::dvec3 up, double photographHeight,
+                                       std::optional<std::size_t> held, const PointingSettings& settings,
+                                       std::size_t* compared) {
   const double length = glm::length(ray.direction);
   if (!isFinite(ray.origin) || !std::isfinite(length) || !(length > 0)) return std::nullopt;
   const glm::dvec3 direction = ray.direction / length;
@@ -79,29 +102,77 @@ std::optional<std::size_t> pointedSpot(const std::vector<Spot>& spots, const Ray
     return std::min(angleTo(ray, direction, spot.position, settings.minDistance),
                     angleTo(ray, direction, groundOf(spot, up, photographHeight), settings.minDistance));
   };
-  std::vector<double> angles(spots.size());
-  std::ranges::transform(spots, angles.begin(), angle);
-  const auto best = std::ranges::min_element(angles);
-  if (best == angles.end()) return std::nullopt;
-  if (held && *held < spots.size() && angles[*held] <= settings.cone + settings.hold &&
-      angles[*held] <= *best + settings.hold)
-    return held;
+  const auto boxAngle = [&](const Box& box) {
+    return std::min(angleTo(ray, direction, box, glm::dvec3(0)), angleTo(ray, direction, box, -photographHeight * up));
+  };
+  double best = settings.cone;  // angles beyond the cone decide nothing
+  searchBoxes(spots.tree(), best, boxAngle, [&](std::uint32_t i) {
+    count(compared);
+    return best = std::min(best, angle(spots[i]));
+  });
+  if (held && *held < spots.size())
+    if (const double now = angle(spots[*held]); now <= settings.cone + settings.hold && now <= best + settings.hold)
+      return held;
   std::optional<std::size_t> nearest;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < spots.size(); ++i)
-    if (const double distance = glm::distance(spots[i].position, ray.origin);
-        angles[i] <= std::min(*best + settings.tie, settings.cone) && distance < least) {
+  const double maxAngle = std::min(best + settings.tie, settings.cone);
+  const auto boxDistance = [&](const Box& box) {
+    return boxAngle(box) > maxAngle ? std::numeric_limits<double>::infinity()
+                                    : (1 - kMargin) * distanceToBox(box, ray.origin);
+  };
+  searchBoxes(spots.tree(), std::numeric_limits<double>::max(), boxDistance, [&](std::uint32_t i) {
+    count(compared);
+    const double distance = glm::distance(spots[i].position, ray.origin);
+    if ((distance < least || (distance == least && i < *nearest)) && angle(spots[i]) <= maxAngle) {
       least = distance;
       nearest = i;
     }
+    return std::min(least, std::numeric_limits<double>::max());
+  });
   return nearest;
 }
 
-std::optional<std::size_t> nearestSpot(const std::vector<Spot>& spots, glm::dvec3 position, glm::dvec3 up) {
-  if (spots.empty()) return std::nullopt;
-  const auto nearest = std::ranges::min_element(
-      spots, {}, [&](const Spot& spot) { return glm::length(level(spot.position - position, up)); });
-  return std::size_t(nearest - spots.begin());
+std::optional<std::size_t> nearestSpot(const Spots& spots, glm::dvec3 position, glm::dvec3 up, std::size_t* compared) {
+  const auto boxDistance = [&](const Box& box) {
+    const glm::dvec3 to = 0.5 * (box.low + box.high) - position;
+    return (1 - kMargin) * (glm::length(level(to, up)) - 0.5 * glm::length(box.high - box.low)) -
+           kMargin * glm::length(to);
+  };
+  std::optional<std::size_t> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  searchBoxes(spots.tree(), least, boxDistance, [&](std::uint32_t i) {
+    count(compared);
+    const double distance = glm::length(level(spots[i].position - position, up));
+    if (!nearest || distance < least || (distance == least && i < *nearest)) {
+      least = distance;
+      nearest = i;
+    }
+    return least;
+  });
+  return nearest;
+}
+
+std::size_t nearestSpots(const Spots& spots, glm::dvec3 position, double maxDistance, std::span<SpotDistance> found,
+                         std::size_t* compared) {
+  if (found.empty()) return 0;
+  std::size_t number = 0;  // of spots in `found`, a heap with the farthest first
+  const auto boxDistance = [&](const Box& box) { return (1 - kMargin) * distanceToBox(box, position); };
+  searchBoxes(spots.tree(), maxDistance, boxDistance, [&](std::uint32_t i) {
+    count(compared);
+    const SpotDistance here{glm::distance(spots[i].position, position), i};
+    const auto end = [&] { return found.begin() + std::ptrdiff_t(number); };
+    if (here.distance < maxDistance && number < found.size()) {
+      found[number++] = here;
+      std::push_heap(found.begin(), end());
+    } else if (number == found.size() && here < found.front()) {
+      std::pop_heap(found.begin(), end());
+      found.back() = here;
+      std::push_heap(found.begin(), end());
+    }
+    return number == found.size() ? found.front().distance : maxDistance;
+  });
+  std::sort_heap(found.begin(), found.begin() + std::ptrdiff_t(number));
+  return number;
 }
 
 SpotMap mapOf(const std::vector<Spot>& spots, glm::dvec3 up) {

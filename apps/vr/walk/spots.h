@@ -3,8 +3,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "shared/camera/box_tree.h"
 #include "vr/walk/tracking.h"
 
 namespace ibr::app {
@@ -20,6 +22,24 @@ struct Spot {
 /// the median distance between spots. They also do if distances are clearly of two kinds, both frequent and a factor of
 /// 100 apart, as with exposure brackets. `up` is unit.
 std::vector<Spot> spotsOf(const std::vector<Pose>& cameras, glm::dvec3 up);
+
+/// All spots of a scene, and a tree over their positions: searches hardly depend on the number of spots. Searches
+/// ignore spots that are not finite.
+class Spots {
+ public:
+  Spots() = default;
+  explicit Spots(std::vector<Spot> spots);
+
+  bool empty() const noexcept { return spots_.empty(); }
+  std::size_t size() const noexcept { return spots_.size(); }
+  const Spot& operator[](std::size_t spot) const noexcept { return spots_[spot]; }
+  const std::vector<Spot>& all() const noexcept { return spots_; }
+  const BoxTree& tree() const noexcept { return tree_; }  // of the spots' positions
+
+ private:
+  std::vector<Spot> spots_;
+  BoxTree tree_;
+};
 
 /// Ground below a spot; its cameras are `photographHeight` (world units) above the ground.
 glm::dvec3 groundOf(const Spot& spot, glm::dvec3 up, double photographHeight);
@@ -46,13 +66,26 @@ struct PointingSettings {
 };
 
 /// Returns the spot that a ray points at: by its mark on the ground or its cameras, whichever is closer to the ray in
-/// angle. `held`: the current spot. nullopt: none within the cone, or the ray is not finite.
-std::optional<std::size_t> pointedSpot(const std::vector<Spot>& spots, const Ray& ray, glm::dvec3 up,
-                                       double photographHeight, std::optional<std::size_t> held = std::nullopt,
-                                       const PointingSettings& settings = {});
+/// angle. `held`: the current spot. nullopt: none within the cone, or the ray is not finite. `compared`: increased by
+/// the number of spots that the search compared.
+std::optional<std::size_t> pointedSpot(const Spots& spots, const Ray& ray, glm::dvec3 up, double photographHeight,
+                                       std::optional<std::size_t> held = std::nullopt,
+                                       const PointingSettings& settings = {}, std::size_t* compared = nullptr);
 
 /// Returns the horizontally nearest spot; nullopt if there are none.
-std::optional<std::size_t> nearestSpot(const std::vector<Spot>& spots, glm::dvec3 position, glm::dvec3 up);
+std::optional<std::size_t> nearestSpot(const Spots& spots, glm::dvec3 position, glm::dvec3 up,
+                                       std::size_t* compared = nullptr);
+
+struct SpotDistance {
+  double distance = 0;  // world units
+  std::uint32_t spot = 0;
+  auto operator<=>(const SpotDistance&) const = default;
+};
+
+/// Finds the spots nearest to a position, closer than `maxDistance` (world units). Writes at most found.size() of them,
+/// nearest first, and returns their number.
+std::size_t nearestSpots(const Spots& spots, glm::dvec3 position, double maxDistance, std::span<SpotDistance> found,
+                         std::size_t* compared = nullptr);
 
 /// Map seen from above: x to the right, y down, both 0 to 1, with equal scale.
 struct SpotMap {

@@ -108,6 +108,24 @@ TEST_CASE("the picture writer runs on another thread, and waits only for a full 
   CHECK(elsewhere);
 }
 
+TEST_CASE("the picture writer's first result is available while other jobs wait") {
+  std::counting_semaphore<100> allowed(0);
+  PictureWriter writer;
+  CHECK(writer.waitForResults().empty());  // without jobs
+  for (int i = 0; i < 3; ++i)
+    writer.add({.name = "slow", .write = [&allowed, i] {
+                  allowed.acquire();
+                  return std::vector<fs::path>{std::to_string(i)};
+                }});
+  for (int i = 0; i < 3; ++i) {
+    allowed.release();
+    const std::vector<PictureResult> results = writer.waitForResults();
+    REQUIRE(results.size() == 1);
+    CHECK(results[0].files == std::vector<fs::path>{std::to_string(i)});
+  }
+  CHECK(writer.waitForResults().empty());
+}
+
 TEST_CASE("the picture writer reports errors with the file's name, and continues") {
   TemporaryFolder folder;
   std::ofstream(folder / "file").put('\n');
