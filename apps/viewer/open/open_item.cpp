@@ -91,7 +91,7 @@ bool OpenItem::canAlign() {
   if (hasAnchors) return true;
   if (!aligned.isRunning())
     aligned = Background<SceneBounds>(
-        [&place = *scene](const std::stop_token& stop) { return sceneBounds(place, true, stop); });
+        [&place = *scene](const std::stop_token& stop) { return ibr::sceneBounds(place, true, stop); });
   if (!aligned.isReady()) return false;
   sceneBounds.anchors = aligned.take().anchors;
   return hasAnchors = true;
