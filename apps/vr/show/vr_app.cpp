@@ -9,6 +9,7 @@
 #include "base/stopwatch.h"
 #include "base/vulkan/submit.h"
 #include "ibr/error.h"
+#include "shared/cli/folders.h"
 #include "shared/cli/signals.h"
 #include "vr/show/vr_capture.h"
 
@@ -45,6 +46,7 @@ VrApp::VrApp(VrState& state)
                                  ? "STAGE space: floor of the room"
                                  : fmt::format("LOCAL space: initial eye height {:.2f} m", state.eyeHeight));
   for (auto& capture : captures_) capture = std::make_unique<Capture>(device_);
+  for (const std::filesystem::path& scene : options().places) menuModel_.scenes.push_back(folderName(scene));
   makeMirror();
   beginLoading();
 }
