@@ -73,6 +73,7 @@ OpenItem openItem(const fs::path& path, const std::stop_token& stop) {
   for (const Pose& pose : poses) item.bounds.positions.push_back(pose.position);
   item.bounds.neighbours = item.scene ? cellNeighbours(*item.scene) : nearNeighbours(poses, 3);
   item.bounds.radius = item.step;
+  addIndex(item.bounds);
   item.map = mapOf(item.viewpoints);
   item.navigation.up = upOf(poses).value_or(glm::dvec3(0, 1, 0));
   item.navigation.speed = initialSpeed(poses);
