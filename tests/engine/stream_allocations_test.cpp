@@ -4,12 +4,15 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/vulkan/submit.h"
 #include "faults/small_place.h"
+#include "lab/generate/photograph_field.h"
 #include "reference/grid_walk.h"
+#include "render/resident/gpu_scene_state.h"
 #include "support/allocation_count.h"
 #include "support/gpu.h"
 #include "support/vulkan_replacement.h"
@@ -71,6 +74,10 @@ IBR_ALLOCATES(vkCreateImage, VkResult,
               (device, info, allocation, image))
 IBR_ALLOCATES(vkDestroyImage, void, (VkDevice device, VkImage image, const VkAllocationCallbacks* allocation),
               (device, image, allocation))
+IBR_ALLOCATES(vkCreateBuffer, VkResult,
+              (VkDevice device, const VkBufferCreateInfo* info, const VkAllocationCallbacks* allocation,
+               VkBuffer* buffer),
+              (device, info, allocation, buffer))
 IBR_ALLOCATES(vkCreateDescriptorPool, VkResult,
               (VkDevice device, const VkDescriptorPoolCreateInfo* info, const VkAllocationCallbacks* allocation,
                VkDescriptorPool* pool),
@@ -82,6 +89,9 @@ IBR_RECORDS(vkCmdCopyBufferToImage,
             (VkCommandBuffer commands, VkBuffer from, VkImage to, VkImageLayout layout, std::uint32_t count,
              const VkBufferImageCopy* regions),
             (commands, from, to, layout, count, regions))
+IBR_RECORDS(vkCmdCopyBuffer,
+            (VkCommandBuffer commands, VkBuffer from, VkBuffer to, std::uint32_t count, const VkBufferCopy* regions),
+            (commands, from, to, count, regions))
 IBR_RECORDS(vkUpdateDescriptorSets,
             (VkDevice device, std::uint32_t writeCount, const VkWriteDescriptorSet* writes, std::uint32_t copyCount,
              const VkCopyDescriptorSet* copies),
@@ -109,10 +119,21 @@ Scene twoSizes(int side) {
 TEST_CASE("frames that stream allocate neither host nor device memory") {
   REQUIRE(installed);
   constexpr int kSide = 12;
-  const Scene scene = twoSizes(kSide);
+  const bool streamsMeshes = GENERATE(false, true);
+  const Scene scene = streamsMeshes ? photographField(kSide, 256, {}) : twoSizes(kSide);
+  const std::uint64_t budget = streamsMeshes ? 20 * kMiB : 8 * kMiB;
   const SceneBounds bounds = sceneBounds(scene);
-  GpuScene gpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .stagingBytes = 1 * kMiB});
+  const std::thread::id framesThread = std::this_thread::get_id();
+  std::atomic<bool> readsHere = false;  // on the thread of the frame, after the constructor
+  std::atomic<bool> opened = false;
+  const TextureSource source = [&](const Scene& of, std::size_t node, int firstLevel) {
+    if (opened && std::this_thread::get_id() == framesThread) readsHere = true;
+    return Colours{}(of, node, firstLevel);
+  };
+  GpuScene gpuScene(testDevice(), scene, {.source = source, .budgetBytes = budget, .stagingBytes = 1 * kMiB});
+  opened = true;
   REQUIRE(gpuScene.needsStreaming());
+  REQUIRE(stateOf(gpuScene).meshes.streams() == streamsMeshes);
   std::uint64_t number = 0, uploaded = 0;
   std::size_t host = 0;  // allocations in stream()
   int onDevice = 0;
@@ -142,6 +163,7 @@ TEST_CASE("frames that stream allocate neither host nor device memory") {
   CHECK(allDeviceAllocations > before);  // on other threads
   CHECK(host == 0);
   CHECK(onDevice == 0);
+  CHECK_FALSE(readsHere);
 
   {  // the counters count
     std::vector<char> made;
@@ -151,7 +173,7 @@ TEST_CASE("frames that stream allocate neither host nor device memory") {
     CHECK(host == 1);
   }
   {
-    GpuScene synchronous(testDevice(), scene, {.source = Colours{}, .budgetBytes = 8 * kMiB, .readerThreads = 0});
+    GpuScene synchronous(testDevice(), scene, {.source = Colours{}, .budgetBytes = budget, .readerThreads = 0});
     gpuScene = std::move(synchronous);
     number = 0;
     frame(0);

@@ -10,7 +10,7 @@
 #include "base/vulkan/functions.h"
 #include "command_buffers.h"
 #include "gpu/transfer/readback.h"
-#include "gpu/transfer/staging_ring.h"
+#include "gpu/transfer/staging_pool.h"
 #include "gpu/transfer/upload.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
@@ -329,40 +329,48 @@ TEST_CASE("uploads that were not flushed are dropped, with and without Uploads")
   CHECK(readBuffer(testDevice(), buffer) == expected);
 }
 
-TEST_CASE("a staging ring gives its bytes to one frame after another") {
-  StagingRing ring(testDevice(), 256);
-  CHECK(ring.freeBytes() == 256);
-  for (int i = 0; i < 8; ++i) CHECK(ring.allocate(20, 1).offset == VkDeviceSize(32 * i));  // aligned pieces
-  CHECK(ring.freeBytes() == 0);
-  ring.release(0);
-  CHECK(ring.freeBytes() == 0);
-  ring.release(1);
-  CHECK(ring.freeBytes() == 256);
-  CHECK(ring.allocate(160, 2).offset == 0);
-  CHECK(ring.allocate(64, 3).offset == 160);
-  ring.release(2);
-  CHECK(ring.freeBytes() == 160);  // before the piece of frame 3; there are 32 bytes behind it
-  const StagingRing::Piece piece = ring.allocate(48, 4);
-  CHECK(piece.offset == 0);
-  CHECK(piece.memory.size() == 48);
-  CHECK(ring.freeBytes() == 112);
-  ring.release(3);
-  CHECK(ring.freeBytes() == 208);
-  ring.release(4);
-  CHECK(ring.freeBytes() == 256);
+TEST_CASE("a staging pool gives pieces that do not overlap, and has no room where they fill it") {
+  StagingPool pool(testDevice(), 256, 16);
+  std::vector<StagingPool::Piece> pieces;
+  for (int i = 0; i < 8; ++i) {
+    pieces.push_back(pool.take(20).value());
+    CHECK(pieces.back().offset == VkDeviceSize(32 * i));  // aligned pieces
+    CHECK(pieces.back().memory.size() == 20);
+  }
+  CHECK_FALSE(pool.take(1));
+  pool.release(pieces[2]);
+  pool.release(pieces[5]);
+  CHECK_FALSE(pool.take(33));
+  pool.release(pieces[3]);
+  CHECK(pool.take(64).value().offset == 64);
+  CHECK(pool.take(32).value().offset == 160);
+  CHECK_FALSE(pool.take(1));
 }
 
-TEST_CASE("a staging ring has no room where too many frames use it") {
-  StagingRing ring(testDevice(), 1 << 20);
-  std::uint64_t frame = 0;
-  while (ring.freeBytes() > 0) ring.allocate(16, ++frame);
-  CHECK(frame == 64);
-  ring.release(1);
-  CHECK(ring.freeBytes() > 0);
-  ring.allocate(16, ++frame);
-  CHECK(ring.freeBytes() == 0);
-  ring.release(frame);
-  CHECK(ring.freeBytes() == 1 << 20);
+TEST_CASE("a staging pool frees the pieces of a frame once the frame has finished") {
+  StagingPool pool(testDevice(), 256, 16);
+  const StagingPool::Piece first = pool.take(128).value(), second = pool.take(64).value();
+  const StagingPool::Piece third = pool.take(64).value();
+  pool.releaseAfter(second, 4);
+  pool.releaseAfter(first, 5);
+  pool.release(3);
+  CHECK_FALSE(pool.take(1));
+  pool.release(4);
+  CHECK_FALSE(pool.take(65));
+  CHECK(pool.take(64).value().offset == 128);
+  pool.release(100);  // the third and the fourth piece were not released
+  CHECK(pool.take(128).value().offset == 0);
+  CHECK_FALSE(pool.take(1));
+  pool.release(third);
+  CHECK(pool.take(64).value().offset == 192);
+}
+
+TEST_CASE("a staging pool has no room where too many pieces are in use") {
+  StagingPool pool(testDevice(), 1 << 20, 3);
+  for (int i = 0; i < 3; ++i) pool.releaseAfter(pool.take(16).value(), 1);
+  CHECK_FALSE(pool.take(16));
+  pool.release(1);
+  CHECK(pool.take(1 << 20).value().offset == 0);
 }
 
 TEST_CASE("uploads of another device are refused") {

@@ -16,7 +16,7 @@
 #include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "reference/grid_walk.h"
-#include "render/resident/wanted_nodes.h"
+#include "render/resident/wanted_items.h"
 #include "support/error_of.h"
 #include "support/gate.h"
 #include "support/gpu.h"
@@ -138,11 +138,9 @@ TEST_CASE("the most urgent photographs of the last frame are read first, and tho
   CHECK(walker.streamed.queued == 4);
   CHECK(hand.jobs.size() == 1);  // it runs all queued jobs
   hand.runAll();
-  std::vector<std::vector<std::uint32_t>> cells;
-  for (const Cell& cell : scene.cells) cells.push_back(cell.members);
-  WantedNodes wanted(cells, scene.nodes.size());
+  WantedItems wanted(scene, std::vector<bool>(StreamItems(scene).count(), false));
   wanted.update(here, 4);
-  CHECK(reads.nodes() == std::vector<std::size_t>(wanted.nodes().begin(), wanted.nodes().begin() + 4));
+  CHECK(reads.nodes() == std::vector<std::size_t>(wanted.items().begin(), wanted.items().begin() + 4));
 }
 
 TEST_CASE("photographs that were read in vain are read again when they are needed") {

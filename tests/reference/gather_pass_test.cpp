@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vote and gather on a device: comparison with the reference implementation (promise P9), and other relations.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -10,7 +11,10 @@
 #include "base/vulkan/submit.h"
 #include "gpu/transfer/readback.h"
 #include "ibr/metrics.h"
+#include "image/half_float.h"
 #include "reference/gather_device.h"
+#include "render/resident/depth_textures.h"
+#include "render/resident/gpu_scene_state.h"
 #include "shared/gather.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
@@ -390,11 +394,74 @@ TEST_CASE("gather pass: with a budget the image is the same once its photographs
       state = streamed.gpuScene().stream(commands, plan, frame, frame - 1);
     });
   } while (state.waiting > 0 && frame < 100);
-  CHECK(state.needed == 3);
-  CHECK(streamed.gpuScene().memory().sum() <= all);
+  CHECK(state.needed >= 3 + 3);  // photographs and depth textures
+  CHECK(streamed.gpuScene().memory().sum() < all);
   const Image8 image = streamed.image(plan);
   if (state.overBudget == 0) CHECK(image == whole.image(plan));
   CHECK(psnr(image, whole.image(plan)) > 25);
+}
+
+TEST_CASE("gather pass: with streamed depth textures and meshes the image is the same once they are loaded") {
+  GatherOptions options = wallOptions();
+  const std::vector<Camera> cameras = options.cameras;
+  for (int i = 1; i < 4; ++i)
+    for (Camera camera : cameras) {
+      camera.pose.position.x += 0.05 * i;
+      options.cameras.push_back(camera);
+    }
+  options.gridStep = 4;
+  const GatherStage stage = gatherStage(options);
+  const OnDevice whole(stage);
+  const std::uint64_t budget = whole.memory().sum() * 3 / 5;
+  OnDevice streamed(stage, budget);
+  const GpuScene::State& state = stateOf(streamed.gpuScene());
+  REQUIRE(state.meshes.streams());
+  REQUIRE(state.textures->streams());
+  CHECK(state.streamer->isStreamed(state.loader.items().depth(0)));
+  std::uint64_t frame = 0;
+  for (const std::uint32_t first : {0u, 9u, 3u}) {  // groups of three photographs
+    FramePlan plan = stage.plan(kBetween);
+    plan.photographs = {plan.photographs.begin() + first, plan.photographs.begin() + first + 3};
+    GpuScene::StreamStatus status;
+    do {
+      ++frame;
+      submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+        status = streamed.gpuScene().stream(commands, plan, frame, frame - 1);
+      });
+      CHECK(streamed.gpuScene().memory().sum() <= budget);
+    } while (status.waiting > 0);
+    CHECK(status.needed == 9);  // photographs, depth textures, meshes
+    CHECK(status.overBudget == 0);
+    for (const PlannedPhotograph& photograph : plan.photographs)
+      CHECK_FALSE(state.backdrops[photograph.backdrop].place.isStandIn);
+    CHECK(streamed.image(plan) == whole.image(plan));
+  }
+}
+
+TEST_CASE("gather pass: a reduced depth texture has the largest inverse distance of each block") {
+  Texture depth;
+  depth.format = TextureFormat::rg16f;
+  depth.width = 5;
+  depth.height = 3;
+  std::vector<std::byte>& bytes = depth.levels.emplace_back(5 * 3 * 4);
+  const auto put = [&](int x, int y, float rho, float consensus) {
+    const std::array<std::uint16_t, 2> texel{toHalf(rho), toHalf(consensus)};
+    std::memcpy(&bytes[std::size_t(y * 5 + x) * 4], texel.data(), 4);
+  };
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 5; ++x) put(x, y, 0.01f * float(1 + x + 5 * y), 0.5f);
+  put(1, 0, 0.75f, 0.25f);
+  const Texture half = reducedDepth(depth, 1), one = reducedDepth(depth, 5);
+  const auto texelOf = [](const Texture& of, std::size_t index) {
+    std::array<std::uint16_t, 2> texel;
+    std::memcpy(texel.data(), &of.levels[0][index * 4], 4);
+    return texel;
+  };
+  REQUIRE((half.width == 2 && half.height == 1));
+  CHECK(texelOf(half, 0) == std::array{toHalf(0.75f), toHalf(0.25f)});
+  CHECK(texelOf(half, 1) == std::array{toHalf(0.15f), toHalf(0.5f)});
+  REQUIRE((one.width == 1 && one.height == 1));
+  CHECK(texelOf(one, 0) == std::array{toHalf(0.75f), toHalf(0.25f)});
 }
 
 TEST_CASE("gather pass: memory of the gather is counted only with a gather") {

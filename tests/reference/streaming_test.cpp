@@ -129,7 +129,7 @@ TEST_CASE("a stand-in is shown while a photograph loads, and the main cell's mem
     const GpuScene::State& state = stateOf(walker.gpuScene);
     missing.push_back(walker.streamed.waiting + walker.streamed.overBudget);
     const Shares shares = sharesOf(picture, node);
-    const bool there = state.photographs->at(std::uint32_t(node)).view != VK_NULL_HANDLE && shares.own > 0.99;
+    const bool there = state.textures->at(std::uint32_t(node)).view != VK_NULL_HANDLE && shares.own > 0.99;
     CHECK((there || shares.standIn > 0.99));
     if (missing.size() > 3) CHECK(there);  // a member of the main cell
     CHECK(walker.streamed.uploadedBytes <= 3 * kMiB);
@@ -277,29 +277,27 @@ TEST_CASE("photographs are requested in the plan's order, then from neighbouring
   FramePlan plan;
   plan.cells = {{.cell = 8}, {.cell = 0}};
   plan.previous = {{.cell = 31}};
-  std::vector<std::vector<std::uint32_t>> cells;
-  for (const Cell& cell : scene.cells) cells.push_back(cell.members);
-  WantedNodes wanted(cells, scene.nodes.size());
+  WantedItems wanted(scene, std::vector<bool>(StreamItems(scene).count(), false));
   wanted.update(plan, 100);
   const auto& members = [&](std::size_t cell) -> const std::vector<std::uint32_t>& {
     return scene.cells[cell].members;
   };
   // Cells 8 and 0 share a photograph.
   REQUIRE(wanted.needed() == 8);
-  CHECK(std::vector(wanted.nodes().begin(), wanted.nodes().begin() + 8) ==
+  CHECK(std::vector(wanted.items().begin(), wanted.items().begin() + 8) ==
         std::vector<std::uint32_t>{5, 6, 10, 0, 1, 19, 24, 23});
-  REQUIRE(wanted.nodes().size() == 25);
+  REQUIRE(wanted.items().size() == 25);
   // Nodes of cells that touch the main cell come before all others.
   std::vector<bool> near(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     if (std::ranges::any_of(cell.members, [&](auto m) { return std::ranges::find(members(8), m) != members(8).end(); }))
       for (const std::uint32_t m : cell.members) near[m] = true;
   bool left = false;
-  for (std::size_t i = 8; i < wanted.nodes().size(); ++i) {
-    CHECK_FALSE((left && near[wanted.nodes()[i]]));
-    left |= !near[wanted.nodes()[i]];
+  for (std::size_t i = 8; i < wanted.items().size(); ++i) {
+    CHECK_FALSE((left && near[wanted.items()[i]]));
+    left |= !near[wanted.items()[i]];
   }
   CHECK(left);
   wanted.update(plan, 0);
-  CHECK(wanted.nodes().size() == 8);
+  CHECK(wanted.items().size() == 8);
 }

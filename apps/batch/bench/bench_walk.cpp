@@ -93,8 +93,8 @@ Json benchWalk(const PhotographBench& bench, const Context& context) {
                 budget > 0 ? fmt::format("; budget {}", bytesText(double(budget))) : "");
   context.print("streamed     {}, at most {} in a frame\n", bytesText(double(walk.uploadedBytes)),
                 bytesText(double(walk.maxUploadedBytes)));
-  context.print("stand-ins    in {} frames; {} % of the photographs that frames need\n", walk.framesWithStandIns,
-                numberText(100 * mean(walk.standIns), 2));
+  context.print("stand-ins    in {} frames; {} % of the photographs and meshes that frames need\n",
+                walk.framesWithStandIns, numberText(100 * mean(walk.standIns), 2));
   context.print("holes        in {} frames; at most {} % of an image\n", walk.framesWithHoles,
                 numberText(100 * *std::ranges::max_element(walk.empty), 3));
   context.print("frame time   median {} ms, of which streaming {} ms; 95 % quantiles {} ms and {} ms\n",

@@ -169,8 +169,8 @@ const char* optionValue(BlendMode blend) {
 
 void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
   addBytes(app, "--vram-budget", options.budgetBytes,
-           "Maximum device memory for the scene, in bytes (K, M, G for 2^10, 2^20, 2^30); photographs are then "
-           "streamed [no limit]");
+           "Maximum device memory for the scene, in bytes (K, M, G for 2^10, 2^20, 2^30); photographs, depth "
+           "textures and meshes that do not fit are streamed [no limit]");
   addChoice<BlockTextureMode>(
       app, "--blocks", options.blocks,
       {{"auto", BlockTextureMode::automatic}, {"keep", BlockTextureMode::keep}, {"decode", BlockTextureMode::decode}},

@@ -170,9 +170,9 @@ void showMemory(PanelInput& input) {
   if (!input.streamed || input.streamed->needed == 0) return;
   const GpuScene::StreamStatus& s = *input.streamed;
   ImGui::Separator();
-  ImGui::Text("%u photographs in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting, s.overBudget,
-              s.failed);
-  ImGui::Text("%u photographs being read, %u queued", s.reading, s.queued);
+  ImGui::Text("%u photographs and meshes in view; %u loading, %u without memory, %u unreadable", s.needed, s.waiting,
+              s.overBudget, s.failed);
+  ImGui::Text("%u being read, %u queued", s.reading, s.queued);
 }
 
 }  // namespace ibr::app

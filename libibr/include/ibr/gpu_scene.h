@@ -10,18 +10,19 @@
 // The filter depends on the device, too. A software device, which spends most of a frame filtering, samples one mip
 // level instead of two.
 //
-// Without a budget, or if all photographs fit into it, all photographs are resident from the start. Otherwise they are
-// streamed. Where needsStreaming() is true, call stream() for each frame before it is recorded:
+// Without a budget, or if the scene fits into it, everything is resident from the start. Otherwise photographs, depth
+// textures and meshes are streamed. Where needsStreaming() is true, call stream() for each frame before it is recorded:
 //
 //   FramePlan plan = planFrame(…);
 //   gpuScene.stream(commandBuffer, plan, frame, completedFrame);
 //   renderer.record(commandBuffer, plan, target);
 //
-// While photographs are streamed, a stand-in of each (at most 64 px) stays resident. It is drawn until the photograph
-// has been loaded.
+// A stand-in of each streamed item stays resident and is drawn until the item has been loaded: a photograph of at most
+// 64 px, a depth texture of at most 16 px, a mesh of at most 64 triangles. Meshes and textures share the budget in
+// proportion to their sizes. Meshes that need at most an eighth of it are all resident.
 //
-// Reader threads read and decode photographs, and allocate and free their device memory. Frames only copy what has been
-// read into staging memory, at most stagingBytes a frame. With GpuSceneOptions::readerThreads 0, stream() does all this
+// Reader threads read and decode textures, convert meshes, write both into staging memory, and allocate and free device
+// memory. Frames only record copies from staging memory. With GpuSceneOptions::readerThreads 0, stream() does all this
 // itself: results then do not depend on timing, as programs without a display need.
 //
 // Threading: one thread at a time uses a GpuScene. GpuScene::stream() and renderers of the scene must not run at the
@@ -80,24 +81,24 @@ inline constexpr std::uint32_t kMaxReaderThreads = 64;
 struct GpuSceneOptions {
   TextureSource source;           // empty: reads the nodes' textureFile, and only the levels that are needed
   std::uint64_t budgetBytes = 0;  // upper limit of the sum of Memory; 0: no limit
-  /// Host memory for uploads, in addition to the budget; at least 1 MiB is used. While streaming, it limits the bytes
-  /// that a frame uploads.
+  /// Host memory for uploads, in addition to the budget; at least 1 MiB and the largest streamed item. While streaming,
+  /// it limits the bytes that are being loaded or uploaded.
   std::uint64_t stagingBytes = std::uint64_t(32) << 20;
-  /// Loads depth textures (Node::depthFile), called with firstLevel 0; empty: reads the nodes' depthFile.
+  /// Loads depth textures (Node::depthFile), called with firstLevel 0, at least twice for each of them; empty: reads
+  /// the nodes' depthFile.
   TextureSource depthSource;
-  bool depth = true;  // loads depth textures, for Composition::gathered and hybrid; they are never streamed
+  bool depth = true;  // loads depth textures, for Composition::gathered and hybrid
   BlockTextureMode blocks = BlockTextureMode::automatic;
   TextureFilter filter = TextureFilter::automatic;
   LogCallback log;  // every reduction of quality, with its reason; called on the thread that uses the GpuScene
   /// Threads of the GpuScene that read and decode, while it is made and while frames are streamed; 0: the calling
-  /// thread does. At most kMaxReaderThreads. Each takes host memory for a photograph; photographs that wait for their
-  /// upload take up to stagingBytes.
+  /// thread does. At most kMaxReaderThreads. Each takes host memory for a photograph.
   std::uint32_t readerThreads = 2;
   JobExecutor executor;  // runs the jobs instead of threads of the GpuScene, at most readerThreads at a time
   /// Cancels the constructor, which then throws Error{cancelled} after at most one read of each thread.
   std::stop_token stop;
   /// Collects the uploads of the constructor instead of submitting and waiting (ibr/uploads.h), stand-ins of streamed
-  /// photographs included. Takes as much host memory as there is to upload; stagingBytes limits one buffer.
+  /// items included. Takes as much host memory as there is to upload; stagingBytes limits one buffer.
   Uploads* uploads = nullptr;
 };
 
@@ -107,7 +108,7 @@ class IBR_API GpuScene {
   /// uploads on the device's queue and waits for them; with GpuSceneOptions::uploads, neither. Photographs that no mesh
   /// shows are left out. Throws Error (io, invalidInput, cancelled, …), and what the sources throw; Error{outOfMemory}
   /// names the smallest possible budget where it is too small. The device must outlive the GpuScene; with a budget, so
-  /// must the scene.
+  /// must the scene, unchanged: jobs read its meshes.
   GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options = {});
   GpuScene(GpuScene&&) noexcept;
   GpuScene& operator=(GpuScene&&) noexcept;
@@ -116,18 +117,18 @@ class IBR_API GpuScene {
   ~GpuScene();
 
   struct StreamStatus {
-    std::uint32_t needed = 0;      // photographs that the plan shows
-    std::uint32_t waiting = 0;     // of these: not loaded yet
-    std::uint32_t overBudget = 0;  // of these: the budget has no room beside more important photographs
+    std::uint32_t needed = 0;      // photographs that the plan shows; its meshes and depth textures if streamed
+    std::uint32_t waiting = 0;     // of these: not loaded yet, drawn as a stand-in, as the next two
+    std::uint32_t overBudget = 0;  // of these: the budget has no room beside more important ones
     std::uint32_t failed = 0;      // of these: cannot be read
     std::uint64_t uploadedBytes = 0;
-    std::uint32_t queued = 0;   // requested photographs, needed or likely to be, that no thread reads yet
-    std::uint32_t reading = 0;  // those that are being read, or that wait for staging memory or for a texture array
+    std::uint32_t queued = 0;   // requested items, needed or likely to be, that no thread loads yet
+    std::uint32_t reading = 0;  // those that are being loaded, or that wait for a texture array
   };
-  /// Requests the photographs that the plan needs, most important first, then those around the main cell by their
-  /// distance in the graph; earlier requests that have not begun are replaced. Records uploads of photographs that have
-  /// been read into the command buffer, outside a render pass. Every plan must be streamed before it is recorded, in
-  /// the same command buffer or one submitted earlier.
+  /// Requests what the plan needs, most important first: a cell's mesh, then its photographs. Then requests what is
+  /// around the main cell by its distance in the graph; earlier requests that have not begun are replaced. Records
+  /// uploads of loaded items into the command buffer, outside a render pass. Every plan must be streamed before it is
+  /// recorded, in the same command buffer or one submitted earlier.
   ///
   /// Reads no files, waits neither for reads nor for the device, and allocates neither host nor device memory. It
   /// allocates for messages, and for descriptor sets where more than 4 frames are in flight. With readerThreads 0 it
@@ -136,18 +137,19 @@ class IBR_API GpuScene {
   /// Frames are numbered from 1 upwards. `completedFrame`: the device has finished this frame and all before it (0:
   /// none). If a frame's commands are never submitted, use its number again for the next call.
   ///
-  /// Does not throw Error, except Error{outOfMemory} for lack of descriptor sets. A photograph that cannot be read
-  /// keeps its stand-in. If the device has less memory than the budget, the budget is lowered. Both are logged, by this
+  /// Does not throw Error, except Error{outOfMemory} for lack of descriptor sets. A texture that cannot be read keeps
+  /// its stand-in. If the device has less memory than the budget, the budget is lowered. Both are logged, by this
   /// call.
   StreamStatus stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
                       std::uint64_t completedFrame);
 
-  /// True if frames need stream(): photographs are streamed, or the gather binds textures frame by frame. Neither
+  /// True if frames need stream(): items are streamed, or the gather binds textures frame by frame. Neither
   /// waits nor allocates.
   bool needsStreaming() const noexcept;
 
   struct Memory {
-    std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;  // bytes allocated on the device
+    // Bytes allocated on the device. Streamed meshes share one buffer, which counts as positions.
+    std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;
     std::uint64_t sum() const noexcept { return positions + indices + textures + depth; }
   };
   /// Memory at this moment; reader threads may change it. Neither waits nor allocates.
@@ -160,10 +162,10 @@ class IBR_API GpuScene {
   std::unique_ptr<State> state_;
 };
 
-/// Streams until all photographs of the plan are on the device, as far as the budget allows: for single images. Reads
+/// Streams until everything that the plan shows is on the device, as far as the budget allows: for single images. Reads
 /// files, allocates, submits on the device's queue and waits for all of these. `frame`: number of the scene's last
 /// frame, 0 before the first one; is increased. All frames must have finished. No effect where needsStreaming() is
-/// false. Throws Error: io if photographs cannot be read; deviceLost, outOfMemory.
+/// false. Throws Error: io if textures cannot be read; deviceLost, outOfMemory.
 IBR_API void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std::uint64_t& frame);
 
 }  // namespace ibr

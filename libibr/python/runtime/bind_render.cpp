@@ -104,7 +104,7 @@ void bindRender(py::module_& module) {
       module, "Renderer",
       "A scene on a device, and its pictures as arrays. `size` is the largest width and height of a picture, px. "
       "Pictures of other settings than `settings` are possible as far as the renderer was made for them. `device` is a "
-      "Device or its selector. budget_bytes limits the scene's device memory (0: no limit); photographs are then "
+      "Device or its selector. budget_bytes limits the scene's device memory (0: no limit); what does not fit is "
       "streamed. Thread-safe; calls release the interpreter's lock. Arrays own their memory.")
       .def(py::init(&makeRenderer), py::arg("scene").none(false), py::arg("size"), py::arg("settings") = py::none(),
            py::kw_only(), py::arg("stereo") = false, py::arg("buffers") = false, py::arg("device") = "",

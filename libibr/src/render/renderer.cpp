@@ -362,7 +362,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       for (const DrawItem& item : list.all()) {
         if (item.hidden) continue;
         ++counters.draws;
-        counters.triangles += item.mesh->indices.count / 3;
+        counters.triangles += item.mesh->place.indices.count / 3;
       }
     }
   }

@@ -17,7 +17,7 @@ namespace {
 class Device {
  public:
   Device(std::vector<Residency::Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budget)
-      : residency(classes, classOf, budget),
+      : residency(classes, classOf, {budget}),
         classes_(std::move(classes)),
         classOf_(std::move(classOf)),
         budget_(budget) {}
@@ -31,24 +31,24 @@ class Device {
       if (!step) break;
       if (step->kind == Step::Kind::makeArray) {
         REQUIRE_FALSE(arrays_.contains(step->array));
-        arrays_[step->array] = {step->photographClass, 0};
+        arrays_[step->array] = {step->itemClass, 0};
       } else if (step->kind == Step::Kind::freeArray) {
         REQUIRE(arrays_.contains(step->array));
         REQUIRE(arrays_[step->array].lastFrame <= completed);
         arrays_.erase(step->array);
       } else {
         REQUIRE(arrays_.contains(step->array));
-        REQUIRE(step->layer < classes_[arrays_[step->array].photographClass].layersPerArray);
+        REQUIRE(step->layer < classes_[arrays_[step->array].itemClass].layersPerArray);
         // No unfinished frame may use the photograph that is in the slot.
         const std::pair slot{step->array, step->layer};
         REQUIRE(layerUse_[slot] <= completed);
         layerUse_[slot] = arrays_[step->array].lastFrame = number;
-        residency.finishLoad(step->photograph);
+        residency.finishLoad(step->item);
         ++loaded;
         --loads;
       }
       std::uint64_t bytes = 0;
-      for (const auto& [array, of] : arrays_) bytes += classes_[of.photographClass].arrayBytes;
+      for (const auto& [array, of] : arrays_) bytes += classes_[of.itemClass].arrayBytes;
       REQUIRE(bytes == residency.arrayBytes());
       REQUIRE(bytes <= budget_);
     }
@@ -73,7 +73,7 @@ class Device {
 
  private:
   struct PageOf {
-    std::uint32_t photographClass;
+    std::uint32_t itemClass;
     std::uint64_t lastFrame;
   };
   std::vector<Residency::Class> classes_;
@@ -190,18 +190,18 @@ TEST_CASE("memory moves between classes, and no texture array is freed in vain")
 }
 
 TEST_CASE("unstreamed and unreadable photographs and a refused allocation are handled") {
-  Residency residency({{100, 2}}, {Residency::kNone, 0, 0, 0, 0}, 1000);
+  Residency residency({{100, 2}}, {Residency::kNone, 0, 0, 0, 0}, {1000});
   residency.begin(std::vector<std::uint32_t>{0, 1, 2, 3, 4}, 4, 1, 0);
   CHECK(residency.next()->kind == Step::Kind::makeArray);
   auto step = residency.next();
   REQUIRE(step->kind == Step::Kind::load);
-  CHECK(step->photograph == 1);
+  CHECK(step->item == 1);
   residency.failed(1);
   step = residency.next();
-  CHECK(step->photograph == 2);
+  CHECK(step->item == 2);
   residency.finishLoad(2);
   step = residency.next();
-  CHECK(step->photograph == 3);
+  CHECK(step->item == 3);
   residency.finishLoad(3);
   step = residency.next();
   REQUIRE(step->kind == Step::Kind::makeArray);
@@ -214,7 +214,7 @@ TEST_CASE("unstreamed and unreadable photographs and a refused allocation are ha
   residency.begin(std::vector<std::uint32_t>{1, 4}, 2, 2, 1);
   step = residency.next();  // replaces another photograph: the budget is the memory that could be allocated
   REQUIRE(step->kind == Step::Kind::load);
-  CHECK(step->photograph == 4);
+  CHECK(step->item == 4);
   residency.finishLoad(4);
   CHECK(residency.endFrame().failed == 1);
 }
@@ -247,48 +247,48 @@ TEST_CASE("random walks keep the residency rules") {
 }
 
 TEST_CASE("loads use an array before it exists, and are absent again if it cannot be made") {
-  Residency residency({{100, 2}}, ofOneClass(4), 200);
+  Residency residency({{100, 2}}, ofOneClass(4), {200});
   residency.begin(range(0, 4), 4, 1, 0);
   const auto made = residency.next();
   REQUIRE(made->kind == Step::Kind::makeArray);
-  CHECK(residency.next(false)->photograph == 0);
-  CHECK(residency.next(false)->photograph == 1);
+  CHECK(residency.next(false)->item == 0);
+  CHECK(residency.next(false)->item == 1);
   CHECK_FALSE(residency.next(false));  // photograph 2 needs another array
   CHECK(residency.next(true)->kind == Step::Kind::makeArray);
-  CHECK(residency.next(false)->photograph == 2);
+  CHECK(residency.next(false)->item == 2);
   CHECK(residency.endFrame().waiting == 4);
   residency.begin(range(0, 4), 4, 2, 1);
   residency.allocationFailed(made->array);
   CHECK(residency.arrayBytes() == 100);
   residency.finishLoad(2);
   CHECK(residency.slot(2));
-  CHECK(residency.next(false)->photograph == 0);  // into the layer beside photograph 2
-  CHECK_FALSE(residency.next(true));              // the budget was lowered
+  CHECK(residency.next(false)->item == 0);  // into the layer beside photograph 2
+  CHECK_FALSE(residency.next(true));        // the budget was lowered
   const auto counts = residency.endFrame();
   CHECK(counts.waiting == 3);  // 0 is loading, 1 has claimed the layer of 2
   CHECK(counts.overBudget == 1);
 }
 
 TEST_CASE("the layer of a cancelled load is free at once, and the photograph is requested again") {
-  Residency residency({{100, 1}}, ofOneClass(3), 100);
+  Residency residency({{100, 1}}, ofOneClass(3), {100});
   residency.begin(std::vector<std::uint32_t>{0}, 1, 1, 0);
   residency.next();
-  REQUIRE(residency.next()->photograph == 0);
+  REQUIRE(residency.next()->item == 0);
   residency.endFrame();
   residency.begin(std::vector<std::uint32_t>{1, 0}, 1, 2, 0);  // frame 1 is in flight
   CHECK(residency.rank(0) == 1);
   CHECK(residency.rank(2) == Residency::kNone);
   residency.cancel(0);
-  REQUIRE(residency.next()->photograph == 1);
+  REQUIRE(residency.next()->item == 1);
   residency.endFrame();
   residency.begin(std::vector<std::uint32_t>{0}, 1, 3, 0);
   residency.cancel(1);
-  CHECK(residency.next()->photograph == 0);
+  CHECK(residency.next()->item == 0);
 }
 
 TEST_CASE("arrays are used again after they were freed, and their number is bounded") {
-  Residency residency({{100, 2}, {150, 1}}, {0, 0, 0, 1, 1}, 250);
-  CHECK(residency.maxArrays() == 4);
+  Residency residency({{100, 2}, {150, 1}}, {0, 0, 0, 1, 1}, {250});
+  CHECK(residency.maxArrays() == 3);
   std::set<std::uint32_t> arrays;
   for (std::uint64_t frame = 1; frame < 40; ++frame) {
     const auto wanted = frame % 2 ? std::vector<std::uint32_t>{0, 1, 2} : std::vector<std::uint32_t>{3, 4};
@@ -300,7 +300,7 @@ TEST_CASE("arrays are used again after they were freed, and their number is boun
         residency.arrayMade(step->array);
       }
       if (step->kind == Step::Kind::freeArray) CHECK(arrays.erase(step->array) == 1);
-      if (step->kind == Step::Kind::load) residency.finishLoad(step->photograph);
+      if (step->kind == Step::Kind::load) residency.finishLoad(step->item);
     }
     CHECK(residency.endFrame().waiting == 0);
     CHECK(residency.arrayBytes() <= 250);
@@ -314,4 +314,36 @@ TEST_CASE("a claim that is not renewed lapses, also where the frame takes no fur
   CHECK_FALSE(device.residency.slot(2));  // claimed by 0
   device.residency.begin(std::vector<std::uint32_t>{1, 2}, 2, 3, 0);
   CHECK(device.residency.slot(2));
+}
+
+TEST_CASE("groups have budgets of their own, and a full group leaves room to the other") {
+  // Items 0 to 3 are in group 0, items 4 to 7 in group 1.
+  Residency residency({{100, 1, 0}, {10, 1, 1}}, {0, 0, 0, 0, 1, 1, 1, 1}, {100, 30});
+  residency.begin(std::vector<std::uint32_t>{0, 1, 4, 2, 5, 6, 3, 7}, 1, 1, 0);
+  std::vector<std::uint32_t> loaded;
+  while (const auto step = residency.next())
+    if (step->kind == Step::Kind::load) {
+      residency.finishLoad(step->item);
+      loaded.push_back(step->item);
+    }
+  CHECK(loaded == std::vector<std::uint32_t>{0, 4, 5, 6});
+  CHECK(residency.arrayBytes(0) == 100);
+  CHECK(residency.arrayBytes(1) == 30);
+  residency.endFrame();
+  // Arrays of one group are not freed for the other.
+  residency.begin(std::vector<std::uint32_t>{7, 3}, 2, 2, 1);
+  while (const auto step = residency.next()) {
+    CHECK(step->kind == Step::Kind::load);
+    residency.finishLoad(step->item);
+  }
+  CHECK(residency.endFrame().waiting == 0);
+}
+
+TEST_CASE("while arrays of group 0 cannot be made, arrays of the other group can") {
+  Residency residency({{100, 1, 0}, {10, 1, 1}}, {0, 1, 0}, {200, 30});
+  residency.begin(std::vector<std::uint32_t>{1, 0, 2}, 3, 1, 0);
+  REQUIRE(residency.next(false)->kind == Step::Kind::makeArray);
+  CHECK(residency.next(false)->item == 1);
+  CHECK_FALSE(residency.next(false));
+  CHECK(residency.next(true)->itemClass == 0);
 }

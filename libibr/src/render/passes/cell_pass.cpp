@@ -145,7 +145,7 @@ void CellPass::drawEyes(VkCommandBuffer commandBuffer, const PlanDraws& draws, V
 }
 
 void CellPass::bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept {
-  vkCmdBindIndexBuffer(commandBuffer, scene_->indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindIndexBuffer(commandBuffer, scene_->meshes.indices().get(), 0, VK_INDEX_TYPE_UINT32);
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetFrame, 1, &frameSet_, 0,
                           nullptr);
 }
@@ -154,9 +154,9 @@ void CellPass::drawItem(VkCommandBuffer commandBuffer, VkPipelineLayout layout, 
                         std::uint32_t parameter) const noexcept {
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetCell, 1,
                           &item.mesh->photographs, 0, nullptr);
-  const VkBuffer vertices = scene_->vertices.get();
-  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &item.mesh->vertexOffset);
-  vkCmdDrawIndexed(commandBuffer, item.mesh->indices.count, 1, item.mesh->indices.first, 0,
+  const VkBuffer vertices = scene_->meshes.vertices().get();
+  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &item.mesh->place.vertexOffset);
+  vkCmdDrawIndexed(commandBuffer, item.mesh->place.indices.count, 1, item.mesh->place.indices.first, 0,
                    parameter);  // gl_InstanceIndex selects the parameters
 }
 

@@ -173,7 +173,7 @@ void ColourMapPass::count(const PlanDraws& draws, VkExtent2D extent, Renderer::C
   const DrawList& list = draws.list(Order::current, 0);
   const auto again = [&](const DrawItem& item) {
     ++counters.draws;
-    counters.triangles += item.mesh->indices.count / 3;
+    counters.triangles += item.mesh->place.indices.count / 3;
   };
   if (mapping == ColourMapping::ours) {
     for (std::size_t view = 0; view < (eyesShare(plan) ? 1 : plan.views.size()); ++view) {

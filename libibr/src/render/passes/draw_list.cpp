@@ -11,7 +11,7 @@ void fill(DrawList& list, const GpuScene::State& scene, const FramePlan& plan, O
       order == Order::current && plan.settings.order == DrawOrder::ours && plan.settings.overlay != Overlay::overlap;
   forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
     const GpuScene::State::Mesh& mesh = scene.cells[cell.cell];
-    if (mesh.indices.count == 0) return;
+    if (mesh.place.indices.count == 0) return;
     list.items[list.count++] = {&mesh,
                                 cell.view[view],
                                 float(cell.opacity),

@@ -132,13 +132,13 @@ void GatherLayers::record(VkCommandBuffer commands, const FramePlan& plan, VkDes
                                    .pClearValues = clear.data()};
   vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
-  vkCmdBindIndexBuffer(commands, scene_->indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindIndexBuffer(commands, scene_->meshes.indices().get(), 0, VK_INDEX_TYPE_UINT32);
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetGatherView, 1, &viewSet,
                           0, nullptr);
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof constants, &constants);
   for (std::uint32_t k = 0; k < count; ++k) {
     const GpuScene::State::Mesh& mesh = scene_->backdrops[plan.photographs[k].backdrop];
-    const GpuScene::State::IndexRange& range = mesh.indices;
+    const IndexRange& range = mesh.place.indices;
     if (range.count == 0) continue;
     const VkOffset2D corner{std::int32_t(k % std::uint32_t(shader::kGatherColumns) * tile_.width),
                             std::int32_t(k / std::uint32_t(shader::kGatherColumns) * tile_.height)};
@@ -147,8 +147,8 @@ void GatherLayers::record(VkCommandBuffer commands, const FramePlan& plan, VkDes
     const VkRect2D scissor{corner, {constants.voteExtent.x, constants.voteExtent.y}};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
-    const std::array<VkBuffer, 2> buffers{scene_->vertices.get(), scene_->evidence.get()};
-    const std::array<VkDeviceSize, 2> offsets{mesh.vertexOffset, mesh.evidenceOffset};
+    const std::array<VkBuffer, 2> buffers{scene_->meshes.vertices().get(), scene_->meshes.evidence().get()};
+    const std::array<VkDeviceSize, 2> offsets{mesh.place.vertexOffset, mesh.place.evidenceOffset};
     vkCmdBindVertexBuffers(commands, 0, std::uint32_t(buffers.size()), buffers.data(), offsets.data());
     vkCmdDrawIndexed(commands, range.count, 1, range.first, 0, k);
   }

@@ -247,7 +247,7 @@ std::uint32_t GatherPass::dispatchCount(const FramePlan& plan, VkExtent2D extent
 std::uint64_t GatherPass::triangleCount(const GpuScene::State& scene, const FramePlan& plan) noexcept {
   std::uint64_t count = 0;
   for (const PlannedPhotograph& photograph : plan.photographs)
-    count += scene.backdrops[photograph.backdrop].indices.count / 3;
+    count += scene.backdrops[photograph.backdrop].place.indices.count / 3;
   return count;
 }
 

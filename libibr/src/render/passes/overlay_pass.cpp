@@ -65,12 +65,13 @@ OverlayPass::OverlayPass(const Device& device, const CellPass& cells, VkRenderPa
 void OverlayPass::makeSet(const Device& device) {
   const GpuScene::State& scene = cells_->scene();
   const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
-  check(scene.vertices.size() <= most && scene.indices.size() <= most, ErrorCode::unsupported,
+  const Buffer &vertices = scene.meshes.vertices(), &indices = scene.meshes.indices();
+  check(vertices.size() <= most && indices.size() <= most, ErrorCode::unsupported,
         "overlay: vertices of {} bytes or indices of {} bytes exceed the storage buffer limit of {} ({} bytes)",
-        scene.vertices.size(), scene.indices.size(), device.name(), most);
+        vertices.size(), indices.size(), device.name(), most);
   // Bindings that no pipeline reads get an arbitrary buffer.
-  const std::array<VkBuffer, 3> buffers{scene.vertices.get(), scene.indices.get(),
-                                        uncertainties_ ? uncertainties_->get() : scene.vertices.get()};
+  const std::array<VkBuffer, 3> buffers{vertices.get(), indices.get(),
+                                        uncertainties_ ? uncertainties_->get() : vertices.get()};
   std::array<VkDescriptorSetLayoutBinding, buffers.size()> bindings;
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr};
@@ -105,8 +106,8 @@ void OverlayPass::draw(VkCommandBuffer commands, const PlanDraws& draws, Order o
                           nullptr);
   cells_->eachItem(commands, draws, order, view, extent, [&](const DrawItem& item, std::uint32_t parameter) {
     const VkDeviceSize uncertainty = uncertainties_ ? uncertainties_->offset(*item.mesh) / sizeof(float) : 0;
-    const shader::OverlayConstants constants{item.mesh->indices.first,
-                                             std::uint32_t(item.mesh->vertexOffset / 4),
+    const shader::OverlayConstants constants{item.mesh->place.indices.first,
+                                             std::uint32_t(item.mesh->place.vertexOffset / 4),
                                              std::uint32_t(uncertainty),
                                              float(item.rank),
                                              ranks,
@@ -119,7 +120,7 @@ void OverlayPass::draw(VkCommandBuffer commands, const PlanDraws& draws, Order o
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
                             &item.mesh->photographs, 0, nullptr);
     vkCmdPushConstants(commands, layout_.get(), kStages, 0, sizeof constants, &constants);
-    vkCmdDraw(commands, item.mesh->indices.count, 1, 0, parameter);
+    vkCmdDraw(commands, item.mesh->place.indices.count, 1, 0, parameter);
   });
 }
 

@@ -13,6 +13,11 @@ Uncertainties::Uncertainties(Device& device, const Scene& scene, const GpuScene:
     offsets_.push_back(values.size() * sizeof(float));
     values.insert(values.end(), cell.mesh.uncertainty.begin(), cell.mesh.uncertainty.end());
   }
+  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    standInOffsets_.push_back(values.size() * sizeof(float));
+    for (const std::uint32_t point : meshes.meshes.standInPoints(c))
+      values.push_back(scene.cells[c].mesh.uncertainty[point]);
+  }
   const auto bytes = std::as_bytes(std::span(values));
   buffer_ =
       Buffer(device, std::max<VkDeviceSize>(bytes.size(), 4),
@@ -22,7 +27,7 @@ Uncertainties::Uncertainties(Device& device, const Scene& scene, const GpuScene:
 }
 
 VkDeviceSize Uncertainties::offset(const GpuScene::State::Mesh& cell) const noexcept {
-  return offsets_[std::size_t(&cell - meshes_->cells.data())];
+  return (cell.place.isStandIn ? standInOffsets_ : offsets_)[std::size_t(&cell - meshes_->cells.data())];
 }
 
 }  // namespace ibr

@@ -16,14 +16,14 @@ class Uncertainties {
   Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes, Uploader& uploader);
 
   VkBuffer get() const noexcept { return buffer_.get(); }
-  /// Returns the offset of a cell's uncertainties in the buffer, bytes.
+  /// Returns the offset of the uncertainties of a cell's current vertices in the buffer, bytes.
   VkDeviceSize offset(const GpuScene::State::Mesh& cell) const noexcept;
   VkDeviceSize bytes() const noexcept { return buffer_.size(); }
   VkDeviceSize allocatedBytes() const noexcept { return buffer_.allocatedBytes(); }
 
  private:
   const GpuScene::State* meshes_;
-  std::vector<VkDeviceSize> offsets_;  // of the cells
+  std::vector<VkDeviceSize> offsets_, standInOffsets_;  // of the cells
   Buffer buffer_;
 };
 

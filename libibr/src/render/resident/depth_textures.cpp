@@ -2,70 +2,70 @@
 #include "render/resident/depth_textures.h"
 
 #include <algorithm>
-#include <map>
-#include <span>
-#include <utility>
+#include <array>
+#include <cstring>
 
 #include "base/check.h"
-#include "ibr/texture.h"
 #include "image/ktx2_file.h"
-#include "render/resident/read_in_order.h"
-#include "render/resident/texture_arrays.h"
 
 namespace ibr {
 namespace {
 
-Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop) {
-  const Node& from = scene.nodes[node];
-  Texture texture = source ? source(scene, node, 0) : readKtx2(scene.folder / from.depthFile, 0, stop);
-  check(texture.format == TextureFormat::rg16f, ErrorCode::invalidInput, "{}: depth texture has format {}, not rg16f",
-        from.name, textureFormatName(texture.format));
-  check(texture.levels.size() == 1, ErrorCode::invalidInput, "{}: depth texture has {} levels, not 1", from.name,
-        texture.levels.size());
-  return texture;
+void checkDepth(const Node& from, TextureFormat format, std::size_t levels) {
+  check(format == TextureFormat::rg16f, ErrorCode::invalidInput, "{}: depth texture has format {}, not rg16f",
+        from.name, textureFormatName(format));
+  check(levels == 1, ErrorCode::invalidInput, "{}: depth texture has {} levels, not 1", from.name, levels);
 }
 
 }  // namespace
 
-DepthTextures::DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                             const TextureSource& source, Uploader& uploader, JobQueue& jobs,
-                             const std::stop_token& stop)
-    : slots_(scene.nodes.size()) {
-  // A depth texture has a quarter of its photograph's sides, so all may be in memory while they are sorted by size.
-  std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, Texture>>> bySize;
-  readInOrder<Texture>(
-      jobs, nodes.size(), stop,
-      [&](std::size_t i, const std::stop_token& reading) { return readDepth(scene, nodes[i], source, reading); },
-      [&](std::size_t i, Texture texture) {
-        const std::pair size{texture.width, texture.height};
-        bySize[size].emplace_back(nodes[i], std::move(texture));
-      });
-  const std::size_t most = device.properties().limits.maxImageArrayLayers;
-  for (const auto& [size, textures] : bySize)
-    for (std::size_t first = 0; first < textures.size(); first += most) {
-      const std::size_t count = std::min(most, textures.size() - first);
-      const VkExtent2D extent{std::uint32_t(size.first), std::uint32_t(size.second)};
-      const GpuImage& array =
-          arrays_.emplace_back(device,
-                               GpuImageInfo{.format = vulkanFormat(TextureFormat::rg16f),
-                                            .extent = extent,
-                                            .layers = std::uint32_t(count),
-                                            .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                                            .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-                               "depths of photographs");
-      uploader.beginImage(array);
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto& [node, texture] = textures[first + i];
-        uploader.image(array, std::uint32_t(i), 0, extent, std::span(texture.levels[0]));
-        slots_[node] = {array.view(), std::uint32_t(i), scene.nodes[node].depthScale};
-      }
-    }
+glm::ivec2 depthSize(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop) {
+  if (source) {
+    const Texture texture = readDepth(scene, node, source, stop);
+    return {texture.width, texture.height};
+  }
+  const Ktx2Info info = probeKtx2(scene.folder / scene.nodes[node].depthFile);
+  checkDepth(scene.nodes[node], info.format, std::size_t(info.levels));
+  return {info.width, info.height};
 }
 
-std::uint64_t DepthTextures::allocatedBytes() const noexcept {
-  std::uint64_t bytes = 0;
-  for (const GpuImage& array : arrays_) bytes += array.allocatedBytes();
-  return bytes;
+Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop) {
+  const Node& from = scene.nodes[node];
+  Texture texture = source ? source(scene, node, 0) : readKtx2(scene.folder / from.depthFile, 0, stop);
+  checkDepth(from, texture.format, texture.levels.size());
+  return texture;
+}
+
+Texture reducedDepth(const Texture& depth, std::uint32_t level) {
+  using Texel = std::array<std::uint16_t, 2>;  // half floats >= 0 have the order of their bits
+  Texture reduced;
+  reduced.format = depth.format;
+  reduced.width = std::max(1, depth.width >> level);
+  reduced.height = std::max(1, depth.height >> level);
+  reduced.levels.resize(1);
+  const auto texelAt = [](const std::vector<std::byte>& bytes, int width, int x, int y) {
+    Texel texel;
+    std::memcpy(&texel, &bytes[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * sizeof texel], sizeof texel);
+    return texel;
+  };
+  // Blocks cover the texture: where sides are no multiples of the block's, neighbours overlap by a texel.
+  const auto first = [](int at, int side, int of) { return at * of / side; };
+  const auto last = [](int at, int side, int of) { return ((at + 1) * of + side - 1) / side; };
+  for (int y = 0; y < reduced.height; ++y)
+    for (int x = 0; x < reduced.width; ++x) {
+      Texel nearest{};
+      bool any = false;
+      for (int v = first(y, reduced.height, depth.height); v < last(y, reduced.height, depth.height); ++v)
+        for (int u = first(x, reduced.width, depth.width); u < last(x, reduced.width, depth.width); ++u) {
+          const Texel here = texelAt(depth.levels[0], depth.width, u, v);
+          if (any && here[0] <= nearest[0]) continue;
+          nearest = here;
+          any = true;
+        }
+      const auto bytes = std::as_bytes(std::span(nearest));
+      reduced.levels[0].insert(reduced.levels[0].end(), bytes.begin(), bytes.end());
+    }
+  return reduced;
 }
 
 }  // namespace ibr

@@ -1,39 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth textures of photographs on the device (Node::depthFile): layers of array images, one image per size.
+// Depth textures of photographs (Node::depthFile), from their source.
 #pragma once
 
 #include <cstdint>
 #include <stop_token>
-#include <vector>
 
-#include "base/job_queue.h"
-#include "base/vulkan/gpu_image.h"
-#include "gpu/transfer/upload.h"
 #include "ibr/gpu_scene.h"
 
 namespace ibr {
 
-class DepthTextures {
- public:
-  DepthTextures() = default;
-  /// Reads the depth textures of `nodes` in jobs and holds all in memory meanwhile. Throws Error
-  /// (io, cancelled; invalidInput for a texture of another format than rg16f or with several levels).
-  DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
-                const TextureSource& source, Uploader& uploader, JobQueue& jobs, const std::stop_token& stop);
+/// Size of a depth texture: from the header of its file, or from the source. Throws as readDepth().
+glm::ivec2 depthSize(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop);
 
-  struct Sampled {
-    VkImageView view = VK_NULL_HANDLE;
-    std::uint32_t layer = 0;
-    double scale = 0;  // Node::depthScale
-  };
-  /// Precondition: `node` is one of the constructor's nodes.
-  const Sampled& at(std::uint32_t node) const noexcept { return slots_[node]; }
+/// `source` empty: reads the node's depthFile. Throws Error (io, cancelled; invalidInput for a texture of another
+/// format than rg16f or with several levels), and what the source throws.
+Texture readDepth(const Scene& scene, std::uint32_t node, const TextureSource& source, const std::stop_token& stop);
 
-  std::uint64_t allocatedBytes() const noexcept;
-
- private:
-  std::vector<GpuImage> arrays_;
-  std::vector<Sampled> slots_;  // by node
-};
+/// Returns a depth texture of 1/2^`level` of the sides, at least 1: each texel has the largest inverse distance of its
+/// block, since the inverse distance decides occlusion, and the consensus of the same texel.
+Texture reducedDepth(const Texture& depth, std::uint32_t level);
 
 }  // namespace ibr

@@ -38,11 +38,11 @@ void fillSlots(std::span<const VkImageView> views, std::array<VkImageView, kSlot
 
 }  // namespace
 
-GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
-                               const DepthTextures& depths, const std::vector<std::uint32_t>& nodes)
+GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const Scene& scene,
+                               const SceneTextures& textures, const std::vector<std::uint32_t>& nodes)
     : device_(&device),
-      photographs_(&photographs),
-      depths_(&depths),
+      textures_(&textures),
+      items_(scene),
       ends_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE)),
       wraps_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_REPEAT)),
       layout_(makeLayout(device)),
@@ -51,11 +51,13 @@ GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const
   const std::uint32_t most = *std::ranges::max_element(nodes);
   slotOf_.resize(most + 1);
   depthSlotOf_.resize(most + 1);
+  depthScales_.resize(most + 1);
   for (const std::uint32_t node : nodes) {
-    slotOf_[node] = slotOf(views, photographs.at(node).view);
-    depthSlotOf_[node] = slotOf(depthViews, depths.at(node).view);
+    slotOf_[node] = slotOf(views, textures.at(node).view);
+    depthSlotOf_[node] = slotOf(depthViews, textures.at(items_.depth(node)).view);
+    depthScales_[node] = scene.nodes[node].depthScale;
   }
-  bindsFrames_ = photographs.streams() || views.size() > kSlots || depthViews.size() > kSlots;
+  bindsFrames_ = textures.streams() || views.size() > kSlots || depthViews.size() > kSlots;
   photographSlots_ = bindsFrames_ ? kSlots : std::uint32_t(views.size());
   depthSlots_ = bindsFrames_ ? kSlots : std::uint32_t(depthViews.size());
   Slots slots;
@@ -66,12 +68,11 @@ GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const
 
 GatherTextures::TextureSlots GatherTextures::place(std::size_t candidate, std::uint32_t node) const noexcept {
   const auto frameSlot = std::uint32_t(candidate);
-  const DepthTextures::Sampled& depth = depths_->at(node);
   return {.slot = bindsFrames_ ? frameSlot : slotOf_[node],
-          .layer = photographs_->at(node).layer,
+          .layer = textures_->at(node).layer,
           .depthSlot = bindsFrames_ ? frameSlot : depthSlotOf_[node],
-          .depthLayer = depth.layer,
-          .depthScale = depth.scale};
+          .depthLayer = textures_->at(items_.depth(node)).layer,
+          .depthScale = depthScales_[node]};
 }
 
 void GatherTextures::bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame,
@@ -80,8 +81,8 @@ void GatherTextures::bind(std::span<const PlannedPhotograph> photographs, std::u
   Slots slots;
   for (std::size_t s = 0; s < kSlots; ++s) {
     const std::uint32_t node = photographs[s < photographs.size() ? s : 0].node;
-    slots.photographs[s] = photographs_->at(node).view;
-    slots.depths[s] = depths_->at(node).view;
+    slots.photographs[s] = textures_->at(node).view;
+    slots.depths[s] = textures_->at(items_.depth(node)).view;
   }
   bound_ = get(slots, frame, completedFrame);
 }
@@ -114,8 +115,10 @@ void GatherTextures::grow() {
 }
 
 void GatherTextures::forget(VkImageView view) {
-  cache_.forget(
-      [&](const Slots& slots) { return std::ranges::find(slots.photographs, view) != slots.photographs.end(); });
+  cache_.forget([&](const Slots& slots) {
+    return std::ranges::find(slots.photographs, view) != slots.photographs.end() ||
+           std::ranges::find(slots.depths, view) != slots.depths.end();
+  });
 }
 
 }  // namespace ibr

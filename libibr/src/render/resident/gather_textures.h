@@ -16,8 +16,7 @@
 #include "base/vulkan/handle.h"
 #include "ibr/device.h"
 #include "ibr/renderer.h"
-#include "render/resident/depth_textures.h"
-#include "render/resident/resident_photographs.h"
+#include "render/resident/scene_textures.h"
 #include "render/resident/set_cache.h"
 #include "shared/gather.h"
 
@@ -25,9 +24,9 @@ namespace ibr {
 
 class GatherTextures {
  public:
-  /// `nodes`: photographs that can be gathered from; at least one. `photographs` and `depths` must outlive this object.
-  GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
-                 const DepthTextures& depths, const std::vector<std::uint32_t>& nodes);
+  /// `nodes`: photographs that can be gathered from; at least one. Scene and textures must outlive this object.
+  GatherTextures(const Device& device, TextureFilter filter, const Scene& scene, const SceneTextures& textures,
+                 const std::vector<std::uint32_t>& nodes);
 
   struct TextureSlots {
     std::uint32_t slot = 0, layer = 0, depthSlot = 0, depthLayer = 0;
@@ -61,8 +60,8 @@ class GatherTextures {
   void grow();
 
   const Device* device_;
-  const Photographs* photographs_;
-  const DepthTextures* depths_;
+  const SceneTextures* textures_;
+  StreamItems items_;
   SamplerHandle ends_, wraps_;
   DescriptorSetLayoutHandle layout_;
   std::vector<DescriptorPoolHandle> pools_;
@@ -70,6 +69,7 @@ class GatherTextures {
   bool bindsFrames_ = false, isCubic_;
   std::uint32_t photographSlots_ = 1, depthSlots_ = 1;
   std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, if one set serves all frames
+  std::vector<double> depthScales_;                  // by node: Node::depthScale
   VkDescriptorSet bound_ = VK_NULL_HANDLE;
 };
 

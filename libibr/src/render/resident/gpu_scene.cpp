@@ -2,41 +2,20 @@
 #include "render/resident/gpu_scene_state.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
 #include "base/check.h"
 #include "render/photographs/photograph_choice.h"
 #include "render/plan/draw_order.h"
-#include "render/plan/vertex.h"
-#include "shared/gather.h"
+#include "render/resident/stream_log.h"
+#include "render/resident/texture_classes.h"
 
 namespace ibr {
 namespace {
 
-struct Geometry {
-  std::vector<float> vertices;
-  std::vector<std::uint32_t> indices;
-};
-
-void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::Mesh& out) {
-  out.vertexOffset = geometry.vertices.size() * sizeof(float);
-  const std::vector<bool> usable = usablePoints(scene, cell);
-  for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
-    for (std::size_t i = 0; i < cell.members.size(); ++i) {
-      const glm::vec3 q(memberPoint(scene, cell, i, p));
-      geometry.vertices.insert(geometry.vertices.end(), {q.x, q.y, q.z});
-    }
-    geometry.vertices.push_back(cell.mesh.inverseDistance[p]);
-  }
-  out.indices.first = std::uint32_t(geometry.indices.size());
-  for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
-    const glm::uvec3 v = cell.mesh.triangles[t];
-    if (usable[v.x] && usable[v.y] && usable[v.z]) geometry.indices.insert(geometry.indices.end(), {v.x, v.y, v.z});
-  }
-  out.indices.count = std::uint32_t(geometry.indices.size()) - out.indices.first;
-}
+constexpr double kMinMeshShare = 0.125;            // of the budget that meshes may take before they are streamed
+constexpr std::uint64_t kBufferSlack = 64 * 1024;  // bytes by which a device may round up the size of a buffer
 
 bool isPanorama(const Node& node) {
   return node.camera.intrinsics.model == CameraModel::equirectangular;
@@ -54,63 +33,71 @@ std::vector<std::uint32_t> shownNodes(const Scene& scene) {
   return nodes;
 }
 
-// Allocates at least 4 bytes: Vulkan has no empty buffers, and a scene may have no triangles.
-Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* name,
-                 Uploader& uploader) {
-  // The vertex stage of overlays reads vertices and indices as storage buffers.
-  usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-  Buffer buffer(device, std::max<VkDeviceSize>(bytes.size(), 4), usage, MemoryKind::device, name);
-  if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
-  return buffer;
+// Bytes of the budget for the pool of streamed meshes; 0: all meshes are resident. The rest is left to textures.
+std::uint64_t meshPoolBytes(const SceneMeshes& meshes, std::uint64_t budget, std::uint64_t textureBytes,
+                            std::uint64_t minTextureBytes) {
+  const std::uint64_t least = meshes.fixedBytes() + minTextureBytes + kBufferSlack;
+  const std::uint64_t available = budget - std::min(budget, least), streamed = meshes.streamedBytes();
+  const double share = double(streamed) / double(std::max<std::uint64_t>(streamed + textureBytes, 1));
+  const auto forMeshes = std::uint64_t(double(available) * std::max(share, kMinMeshShare));
+  if (forMeshes >= streamed) return 0;
+  check(available >= meshes.largestSlot(), ErrorCode::outOfMemory,
+        "a budget of {} bytes is too small: this scene needs {} bytes even at one pixel per photograph, {} bytes of "
+        "them for stand-ins of meshes and the largest mesh",
+        budget, least + meshes.largestSlot(), meshes.fixedBytes() + meshes.largestSlot());
+  return std::max(forMeshes, meshes.largestSlot());
 }
 
 }  // namespace
 
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
-    : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
+    : sets(device, options.filter),
+      loader(scene, options.source, options.depthSource),
+      requirements(requirementsOf(scene, {})) {
   if (!options.depth) requirements.gatherable = 0;
   check(options.readerThreads <= kMaxReaderThreads, ErrorCode::invalidInput, "readerThreads: {} is not within 0 to {}",
         options.readerThreads, kMaxReaderThreads);
   jobs = std::make_unique<JobQueue>(options.readerThreads, options.executor, maxLoads(options.readerThreads) + 1);
   Uploader uploader(device, options.uploads, options.stagingBytes);
-  addMeshes(device, scene, uploader, options.stop);
   std::vector<std::uint32_t> gathered;  // nodes that can be gathered from
-  if (requirements.gatherable > 0) {
+  if (requirements.gatherable > 0)
     for (const std::uint32_t b : gatherableBackdrops(scene)) gathered.push_back(scene.backdrops[b].members[0]);
-    addEvidence(device, scene, uploader);
-    depths = DepthTextures(device, scene, gathered, options.depthSource, uploader, *jobs, options.stop);
-  }
-  const std::uint64_t meshBytes =
-      vertices.allocatedBytes() + indices.allocatedBytes() + evidence.allocatedBytes() + depths.allocatedBytes();
-  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes, uploader, *jobs);
-  for (Mesh& cell : cells) {
-    const std::uint32_t first = cell.members[0];
-    cell.cubic = options.filter == TextureFilter::bicubic;
-    cell.singleArray = std::ranges::all_of(cell.members, [&](std::uint32_t member) {
-      return member == first ||
-             (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
-              photographs->at(member).view == photographs->at(first).view);
-    });
-    bind(cell, 0, 0);
-  }
-  if (!gathered.empty()) gather.emplace(device, options.filter, *photographs, depths, gathered);
+  std::vector<TextureArrayClass> classes = classify(device, loader, shownNodes(scene), *jobs, options.stop);
+  const std::vector<TextureArrayClass> depths = classifyDepths(loader, gathered, *jobs, options.stop);
+  meshes = SceneMeshes(scene, !gathered.empty());
+  decodeBlocks(device, options, meshes.totalBytes() + totalBytes(depths), classes);
+  classes.insert(classes.end(), depths.begin(), depths.end());
+  makeMeshes(device, options, classes, uploader);
+  textures.emplace(device, options, loader, std::move(classes), meshes.allocatedBytes(), uploader, *jobs);
+  describeMeshes(scene, options.filter);
+  if (!gathered.empty()) gather.emplace(device, options.filter, scene, *textures, gathered);
   uploader.flush();
-  if (StreamedPhotographs* const streamed = photographs->streamed()) {
-    std::vector<std::vector<std::uint32_t>> members;
-    for (const Mesh& cell : cells) members.push_back(cell.members);
-    wanted = WantedNodes(std::move(members), scene.nodes.size());
-    sets.reserve(std::min<std::size_t>(cells.size(), 2 * (kMaxCellCount + kMaxFadingOutCount)));
-    streamed->startStreaming();
-  } else {
+  if (textures->streams() || meshes.streams())
+    setUpStreaming(device, scene, options);
+  else
     jobs.reset();
-  }
 }
 
-void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& uploader, const std::stop_token& stop) {
-  Geometry geometry;
-  const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
-    check(!stop.stop_requested(), ErrorCode::cancelled, "opening the scene was cancelled");
-    Mesh& out = meshes.emplace_back();
+void GpuScene::State::makeMeshes(Device& device, const GpuSceneOptions& options,
+                                 const std::vector<TextureArrayClass>& classes, Uploader& uploader) {
+  const std::uint64_t budget = options.budgetBytes, textureBytes = totalBytes(classes);
+  if (budget > 0 && meshes.totalBytes() + textureBytes > budget) {
+    meshes.makeStandIns(*jobs, options.stop);
+    const std::uint64_t pool = meshPoolBytes(meshes, budget, textureBytes, SceneTextures::minBytes(device, classes));
+    if (pool > 0) {
+      meshes.makeStreamed(device, uploader, pool);
+      say(options.log, LogLevel::info,
+          "meshes are streamed: {:.1f} MB of meshes, {:.1f} MB of the budget for them, {:.1f} MB for their stand-ins",
+          megabytes(meshes.totalBytes()), megabytes(pool), megabytes(meshes.fixedBytes()));
+      return;
+    }
+  }
+  meshes.makeResident(device, uploader, options.stop);
+}
+
+void GpuScene::State::describeMeshes(const Scene& scene, TextureFilter filter) {
+  const auto add = [&](const Cell& cell, std::vector<Mesh>& to) {
+    Mesh& out = to.emplace_back();
     out.members = cell.members;
     out.exposed = requirements.gains;  // a photograph with a gain of 1 is shown with the exposure of others
     for (const std::uint32_t member : cell.members) {
@@ -120,27 +107,36 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene, Uploader& up
       out.panoramas |= std::uint32_t(isPanorama(scene.nodes[member])) << (out.cameras.size() - 1);
     }
     out.masked = isMasked(scene, cell);
-    appendMesh(scene, cell, geometry, out);
+    out.place = meshes.place(cells.size() + backdrops.size() - 1);
   };
   for (const Cell& cell : scene.cells) add(cell, cells);
   for (const Cell& backdrop : scene.backdrops) add(backdrop, backdrops);
-  vertices = makeArena(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
-                       "cell vertices", uploader);
-  indices = makeArena(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
-                      "cell indices", uploader);
+  for (Mesh& cell : cells) {
+    const std::uint32_t first = cell.members[0];
+    cell.cubic = filter == TextureFilter::bicubic;
+    cell.singleArray = std::ranges::all_of(cell.members, [&](std::uint32_t member) {
+      return member == first ||
+             (!textures->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
+              textures->at(member).view == textures->at(first).view);
+    });
+    bind(cell, 0, 0);
+  }
 }
 
-void GpuScene::State::addEvidence(Device& device, const Scene& scene, Uploader& uploader) {
-  std::vector<glm::u16vec2> values;
-  const auto share = [](float value) { return std::uint16_t(std::lround(65535.0f * std::clamp(value, 0.0f, 1.0f))); };
-  for (const std::uint32_t b : gatherableBackdrops(scene)) {
-    const MorphMesh& mesh = scene.backdrops[b].mesh;
-    backdrops[b].evidenceOffset = values.size() * sizeof values[0];
-    for (std::size_t p = 0; p < mesh.vertexCount(); ++p)
-      values.emplace_back(share(shader::gatherTrust(mesh.confirmations[p])), share(mesh.consensus[p]));
+void GpuScene::State::setUpStreaming(Device& device, const Scene& scene, const GpuSceneOptions& options) {
+  Streamer::Setup setup{.stagingBytes = options.stagingBytes};
+  if (textures->streams()) {
+    setup.classes = textures->classes();
+    setup.textures = *textures->streamed();
   }
-  evidence = makeArena(device, std::as_bytes(std::span(values)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "evidence of depth",
-                       uploader);
+  setup.otherBytes = options.budgetBytes - setup.textures.budget;
+  streamer = std::make_unique<Streamer>(device, *jobs, loader, meshes, std::move(setup), options.log);
+  textures->use(*streamer);
+  std::vector<bool> isStreamed(loader.items().count());
+  for (std::uint32_t item = 0; item < isStreamed.size(); ++item) isStreamed[item] = streamer->isStreamed(item);
+  wanted = WantedItems(scene, std::move(isStreamed));
+  sets.reserve(std::min<std::size_t>(cells.size(), 2 * (kMaxCellCount + kMaxFadingOutCount)));
+  streamer->startStreaming();
 }
 
 // Slots beyond the mesh's members repeat its first photograph, which shaders do not sample through them.
@@ -149,7 +145,7 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
   mesh.layers.resize(mesh.members.size());
   for (std::size_t i = 0; i < slots.size(); ++i) {
     const std::size_t member = i < mesh.members.size() ? i : 0;
-    const Photographs::Sampled sampled = photographs->at(mesh.members[member]);
+    const SceneTextures::Sampled sampled = textures->at(mesh.members[member]);
     slots[i] = {sampled.view, (mesh.panoramas >> member & 1) != 0};
     if (i < mesh.members.size()) mesh.layers[i] = sampled.layer;
   }
@@ -165,6 +161,15 @@ void visitDrawn(const FramePlan& plan, Meshes& cells, Visit&& visit) {
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t, std::uint32_t) { visit(cells[cell.cell]); });
 }
 
+void GpuScene::State::update(const FramePlan& plan, std::uint64_t frame, std::uint64_t completedFrame) {
+  visitDrawn(plan, cells, [&](Mesh& cell) {
+    cell.place = streamer->mesh(std::uint32_t(&cell - cells.data()));
+    if (textures->streams()) bind(cell, frame, completedFrame);
+  });
+  for (const PlannedPhotograph& photograph : plan.photographs)
+    backdrops[photograph.backdrop].place = streamer->mesh(std::uint32_t(cells.size()) + photograph.backdrop);
+}
+
 GpuScene::GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : state_(std::make_unique<State>(device, scene, options)) {}
 GpuScene::GpuScene(GpuScene&&) noexcept = default;
@@ -175,28 +180,29 @@ GpuScene::StreamStatus GpuScene::stream(VkCommandBuffer commandBuffer, const Fra
                                         std::uint64_t completedFrame) {
   State& state = *state_;
   StreamStatus status;
-  if (StreamedPhotographs* const streamed = state.photographs->streamed()) {
-    state.wanted.update(plan, state.photographs->maxResident());
-    status = streamed->stream(commandBuffer, state.wanted.nodes(), state.wanted.needed(), frame, completedFrame,
-                              [&state](VkImageView view) {
-                                state.sets.forget(view);
-                                if (state.gather) state.gather->forget(view);
-                              });
-    visitDrawn(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
+  if (state.streamer) {
+    state.wanted.update(plan, state.streamer->maxResident());
+    status = state.streamer->stream(commandBuffer, state.wanted.items(), state.wanted.needed(), frame, completedFrame,
+                                    [&state](VkImageView view) {
+                                      state.sets.forget(view);
+                                      if (state.gather) state.gather->forget(view);
+                                    });
+    state.update(plan, frame, completedFrame);
   }
   if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
   return status;
 }
 
 bool GpuScene::needsStreaming() const noexcept {
-  return state_->photographs->streams() || (state_->gather && state_->gather->bindsFrames());
+  return state_->streamer || (state_->gather && state_->gather->bindsFrames());
 }
 
 GpuScene::Memory GpuScene::memory() const noexcept {
-  return {.positions = state_->vertices.allocatedBytes() + state_->evidence.allocatedBytes(),
-          .indices = state_->indices.allocatedBytes(),
-          .textures = state_->photographs->allocatedBytes(),
-          .depth = state_->depths.allocatedBytes()};
+  const std::uint64_t depth = state_->textures->depthBytes();
+  return {.positions = state_->meshes.allocatedBytes() - state_->meshes.indexBytes(),
+          .indices = state_->meshes.indexBytes(),
+          .textures = state_->textures->allocatedBytes() - depth,
+          .depth = depth};
 }
 
 const GpuScene::State& stateOf(const GpuScene& scene) noexcept {

@@ -12,9 +12,10 @@ void streamAll(const Device& device, GpuScene& scene, const FramePlan& plan, std
   do {
     const std::uint64_t completed = frame++;
     submitAndWait(device, [&](VkCommandBuffer commands) { streamed = scene.stream(commands, plan, frame, completed); });
-    check(streamed.failed == 0, ErrorCode::io, "{} photographs of this view could not be read", streamed.failed);
-    StreamedPhotographs* const photographs = stateOf(scene).photographs->streamed();
-    if (photographs && streamed.waiting > 0 && streamed.uploadedBytes == 0) photographs->finishJob();
+    check(streamed.failed == 0, ErrorCode::io, "{} photographs or depth textures of this view could not be read",
+          streamed.failed);
+    Streamer* const streamer = stateOf(scene).streamer.get();
+    if (streamer && streamed.waiting > 0 && streamed.uploadedBytes == 0) streamer->finishJob();
   } while (streamed.waiting > 0);
 }
 

@@ -13,11 +13,13 @@ VkExtent2D levelExtent(VkExtent2D extent, std::uint32_t level) noexcept {
   return {std::max(1u, extent.width >> level), std::max(1u, extent.height >> level)};
 }
 
-// Calls visit(first, count) for the photographs of each texture array, by their index in the class.
+// Calls visit(first, count) for the items of each texture array, by their index in the class.
 template <class Visit>
 void forArrays(const Device& device, const TextureArrayClass& arrayClass, Visit visit) {
-  const std::uint32_t most = layersWithin(device, arrayClass, kMaxArrayBytes);
-  const auto count = std::uint32_t(arrayClass.nodes.size());
+  // The gather has few slots for arrays of depth textures.
+  const std::uint32_t most =
+      layersWithin(device, arrayClass, arrayClass.isDepth() ? ~std::uint64_t(0) : kMaxArrayBytes);
+  const auto count = std::uint32_t(arrayClass.items.size());
   for (std::uint32_t first = 0; first < count; first += most) visit(first, std::min(most, count - first));
 }
 
@@ -38,7 +40,7 @@ VkFormat vulkanFormat(TextureFormat format) noexcept {
 }
 
 std::uint32_t TextureArrayClass::levels() const noexcept {
-  return std::uint32_t(std::bit_width(std::max(extent.width, extent.height))) - firstLevel;
+  return isDepth() ? 1 : std::uint32_t(std::bit_width(std::max(extent.width, extent.height))) - firstLevel;
 }
 
 VkExtent2D TextureArrayClass::arrayExtent() const noexcept {
@@ -55,6 +57,7 @@ std::uint64_t TextureArrayClass::layerBytes() const noexcept {
 }
 
 std::string TextureArrayClass::text() const {
+  if (isDepth()) return fmt::format("depth textures {}x{}", extent.width, extent.height);
   return fmt::format("photographs {}x{} as {}", extent.width, extent.height, textureFormatName(format));
 }
 
@@ -68,17 +71,17 @@ GpuImageInfo arrayInfo(const TextureArrayClass& arrayClass, std::uint32_t layers
 }
 
 std::uint32_t layersWithin(const Device& device, const TextureArrayClass& arrayClass, std::uint64_t bytes) {
-  const auto most = std::min<std::uint64_t>(device.properties().limits.maxImageArrayLayers, arrayClass.nodes.size());
+  const auto most = std::min<std::uint64_t>(device.properties().limits.maxImageArrayLayers, arrayClass.items.size());
   return std::uint32_t(std::clamp<std::uint64_t>(bytes / arrayClass.layerBytes(), 1, most));
 }
 
 FixedTextureArrays::FixedTextureArrays(const Device& device, std::span<const TextureArrayClass> classes,
-                                       std::size_t nodeCount)
-    : slots_(nodeCount) {
+                                       std::size_t itemCount)
+    : slots_(itemCount) {
   for (const TextureArrayClass& arrayClass : classes)
     forArrays(device, arrayClass, [&](std::uint32_t first, std::uint32_t count) {
       for (std::uint32_t i = 0; i < count; ++i)
-        slots_[arrayClass.nodes[first + i]] = {std::uint32_t(arrays_.size()), i};
+        slots_[arrayClass.items[first + i]] = {std::uint32_t(arrays_.size()), i};
       arrays_.emplace_back(device, arrayInfo(arrayClass, count), arrayClass.text());
     });
 }
@@ -94,6 +97,13 @@ std::uint64_t FixedTextureArrays::bytes(const Device& device, std::span<const Te
       bytes += lastBytes;
     });
   }
+  return bytes;
+}
+
+std::uint64_t FixedTextureArrays::depthBytes() const noexcept {
+  std::uint64_t bytes = 0;
+  for (const GpuImage& array : arrays_)
+    if (array.info().format == vulkanFormat(TextureFormat::rg16f)) bytes += array.allocatedBytes();
   return bytes;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "image/ktx2_file.h"
+#include "render/resident/depth_textures.h"
 
 namespace ibr {
 
@@ -21,8 +22,28 @@ TextureFormat TextureLoader::format(std::uint32_t node, const std::stop_token& s
   return read(node, std::uint32_t(std::bit_width(unsigned(std::max(k.width, k.height)))) - 1, stop).format;
 }
 
-Texture TextureLoader::load(std::uint32_t node, const TextureArrayClass& arrayClass,
+VkExtent2D TextureLoader::depthExtent(std::uint32_t node, const std::stop_token& stop) const {
+  const glm::ivec2 size = depthSize(*scene_, node, depthSource_, stop);
+  return {std::uint32_t(size.x), std::uint32_t(size.y)};
+}
+
+Texture TextureLoader::loadDepth(std::uint32_t node, const TextureArrayClass& arrayClass,
+                                 const std::stop_token& stop) const {
+  Texture texture = readDepth(*scene_, node, depthSource_, stop);
+  const std::string& name = scene_->nodes[node].name;
+  check(std::uint32_t(texture.width) == arrayClass.extent.width &&
+            std::uint32_t(texture.height) == arrayClass.extent.height &&
+            texture.levels[0].size() == textureBytes(texture.format, texture.width, texture.height),
+        ErrorCode::invalidInput, "{}: depth texture is {}x{} in {} bytes, not {}x{}", name, texture.width,
+        texture.height, texture.levels[0].size(), arrayClass.extent.width, arrayClass.extent.height);
+  check(!stop.stop_requested(), ErrorCode::cancelled, "{}: reading was stopped", name);
+  return arrayClass.firstLevel > 0 ? reducedDepth(texture, arrayClass.firstLevel) : texture;
+}
+
+Texture TextureLoader::load(std::uint32_t item, const TextureArrayClass& arrayClass,
                             const std::stop_token& stop) const {
+  const std::uint32_t node = items_.node(item);
+  if (items_.isDepth(item)) return loadDepth(node, arrayClass, stop);
   Texture texture = read(node, arrayClass.firstLevel, stop);
   const std::string& name = scene_->nodes[node].name;
   const VkExtent2D extent = arrayClass.arrayExtent();

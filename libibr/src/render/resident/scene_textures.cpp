@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/resident/resident_photographs.h"
+#include "render/resident/scene_textures.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "base/check.h"
-#include "render/resident/photograph_classes.h"
 #include "render/resident/read_in_order.h"
 #include "render/resident/stream_log.h"
+#include "render/resident/texture_classes.h"
 
 namespace ibr {
 namespace {
@@ -19,42 +19,44 @@ constexpr std::uint64_t kMinArraysInBudget = 16;  // arrays are so small that me
 
 }  // namespace
 
-Photographs::Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
-                         const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes, Uploader& uploader,
-                         JobQueue& jobs)
+SceneTextures::SceneTextures(const Device& device, const GpuSceneOptions& options, const TextureLoader& loader,
+                             std::vector<TextureArrayClass> classes, std::uint64_t otherBytes, Uploader& uploader,
+                             JobQueue& jobs)
     : device_(&device),
-      scene_(&scene),
-      loader_(scene, options.source),
+      loader_(&loader),
       log_(options.log),
-      classes_(classify(device, scene, loader_, nodes, jobs, options.stop)),
+      classes_(std::move(classes)),
       budget_(options.budgetBytes),
-      meshBytes_(meshBytes) {
-  decodeBlocks(device, options, meshBytes, classes_);
+      otherBytes_(otherBytes) {
   // The sum alone decides most cases, and requests no image that the device cannot have.
-  const bool streams = budget_ > 0 && (meshBytes + totalBytes(classes_) > budget_ ||
-                                       meshBytes + FixedTextureArrays::bytes(device, classes_) > budget_);
+  const bool streams = budget_ > 0 && (otherBytes + totalBytes(classes_) > budget_ ||
+                                       otherBytes + FixedTextureArrays::bytes(device, classes_) > budget_);
   if (streams) {
     setUpStreaming(options, uploader, jobs);
   } else {
-    fixed_ = FixedTextureArrays(device, classes_, scene.nodes.size());
+    fixed_ = FixedTextureArrays(device, classes_, loader.items().count());
     fill(classes_, uploader, jobs, options.stop);
   }
 }
 
-// Divides the budget: small images of all photographs first, which stand in while a photograph is not resident; the
-// rest for arrays of streamed photographs.
-void Photographs::setUpStreaming(const GpuSceneOptions& options, Uploader& uploader, JobQueue& jobs) {
-  const std::uint64_t smallest = meshBytes_ + FixedTextureArrays::bytes(*device_, reduced(classes_, 1));
+std::uint64_t SceneTextures::minBytes(const Device& device, const std::vector<TextureArrayClass>& classes) {
+  return FixedTextureArrays::bytes(device, reduced(classes, 1));
+}
+
+// Divides the budget: small images of all textures first, which stand in while a texture is not resident; the rest for
+// arrays of streamed textures.
+void SceneTextures::setUpStreaming(const GpuSceneOptions& options, Uploader& uploader, JobQueue& jobs) {
+  const std::uint64_t smallest = otherBytes_ + minBytes(*device_, classes_);
   check(budget_ >= smallest, ErrorCode::outOfMemory,
         "a budget of {} bytes is too small: this scene needs {} bytes even at one pixel per photograph, {} bytes of "
         "them for meshes",
-        budget_, smallest, meshBytes_);
-  const std::uint64_t forTextures = budget_ - meshBytes_;
+        budget_, smallest, otherBytes_);
+  const std::uint64_t forTextures = budget_ - otherBytes_;
   std::uint32_t side = kMaxStandInSide;
   std::vector<TextureArrayClass> standIns = reduced(classes_, side);
   while (side > 1 && FixedTextureArrays::bytes(*device_, standIns) > forTextures / kStandInShare)
     standIns = reduced(classes_, side /= 2);
-  fixed_ = FixedTextureArrays(*device_, standIns, scene_->nodes.size());
+  fixed_ = FixedTextureArrays(*device_, standIns, loader_->items().count());
   fill(standIns, uploader, jobs, options.stop);
 
   const std::uint64_t rest = forTextures - fixed_.allocatedBytes();
@@ -65,70 +67,65 @@ void Photographs::setUpStreaming(const GpuSceneOptions& options, Uploader& uploa
     say(log_, LogLevel::warning,
         "stand-ins of photographs have {} px instead of {}: the budget of {:.1f} MB is too small", side,
         kMaxStandInSide, megabytes(budget_));
-
-  streamed_ =
-      std::make_unique<StreamedPhotographs>(*device_, jobs, loader_, setUpResidency(standIns, rest, options), log_);
+  setUpResidency(standIns, rest);
 }
 
 // Chooses the levels and the arrays that fit into `budget` bytes.
-StreamedPhotographs::Setup Photographs::setUpResidency(std::span<const TextureArrayClass> standIns,
-                                                       std::uint64_t budget, const GpuSceneOptions& options) {
-  StreamedPhotographs::Setup setup{
-      .budget = budget, .otherBytes = budget_ - budget, .stagingBytes = options.stagingBytes};
-  setup.classOf.assign(scene_->nodes.size(), Residency::kNone);
-  std::uint64_t minLayerBytes = ~std::uint64_t(0);
+void SceneTextures::setUpResidency(std::span<const TextureArrayClass> standIns, std::uint64_t budget) {
+  streamed_.emplace().budget = budget;
+  streamed_->classOf.assign(loader_->items().count(), Residency::kNone);
   for (std::size_t c = 0; c < classes_.size(); ++c) {
     TextureArrayClass& arrayClass = classes_[c];
-    const std::uint64_t least = std::min<std::uint64_t>(kMinPhotographs, arrayClass.nodes.size());
+    const std::uint64_t least = std::min<std::uint64_t>(kMinPhotographs, arrayClass.items.size());
     while (arrayClass.firstLevel < standIns[c].firstLevel && arrayClass.layerBytes() * least > budget)
       ++arrayClass.firstLevel;
     if (arrayClass.firstLevel > 0)
       say(log_, LogLevel::warning,
           "{} are shown at 1/{} of their size or less: a budget of {:.1f} MB does not hold {} of them{}",
           arrayClass.text(), 1u << arrayClass.firstLevel, megabytes(budget_), least,
-          arrayClass.format == TextureFormat::bc1 ? "" : "; bc1 textures take less memory");
+          arrayClass.format == TextureFormat::bc1 || arrayClass.isDepth() ? "" : "; bc1 textures take less memory");
     const std::uint32_t layers =
         layersWithin(*device_, arrayClass, std::min<std::uint64_t>(kMaxArrayBytes, budget / kMinArraysInBudget));
     const std::uint64_t arrayBytes = allocationBytes(*device_, arrayInfo(arrayClass, layers), arrayClass.text());
-    setup.residencyClasses.push_back({arrayBytes, layers});
-    minLayerBytes = std::min(minLayerBytes, arrayBytes / layers);
+    streamed_->residencyClasses.push_back({arrayBytes, layers});
     if (arrayClass.firstLevel < standIns[c].firstLevel)
-      for (const std::uint32_t node : arrayClass.nodes) setup.classOf[node] = std::uint32_t(c);
+      for (const std::uint32_t item : arrayClass.items) streamed_->classOf[item] = std::uint32_t(c);
   }
-  maxResident_ = std::size_t(budget / std::max<std::uint64_t>(minLayerBytes, 1));
-  setup.classes = classes_;
-  return setup;
 }
 
-void Photographs::fill(std::span<const TextureArrayClass> classes, Uploader& uploader, JobQueue& jobs,
-                       const std::stop_token& stop) {
+void SceneTextures::fill(std::span<const TextureArrayClass> classes, Uploader& uploader, JobQueue& jobs,
+                         const std::stop_token& stop) {
   for (const GpuImage& array : fixed_.arrays()) uploader.beginImage(array);
-  std::vector<std::pair<const TextureArrayClass*, std::uint32_t>> all;  // class and node
+  std::vector<std::pair<const TextureArrayClass*, std::uint32_t>> all;  // class and item
   for (const TextureArrayClass& arrayClass : classes)
-    for (const std::uint32_t node : arrayClass.nodes) all.emplace_back(&arrayClass, node);
+    for (const std::uint32_t item : arrayClass.items) all.emplace_back(&arrayClass, item);
   readInOrder<Texture>(
       jobs, all.size(), stop,
       [&](std::size_t i, const std::stop_token& reading) {
-        return loader_.load(all[i].second, *all[i].first, reading);
+        return loader_->load(all[i].second, *all[i].first, reading);
       },
       [&](std::size_t i, const Texture& texture) {
-        const auto& [arrayClass, node] = all[i];
+        const auto& [arrayClass, item] = all[i];
         for (std::uint32_t l = 0; l < arrayClass->levels(); ++l) {
           const VkExtent2D extent{std::uint32_t(std::max(1, texture.width >> l)),
                                   std::uint32_t(std::max(1, texture.height >> l))};
-          uploader.image(fixed_.image(node), fixed_.layer(node), l, extent, texture.levels[l]);
+          uploader.image(fixed_.image(item), fixed_.layer(item), l, extent, texture.levels[l]);
         }
       });
 }
 
-Photographs::Sampled Photographs::at(std::uint32_t node) const {
-  if (streamed_)
-    if (const auto resident = streamed_->at(node)) return *resident;
-  return {fixed_.image(node).view(), fixed_.layer(node)};
+SceneTextures::Sampled SceneTextures::at(std::uint32_t item) const {
+  if (streamer_)
+    if (const auto resident = streamer_->texture(item)) return *resident;
+  return {fixed_.image(item).view(), fixed_.layer(item)};
 }
 
-std::uint64_t Photographs::allocatedBytes() const noexcept {
-  return fixed_.allocatedBytes() + (streamed_ ? streamed_->allocatedBytes() : 0);
+std::uint64_t SceneTextures::depthBytes() const noexcept {
+  return fixed_.depthBytes() + (streamer_ ? streamer_->depthBytes() : 0);
+}
+
+std::uint64_t SceneTextures::allocatedBytes() const noexcept {
+  return fixed_.allocatedBytes() + (streamer_ ? streamer_->allocatedBytes() : 0);
 }
 
 }  // namespace ibr

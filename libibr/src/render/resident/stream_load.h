@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs of streaming: reads of photographs, and the allocation of their texture arrays. Fields are the job's while it is
-// queued or running, unless stated.
+// Jobs of streaming: loads of items into staging memory, and the allocation of texture arrays. Fields are the job's
+// while it is queued or running, unless stated.
 #pragma once
 
 #include <atomic>
@@ -11,34 +11,34 @@
 
 #include "base/job_queue.h"
 #include "base/vulkan/gpu_image.h"
+#include "gpu/transfer/staging_pool.h"
+#include "render/resident/scene_meshes.h"
 #include "render/resident/texture_arrays.h"
 #include "render/resident/texture_loader.h"
 
 namespace ibr {
 
-/// Reads a photograph for a layer of a texture array. Frees the texture of the previous run.
-class PhotographLoad final : public JobQueue::Job {
+/// Reads a texture, or converts a mesh, into a piece of staging memory.
+class StreamLoad final : public JobQueue::Job {
  public:
   enum class Phase : std::uint8_t {
     free,
-    reading,   // the job is queued, running or done
-    dropped,   // as reading, but the result is not needed
-    copying,   // the job is done, and the texture is being uploaded
-    clearing,  // the job frees the texture
+    loading,  // the job is queued, running or done
+    dropped,  // as loading, but the result is not needed
   };
 
   void run(const std::stop_token& stop) noexcept override;
 
   const TextureLoader* loader = nullptr;
-  const TextureArrayClass* arrayClass = nullptr;  // null: only frees the texture
-  std::uint32_t node = 0;
-  Texture texture;
+  const SceneMeshes* meshes = nullptr;
+  const TextureArrayClass* arrayClass = nullptr;  // null: of a mesh
+  std::uint32_t item = 0;
+  StagingPool::Piece piece;  // its memory; levels of textures from the largest on, one after another
   std::exception_ptr error;
 
   // Of the owner at any time:
   Phase phase = Phase::free;
   std::uint32_t array = 0, layer = 0;
-  std::uint64_t bytes = 0;  // of the texture
 };
 
 /// Destroys texture arrays, then makes one in their memory.
@@ -52,7 +52,7 @@ class ArrayWork final : public JobQueue::Job {
   std::vector<GpuImage> retired;
   GpuImage made;
   std::exception_ptr error;
-  std::atomic<std::uint64_t> bytes = 0;  // of all arrays that exist; any thread
+  std::atomic<std::uint64_t> bytes = 0, depthBytes = 0;  // of all arrays that exist, and of depth textures; any thread
 
   // Of the owner at any time:
   bool isActive = false;  // the job is queued, running, or done without its result being used

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/resident/photograph_classes.h"
+#include "render/resident/texture_classes.h"
 
 #include <algorithm>
 #include <map>
@@ -12,6 +12,8 @@
 
 namespace ibr {
 namespace {
+
+constexpr std::uint32_t kDepthReduction = 4;  // of the sides of depth textures to those of photographs
 
 std::uint64_t largestHeap(const Device& device) {
   std::uint64_t bytes = 0;
@@ -33,13 +35,14 @@ void checkExtent(const Device& device, const Node& node) {
 
 std::uint64_t totalBytes(std::span<const TextureArrayClass> classes) {
   std::uint64_t bytes = 0;
-  for (const TextureArrayClass& arrayClass : classes) bytes += arrayClass.layerBytes() * arrayClass.nodes.size();
+  for (const TextureArrayClass& arrayClass : classes) bytes += arrayClass.layerBytes() * arrayClass.items.size();
   return bytes;
 }
 
-std::vector<TextureArrayClass> classify(const Device& device, const Scene& scene, const TextureLoader& loader,
+std::vector<TextureArrayClass> classify(const Device& device, const TextureLoader& loader,
                                         const std::vector<std::uint32_t>& nodes, JobQueue& jobs,
                                         const std::stop_token& stop) {
+  const Scene& scene = loader.scene();
   for (const std::uint32_t node : nodes) checkExtent(device, scene.nodes[node]);
   std::map<std::tuple<int, int, TextureFormat>, TextureArrayClass> classes;
   readInOrder<TextureFormat>(
@@ -48,21 +51,37 @@ std::vector<TextureArrayClass> classify(const Device& device, const Scene& scene
       [&](std::size_t i, TextureFormat format) {
         const Intrinsics& k = scene.nodes[nodes[i]].camera.intrinsics;
         const TextureArrayClass single{.format = format, .extent = {std::uint32_t(k.width), std::uint32_t(k.height)}};
-        classes.try_emplace({k.width, k.height, format}, single).first->second.nodes.push_back(nodes[i]);
+        classes.try_emplace({k.width, k.height, format}, single).first->second.items.push_back(nodes[i]);
       });
   std::vector<TextureArrayClass> result;
   for (auto& [key, arrayClass] : classes) result.push_back(std::move(arrayClass));
   return result;
 }
 
-void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uint64_t meshBytes,
+std::vector<TextureArrayClass> classifyDepths(const TextureLoader& loader, const std::vector<std::uint32_t>& nodes,
+                                              JobQueue& jobs, const std::stop_token& stop) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, TextureArrayClass> classes;
+  readInOrder<VkExtent2D>(
+      jobs, nodes.size(), stop,
+      [&](std::size_t i, const std::stop_token& reading) { return loader.depthExtent(nodes[i], reading); },
+      [&](std::size_t i, VkExtent2D extent) {
+        const TextureArrayClass single{.format = TextureFormat::rg16f, .extent = extent};
+        classes.try_emplace({extent.width, extent.height}, single)
+            .first->second.items.push_back(loader.items().depth(nodes[i]));
+      });
+  std::vector<TextureArrayClass> result;
+  for (auto& [key, arrayClass] : classes) result.push_back(std::move(arrayClass));
+  return result;
+}
+
+void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uint64_t otherBytes,
                   std::vector<TextureArrayClass>& classes) {
   std::vector<TextureArrayClass> decoded = classes;
   for (TextureArrayClass& arrayClass : decoded) arrayClass.format = TextureFormat::rgba8;
   const std::uint64_t before = totalBytes(classes), after = totalBytes(decoded);
   const bool software = device.kind() == DeviceKind::software;
   const bool budgeted = options.budgetBytes > 0;
-  const bool fits = after <= largestHeap(device) / 2 && (!budgeted || after + meshBytes <= options.budgetBytes);
+  const bool fits = after <= largestHeap(device) / 2 && (!budgeted || after + otherBytes <= options.budgetBytes);
   // A software device is so slow with BC7 that RGBA8 is better, even if fewer photographs are resident.
   const auto faster = [&](TextureFormat format) {
     return software && (fits || (budgeted && format == TextureFormat::bc7));
@@ -81,8 +100,10 @@ void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uin
 }
 
 std::vector<TextureArrayClass> reduced(std::vector<TextureArrayClass> classes, std::uint32_t side) {
-  for (TextureArrayClass& arrayClass : classes)
-    while (std::max(arrayClass.arrayExtent().width, arrayClass.arrayExtent().height) > side) ++arrayClass.firstLevel;
+  for (TextureArrayClass& arrayClass : classes) {
+    const std::uint32_t most = arrayClass.isDepth() ? std::max(1u, side / kDepthReduction) : side;
+    while (std::max(arrayClass.arrayExtent().width, arrayClass.arrayExtent().height) > most) ++arrayClass.firstLevel;
+  }
   return classes;
 }
 
