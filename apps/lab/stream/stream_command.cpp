@@ -123,7 +123,7 @@ class CpuTimer {
 
 struct Walk {
   std::vector<double> planMs, streamMs, recordMs, ownMs, driverMs, frameMs;  // of every frame
-  std::vector<double> standIns;                                              // shares, after the first second
+  std::vector<double> standIns, missing;  // shares of pixels and of needed items, after the first second
   std::uint64_t peakBytes = 0, uploadedBytes = 0;
   std::uint32_t failed = 0;
 };
@@ -169,6 +169,9 @@ Walk walk(const Options& options, const Scene& scene, Device& device, GpuScene& 
       driverMs += streaming.driverMs();
       walk.uploadedBytes += streamed.uploadedBytes;
       walk.failed = std::max(walk.failed, streamed.failed);
+      if (now >= kWarmUpSeconds)
+        walk.missing.push_back(double(streamed.waiting + streamed.overBudget + streamed.failed) /
+                               std::max(1u, streamed.needed));
     });
     walk.ownMs.push_back(walk.planMs.back() + walk.streamMs.back() + walk.recordMs.back());
     walk.driverMs.push_back(driverMs);
@@ -204,6 +207,10 @@ void report(const Options& options, const Scene& scene, const Walk& walk, const 
                   numberText(100 * mean(walk.standIns), 2), numberText(100 * most, 2));
     standIns = {{"mean", mean(walk.standIns)}, {"max", most}};
   }
+  const double missing = walk.missing.empty() ? 0 : mean(walk.missing);
+  const double mostMissing = walk.missing.empty() ? 0 : *std::ranges::max_element(walk.missing);
+  context.print("missing      {} % of the photographs and meshes in view after the first second, at most {} %\n",
+                numberText(100 * missing, 2), numberText(100 * mostMissing, 2));
   context.print("memory       {} on the device at most, of a budget of {}; {} of host memory\n",
                 bytesText(double(walk.peakBytes)), bytesText(double(options.gpuScene.budgetBytes)),
                 bytesText(peakMemory()));
@@ -215,6 +222,7 @@ void report(const Options& options, const Scene& scene, const Walk& walk, const 
                       {"frames", walk.ownMs.size()},
                       {"milliseconds", times},
                       {"standInShare", standIns},
+                      {"missingShare", {{"mean", missing}, {"max", mostMissing}}},
                       {"peakBytes", walk.peakBytes},
                       {"budget", options.gpuScene.budgetBytes},
                       {"peakHostBytes", peakMemory()},

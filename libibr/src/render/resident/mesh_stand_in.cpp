@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <set>
+#include <span>
+#include <utility>
 
 #include "render/plan/vertex.h"
 
@@ -135,11 +137,9 @@ void keepLargest(const std::vector<glm::vec2>& at, std::vector<glm::uvec3>& tria
 std::vector<glm::uvec3> drawnTriangles(const Scene& scene, const Cell& cell) {
   const std::vector<bool> usable = usablePoints(scene, cell);
   std::vector<glm::uvec3> drawn;
-  drawn.reserve(cell.mesh.tier0Count());
-  for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
-    const glm::uvec3 v = cell.mesh.triangles[t];
+  drawn.reserve(cell.mesh.triangles.size());
+  for (const glm::uvec3 v : std::span(cell.mesh.triangles).first(cell.mesh.tier0Count()))
     if (usable[v.x] && usable[v.y] && usable[v.z]) drawn.push_back(v);
-  }
   return drawn;
 }
 

@@ -33,7 +33,7 @@ Streamer::Streamer(const Device& device, JobQueue& jobs, const TextureLoader& lo
       budget_(setup.otherBytes + setup.textures.budget) {
   const StreamItems& items = loader.items();
   classOf_.resize(items.count(), Residency::kNone);
-  std::uint64_t poolBytes = 0, smallest = ~std::uint64_t(0);
+  std::uint64_t poolBytes = 0;
   if (meshes.streams()) {
     for (std::uint32_t m = 0; m < items.cells + items.backdrops; ++m)
       if (meshes.classOf(m) != Residency::kNone)
@@ -42,9 +42,14 @@ Streamer::Streamer(const Device& device, JobQueue& jobs, const TextureLoader& lo
     residencyClasses_.insert(residencyClasses_.end(), chunks.begin(), chunks.end());
     poolBytes = meshes.chunkCount() * chunks[0].arrayBytes;
   }
-  for (const Residency::Class& of : residencyClasses_) smallest = std::min(smallest, of.arrayBytes / of.layersPerArray);
-  maxResident_ = std::size_t((setup.textures.budget + poolBytes) / std::max<std::uint64_t>(smallest, 1));
-  residency_.emplace(residencyClasses_, classOf_, std::vector<std::uint64_t>{setup.textures.budget, poolBytes});
+  const std::vector<std::uint64_t> budgets{setup.textures.budget, poolBytes};
+  for (std::uint32_t group = 0; group < budgets.size(); ++group) {
+    std::uint64_t smallest = budgets[group] + 1;
+    for (const Residency::Class& of : residencyClasses_)
+      if (of.group == group) smallest = std::min(smallest, of.arrayBytes / of.layersPerArray);
+    maxResident_ += std::size_t(budgets[group] / std::max<std::uint64_t>(smallest, 1));
+  }
+  residency_.emplace(residencyClasses_, classOf_, budgets);
   arrays_.resize(residency_->maxArrays());
   chunkOf_.resize(residency_->maxArrays());
   freeChunks_.resize(meshes.chunkCount());

@@ -21,28 +21,45 @@ WantedItems::WantedItems(const Scene& scene, std::vector<bool> isStreamed)
   }
   for (const std::uint32_t b : gatherableBackdrops(scene)) backdropOfNode_[scene.backdrops[b].members[0]] = b;
   listed_.reserve(items_.count());
+  around_.reserve(items_.count());
   queue_.reserve(cells_.size());
 }
 
 void WantedItems::update(const FramePlan& plan, std::size_t most) {
-  ++update_;
-  listed_.clear();
-  queue_.clear();
   const bool gathers = plan.settings.composition != Composition::cells;
+  if (plan.cells.empty()) {
+    around_.clear();
+    from_.reset();
+  } else if (const From from{plan.cells[0].cell, gathers, most}; from_ != from) {
+    findAround(from);
+    from_ = from;
+  }
+  begin(listed_);
   for (const PlannedPhotograph& photograph : plan.photographs) addGathered(photograph.node);
   if (plan.settings.composition != Composition::gathered)
     for (const Order order : {Order::current, Order::previous})
       forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t, std::uint32_t) { addCell(cell.cell); });
   needed_ = listed_.size();
+  for (auto item = around_.begin(); item != around_.end() && listed_.size() < most; ++item) add(*item);
+}
 
-  if (!plan.cells.empty()) reach(plan.cells[0].cell);
-  for (std::size_t i = 0; i < queue_.size() && listed_.size() < most; ++i) {
+void WantedItems::findAround(const From& from) {
+  begin(around_);
+  queue_.clear();
+  reach(from.cell);
+  for (std::size_t i = 0; i < queue_.size() && around_.size() < from.most; ++i) {
     addCell(queue_[i]);
     for (const std::uint32_t member : cells_[queue_[i]]) {
-      if (gathers) addGathered(member);
+      if (from.gathers) addGathered(member);
       for (const std::uint32_t cell : cellsOfNode_[member]) reach(cell);
     }
   }
+}
+
+void WantedItems::begin(std::vector<std::uint32_t>& list) {
+  ++update_;
+  list.clear();
+  list_ = &list;
 }
 
 void WantedItems::addCell(std::uint32_t cell) {
@@ -62,7 +79,7 @@ void WantedItems::addStreamed(std::uint32_t item) {
 }
 
 void WantedItems::add(std::uint32_t item) {
-  if (std::exchange(seen_[item], update_) != update_) listed_.push_back(item);
+  if (std::exchange(seen_[item], update_) != update_) list_->push_back(item);
 }
 
 void WantedItems::reach(std::uint32_t cell) {

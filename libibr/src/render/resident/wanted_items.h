@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,15 @@ class WantedItems {
  private:
   static constexpr std::uint32_t kNone = ~0u;
 
+  struct From {
+    std::uint32_t cell = 0;
+    bool gathers = false;  // depth textures and meshes of backdrops are wanted, too
+    std::size_t most = 0;
+    bool operator==(const From&) const = default;
+  };
+
+  void findAround(const From& from);
+  void begin(std::vector<std::uint32_t>& list);
   void addCell(std::uint32_t cell);
   void addGathered(std::uint32_t node);
   void addStreamed(std::uint32_t item);
@@ -42,8 +52,11 @@ class WantedItems {
   std::vector<std::vector<std::uint32_t>> cells_, cellsOfNode_;
   std::vector<std::uint32_t> backdropOfNode_;  // kNone: the photograph cannot be gathered from
   std::vector<std::uint32_t> listed_, queue_;
-  std::vector<std::uint64_t> seen_, reached_;  // by item and cell: last update that listed it
-  std::uint64_t update_ = 0;
+  std::vector<std::uint32_t> around_;           // items around the cell of from_, nearest first
+  std::optional<From> from_;                    // of around_
+  std::vector<std::uint32_t>* list_ = nullptr;  // the list that add() appends to
+  std::vector<std::uint64_t> seen_, reached_;   // by item and cell: last list that has it
+  std::uint64_t update_ = 0;                    // number of the list
   std::size_t needed_ = 0;
 };
 
