@@ -199,7 +199,7 @@ TEST_CASE("an empty scene is drawn as background") {
   GpuScene nothing(testDevice(), Scene{});
   Renderer renderer(testDevice(), nothing, {{320, 240}});
   Offscreen offscreen(testDevice(), {320, 240});
-  const FramePlan empty = planFrame(Scene{}, {}, {{view}, {}});
+  const FramePlan empty = planFrame(Scene{}, sceneBounds(Scene{}), {{view}, {}});
   const Image8 black =
       offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, empty, offscreen.target()); });
   CHECK(std::all_of(black.values.begin(), black.values.end() - 1, [](int v) { return v == 0 || v == 255; }));
