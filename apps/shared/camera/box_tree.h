@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/halved_tree.h"
+
 namespace ibr::app {
 
 struct Box {
@@ -20,17 +22,15 @@ struct Box {
 };
 
 struct BoxTree {
-  struct Node {
+  struct Node : HalvedNode {
     Box box;
-    std::uint32_t first = 0, end = 0;  // in `items`
-    std::uint32_t second = 0;          // the second child; the first one follows the node. 0: a leaf
   };
   std::vector<Node> nodes;           // the first is the root; none without items
   std::vector<std::uint32_t> items;  // in the order of the leaves
 };
 
-/// Builds a balanced tree. `boxOf(item)`: finite; is called several times for each item.
-BoxTree makeBoxTree(std::vector<std::uint32_t> items, const std::function<Box(std::uint32_t)>& boxOf);
+/// Builds a balanced tree. `boxOf(item)`: finite.
+BoxTree makeBoxTree(const std::vector<std::uint32_t>& numbers, const std::function<Box(std::uint32_t)>& boxOf);
 
 /// Returns the distance from a point to a box; 0 inside.
 inline double distanceToBox(const Box& box, glm::dvec3 point) {
@@ -42,12 +42,11 @@ inline double distanceToBox(const Box& box, glm::dvec3 point) {
 /// nothing.
 template <class Bound, class Offer>
 void searchBoxes(const BoxTree& tree, double limit, const Bound& bound, const Offer& offer) {
-  constexpr std::size_t kMaxOpen = 34;  // each level halves a number of 32 bits
   struct Open {
     std::uint32_t node;
     double bound;
   };
-  std::array<Open, kMaxOpen> open;
+  std::array<Open, kMaxHalvings> open;
   std::size_t count = 0;
   if (!tree.nodes.empty()) open[count++] = {0, bound(tree.nodes[0].box)};
   while (count > 0) {

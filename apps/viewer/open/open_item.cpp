@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "base/check.h"
 #include "ibr/asset.h"
@@ -75,6 +76,9 @@ OpenItem openItem(const fs::path& path, const std::stop_token& stop) {
   item.bounds.radius = item.step;
   addIndex(item.bounds);
   item.map = mapOf(item.viewpoints);
+  std::vector<glm::dvec2> onMap;
+  for (const Pose& pose : poses) onMap.push_back(item.map.flat(pose.position));
+  item.mapMarks = item.scene ? mapMarks(std::move(onMap), item.bounds.neighbours) : mapMarks(std::move(onMap), {});
   item.navigation.up = upOf(poses).value_or(glm::dvec3(0, 1, 0));
   item.navigation.speed = initialSpeed(poses);
   if (item.model) item.navigation.centre = htmBounds(*item.model).middle;

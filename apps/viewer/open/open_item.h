@@ -18,6 +18,7 @@
 #include "shared/camera/navigation.h"
 #include "shared/report/graph_view.h"
 #include "viewer/open/comparison.h"
+#include "viewer/open/map_marks.h"
 #include "viewer/open/trust.h"
 
 namespace ibr::app {
@@ -42,6 +43,7 @@ struct OpenItem {
   RoamingBounds bounds;     // region near the photographs, where views may be trusted
   SceneBounds sceneBounds;  // of `scene`
   GraphView map;            // projection for the map of capture sites
+  MapMarks mapMarks;        // in this projection
 
   // The user's view and settings.
   Navigation navigation;

@@ -4,48 +4,13 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "shared/camera/point_map.h"
 #include "viewer/panels/panels.h"
 
 namespace ibr::app {
 namespace {
-
-using Line = std::array<glm::dvec2, 2>;
-
-// Marks of an item, in coordinates of its GraphView.
-struct Marks {
-  std::uint64_t item = 0;  // OpenItem::number
-  glm::dvec2 low{0}, high{0};
-  PointMap photographs;
-  std::vector<Line> lines;  // between photographs of a cell, at most kMaxMapMarks
-};
-
-// Prepared once, because the photographs and cells of an item do not change: a frame draws a bounded number of marks.
-const Marks& marksOf(const OpenItem& item) {
-  static Marks marks;
-  if (marks.item == item.number) return marks;
-  marks = {.item = item.number};
-  std::vector<glm::dvec2> points;
-  for (const Viewpoint& v : item.viewpoints) points.push_back(item.map.flat(v.camera.pose.position));
-  marks.low = marks.high = points.front();
-  for (const glm::dvec2& point : points) {
-    marks.low = glm::min(marks.low, point);
-    marks.high = glm::max(marks.high, point);
-  }
-  if (item.scene) {
-    const auto& pairs = item.bounds.neighbours;
-    std::vector<glm::dvec2> middles;
-    for (const auto& [a, b] : pairs) middles.push_back(0.5 * (points[a] + points[b]));
-    for (const std::uint32_t i : thinned(middles, kMaxMapMarks))
-      marks.lines.push_back({points[pairs[i].first], points[pairs[i].second]});
-  }
-  marks.photographs = PointMap(std::move(points));
-  return marks;
-}
 
 // Maps world coordinates to panel coordinates.
 struct Map {
@@ -72,7 +37,7 @@ struct Map {
 
 void showMap(PanelInput& input) {
   OpenItem& item = *input.viewer.item();
-  const Marks& marks = marksOf(item);
+  const MapMarks& marks = item.mapMarks;
   Map map{item.map, {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
   map.size = {std::max(map.size.x, 50.0f), std::max(map.size.y, 50.0f)};
   const glm::dvec2 here = map.view.flat(item.navigation.pose.position);

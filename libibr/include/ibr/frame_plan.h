@@ -193,11 +193,10 @@ struct FramePlan {
 /// and hardly on the scene's other cells, its photographs and vertices. With an infinite limit all cells are within it.
 /// With RenderSettings::alignCells or Morph::paper, cells within the limit count even if they are out of view. The
 /// first aligned frame may compute anchors (sceneBounds). Preconditions: validate(scene) is empty; `bounds` are of this
-/// scene. Throws Error{invalidInput} unless there are one or two views, pinholes with finite, positive focal lengths
-/// and unit rotations, within 1e12 world units of the origin, and positive scales. The draw order is total and does not
-/// depend on the order of cells in the scene. All views share the order, which is computed at the pose midway between
-/// them
-/// ([T] §2.5.4).
+/// scene. Throws Error{invalidInput} for bounds of another number of cells or that sceneBounds did not make, and unless
+/// there are one or two views, pinholes with finite, positive focal lengths and unit rotations, within 1e12 world units
+/// of the origin, and positive scales. The draw order is total and does not depend on the order of cells in the scene.
+/// All views share the order, which is computed at the pose midway between them ([T] §2.5.4).
 ///
 /// When the main cell changes, the previous draw order is cross-faded over switchSeconds, colours included; until then
 /// the main cell stays. Cells that change their rank behind the main cell fade one by one, also cells that are muted or

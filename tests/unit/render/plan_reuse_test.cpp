@@ -9,6 +9,7 @@
 #include "ibr/error.h"
 #include "ibr/frame_plan.h"
 #include "render/plan/frame_arena.h"
+#include "support/error_of.h"
 #include "support/plan_scenes.h"
 #include "support/plan_walks.h"
 
@@ -25,6 +26,16 @@ FrameInput inputAt(int frame, const RenderSettings& settings, bool stereo) {
 }
 
 }  // namespace
+
+TEST_CASE("bounds that sceneBounds did not make, or of another scene, are refused") {
+  const Scene scene = test::makePlanScene({3, 3, 1, 2});
+  const FrameInput input{{test::planCamera({0.5, 0, 0.5}, 0)}, {}, 0};
+  const SceneBounds other = sceneBounds(test::makePlanScene({2, 2, 1, 2})), unmade;
+  CHECK(test::errorOf([&] { planFrame(scene, unmade, input); }).code() == ErrorCode::invalidInput);
+  CHECK(test::errorOf([&] { planFrame(scene, other, input); }).code() == ErrorCode::invalidInput);
+  CHECK(test::errorOf([&] { planFrame(Scene{}, {}, input); }).code() == ErrorCode::invalidInput);
+  CHECK(planFrame(Scene{}, sceneBounds(Scene{}), input).cells.empty());
+}
 
 TEST_CASE("a plan over a previous plan is the plan of the same state, and may be the state's own") {
   const Scene scene = test::makePlanScene(kShape);

@@ -16,6 +16,7 @@
 #include <span>
 #include <utility>
 
+#include "base/check.h"
 #include "ibr/frame_plan.h"
 #include "render/photographs/photograph_choice.h"
 #include "render/plan/anchors.h"
@@ -374,6 +375,8 @@ struct Workspace {
 
 void planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state,
                FramePlan& plan) {
+  check(bounds.index && bounds.cells.size() == scene.cells.size(), ErrorCode::invalidInput,
+        "bounds: not those that sceneBounds made for this scene");
   checkInput(input);
   thread_local Workspace workspace;
   workspace.arena.restart();
