@@ -117,7 +117,7 @@ MeshPart partOf(const std::vector<glm::uvec3>& triangles) {
   MeshPart part;
   for (const glm::uvec3 t : triangles) part.points.insert(part.points.end(), {t.x, t.y, t.z});
   std::ranges::sort(part.points);
-  part.points.erase(std::ranges::unique(part.points).begin(), part.points.end());
+  part.points.erase(std::unique(part.points.begin(), part.points.end()), part.points.end());
   const auto index = [&](std::uint32_t p) {
     return std::uint32_t(std::ranges::lower_bound(part.points, p) - part.points.begin());
   };
