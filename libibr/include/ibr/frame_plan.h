@@ -51,7 +51,7 @@ struct CellBounds {
     std::array<float, 4> deviation{};    // of the chain from the edge at most, by member: of a_i r_i, and of r_i
     float inverseDistanceDeviation = 0;  // 1 / world unit
   };
-  std::vector<Member> members;       // as Cell::members
+  std::array<Member, 4> members;     // as Cell::members
   std::vector<glm::vec4> surface;    // points of tier 0: (x, y, z) / w from the first member's position, world axes
   std::vector<Corner> corners;       // of the outline
   std::vector<OutlineEdge> outline;  // sum of tier 0's directed borders, of limited length; empty: not usable

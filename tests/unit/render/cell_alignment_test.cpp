@@ -279,8 +279,8 @@ TEST_CASE("corrected cells are culled only without a vertex in view or within th
     const Correction correction{glm::angleAxis(0.3 * unit(random), anyDirection(random)), eye + anyDirection(random),
                                 0.3 * anyDirection(random)};
     const Placement placement{{0.2, 0.5, 0.3, 0}, Morph::ours, eye, correction};
-    const bool visible = mayBeVisible(scene, cell, bounds.cells[1], frustum(view), placement);
-    const bool nearly = mayBeVisible(scene, cell, bounds.cells[1], frustum(view), placement, 0.2);
+    const bool visible = mayBeVisible(cellPoses(scene, cell), bounds.cells[1], frustum(view), placement);
+    const bool nearly = mayBeVisible(cellPoses(scene, cell), bounds.cells[1], frustum(view), placement, 0.2);
     CHECK((nearly || !visible));
     kept += visible;
     culled += !nearly;

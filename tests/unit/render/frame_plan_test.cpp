@@ -132,7 +132,7 @@ TEST_CASE("cells behind the view are culled, cells in view never are") {
         if (planned) continue;
         // A culled cell must have no vertex inside the picture.
         const Cell& cell = scene.cells[c];
-        const Barycentric b = cellDistance(scene, cell, 1, view.pose).weights;
+        const Barycentric b = cellDistance(cellPoses(scene, cell), 1, view.pose).weights;
         const Weights& w = morph == Morph::ours ? b.clamped : b.free;
         for (std::size_t p = 0; p < 4; ++p) {
           glm::dvec3 direction(0.0), shift = -view.pose.position;

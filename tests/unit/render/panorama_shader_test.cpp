@@ -143,11 +143,11 @@ TEST_CASE("cells of panoramas have no rotational distance, and mixed cells less 
   cell.members = {0, 1};
   const glm::dquat right = glm::angleAxis(-1.0, glm::dvec3(0, 1, 0));
   const Pose view{{0.25, 0, 0}, right};
-  CHECK(cellDistance(scene, cell, 1, view).rotation == 0);
+  CHECK(cellDistance(cellPoses(scene, cell), 1, view).rotation == 0);
   scene.nodes[0].camera.intrinsics = pinholeFromFov(64, 48, 1);
-  const double half = cellDistance(scene, cell, 1, view).rotation;
+  const double half = cellDistance(cellPoses(scene, cell), 1, view).rotation;
   scene.nodes[1].camera.intrinsics = pinholeFromFov(64, 48, 1);
-  CHECK(cellDistance(scene, cell, 1, view).rotation == Approx(1));
+  CHECK(cellDistance(cellPoses(scene, cell), 1, view).rotation == Approx(1));
   CHECK(half > 0.6);
   CHECK(half < 0.9);
 }

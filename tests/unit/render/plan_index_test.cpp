@@ -181,11 +181,11 @@ TEST_CASE("cells that are left out are counted, and cells far from the view cost
     const SceneBounds bounds = sceneBounds(scene);
     const Pose middle{{9.5, 0, 9.5}, glm::dquat(1, 0, 0, 0)};
     std::pmr::vector<std::uint32_t> found;
-    const CulledCells culled = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, {}}, found);
+    const CulledCells culled = findCells(bounds.cells, bounds.index->cells, {middle, 2.0, true, {}}, found);
     CHECK(found.empty());  // no view shows anything
     CHECK(culled.byDistance + culled.byFrustum == scene.cells.size());
     const std::array views{CellQuery::View{frustum(test::planCamera(middle.position, 0)), middle.position}};
-    const CulledCells inView = findCells(scene, bounds.cells, bounds.index->cells, {middle, 2.0, true, views}, found);
+    const CulledCells inView = findCells(bounds.cells, bounds.index->cells, {middle, 2.0, true, views}, found);
     CHECK(inView.byDistance + inView.byFrustum + found.size() == scene.cells.size());
     CHECK(std::ranges::is_sorted(found));
     CHECK(!found.empty());

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The closest point lies inside exactly one face (corner, edge, triangle, tetrahedron) on which p's projection has no
-// negative weight; the nearest of all such faces contains the point. A simplex has at most 15 faces, so all are tried.
+// The closest point of a simplex to a point p outside lies on a face that p is beyond: a face without a corner whose
+// weight is negative. The search descends into these faces only. A degenerate simplex is searched in all its faces.
 #include "render/plan/barycentric.h"
 
-#include <bit>
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -41,100 +42,135 @@ namespace {
 
 constexpr double kFlat = 1e-14;  // relative thickness below which the corners are degenerate
 
-/// Returns λ of the projection of p on the span of the corners chosen by `face` (one bit per corner); nullopt if the
-/// corners are degenerate.
-[[gnu::always_inline]] inline std::optional<Weights> projected(std::span<const glm::dvec3> corners, unsigned face,
-                                                               glm::dvec3 p) {
-  std::array<std::size_t, 4> index{};
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (face >> i & 1u) index[n++] = i;
-  const glm::dvec3 origin = corners[index[0]], w = p - origin;
-  std::array<glm::dvec3, 3> edge;  // from the origin to corners 1 … n−1
-  for (std::size_t i = 1; i < n; ++i) edge[i - 1] = corners[index[i]] - origin;
-  std::array<double, 3> part{};  // λ of corners 1 … n−1 of the face
-  if (n == 2) {                  // eq. 1
-    const glm::dvec3 e = edge[0];
-    const double squared = dot(e, e);
-    if (!(squared > 0.0)) return std::nullopt;
-    part[0] = dot(w, e) / squared;
-  } else if (n == 3) {  // eqs 2, 3
-    const glm::dvec3 e1 = edge[0], e2 = edge[1], normal = cross(e1, e2);
-    const double squared = dot(normal, normal);
-    if (!(std::sqrt(squared) > kFlat * glm::length(e1) * glm::length(e2))) return std::nullopt;
-    part[0] = dot(cross(w, e2), normal) / squared;
-    part[1] = dot(cross(e1, w), normal) / squared;
-  } else if (n == 4) {
-    const auto [e1, e2, e3] = edge;
-    const double volume = dot(e1, cross(e2, e3));
-    if (!(std::abs(volume) > kFlat * glm::length(e1) * glm::length(e2) * glm::length(e3))) return std::nullopt;
-    part[0] = dot(w, cross(e2, e3)) / volume;
-    part[1] = dot(w, cross(e3, e1)) / volume;
-    part[2] = dot(w, cross(e1, e2)) / volume;
-  }
+template <std::size_t kCorners>
+using Simplex = std::array<glm::dvec3, kCorners>;
+
+template <std::size_t kCorners>
+[[gnu::always_inline]] inline Simplex<kCorners - 1> faceWithout(std::size_t corner, const Simplex<kCorners>& simplex) {
+  Simplex<kCorners - 1> face;
+  for (std::size_t i = 0; i + 1 < kCorners; ++i) face[i] = simplex[i < corner ? i : i + 1];
+  return face;
+}
+
+// Weights of a simplex's corners from those of its face without a corner.
+[[gnu::always_inline]] inline Weights ofSimplex(std::size_t corner, const Weights& ofFace) {
   Weights weights{};
-  double rest = 1.0;
-  for (std::size_t i = 1; i < n; ++i) {
-    if (!std::isfinite(part[i - 1])) return std::nullopt;
-    rest -= weights[index[i]] = part[i - 1];
-  }
-  weights[index[0]] = rest;
+  for (std::size_t i = 0; i + 1 < weights.size(); ++i) weights[i < corner ? i : i + 1] = ofFace[i];
   return weights;
 }
 
-[[gnu::always_inline]] inline double squaredDistance(std::span<const glm::dvec3> corners, const Weights& weights,
+// Returns λ of the projection of p on the simplex's span; nullopt if the corners are degenerate.
+template <std::size_t kCorners>
+[[gnu::always_inline]] inline std::optional<Weights> projected(const Simplex<kCorners>& corners, glm::dvec3 p) {
+  const glm::dvec3 w = p - corners[0];
+  Weights weights{};
+  if constexpr (kCorners == 2) {  // eq. 1
+    const glm::dvec3 e = corners[1] - corners[0];
+    const double squared = dot(e, e);
+    if (!(squared > 0.0)) return std::nullopt;
+    weights[1] = dot(w, e) / squared;
+  } else if constexpr (kCorners == 3) {  // eqs 2, 3
+    const glm::dvec3 e1 = corners[1] - corners[0], e2 = corners[2] - corners[0], normal = cross(e1, e2);
+    const double squared = dot(normal, normal);
+    if (!(std::sqrt(squared) > kFlat * glm::length(e1) * glm::length(e2))) return std::nullopt;
+    weights[1] = dot(cross(w, e2), normal) / squared;
+    weights[2] = dot(cross(e1, w), normal) / squared;
+  } else if constexpr (kCorners == 4) {
+    const glm::dvec3 e1 = corners[1] - corners[0], e2 = corners[2] - corners[0], e3 = corners[3] - corners[0];
+    const double volume = dot(e1, cross(e2, e3));
+    if (!(std::abs(volume) > kFlat * glm::length(e1) * glm::length(e2) * glm::length(e3))) return std::nullopt;
+    weights[1] = dot(w, cross(e2, e3)) / volume;
+    weights[2] = dot(w, cross(e3, e1)) / volume;
+    weights[3] = dot(w, cross(e1, e2)) / volume;
+  }
+  double rest = 1.0;
+  for (std::size_t i = 1; i < kCorners; ++i) {
+    if (!std::isfinite(weights[i])) return std::nullopt;
+    rest -= weights[i];
+  }
+  weights[0] = rest;
+  return weights;
+}
+
+template <std::size_t kCorners>
+[[gnu::always_inline]] inline double squaredDistance(const Simplex<kCorners>& corners, const Weights& weights,
                                                      glm::dvec3 p) {
   glm::dvec3 offset(0.0);
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    if (weights[i] != 0.0) offset += weights[i] * (corners[i] - p);
+  for (std::size_t i = 0; i < kCorners; ++i) offset += weights[i] * (corners[i] - p);
   return glm::dot(offset, offset);
 }
 
-// Sum of squared distances between the corners of a face; picks the largest of several faces of one dimension.
-[[gnu::always_inline]] inline double spread(std::span<const glm::dvec3> corners, unsigned face) {
-  double sum = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if ((face >> i & 1u) && (face >> j & 1u)) sum += glm::dot(corners[i] - corners[j], corners[i] - corners[j]);
-  return sum;
-}
-
 [[gnu::always_inline]] inline bool inside(const Weights& weights) {
-  for (double w : weights)
-    if (w < 0.0) return false;
-  return true;
+  return std::min(std::min(weights[0], weights[1]), std::min(weights[2], weights[3])) >= 0.0;
 }
 
-[[gnu::always_inline]] inline Barycentric closest(const glm::dvec3* first, std::size_t count, glm::dvec3 p) {
-  const std::span corners(first, count);
-  const unsigned whole = (1u << count) - 1u;
-  Barycentric result;
-  const std::optional<Weights> free = projected(corners, whole, p);
-  result.degenerate = !free;
-  if (free) result.free = *free;
-  if (free && inside(*free)) {
-    result.clamped = *free;
-    result.distance = std::sqrt(squaredDistance(corners, result.clamped, p));
-    return result;
-  }
-  double nearest = std::numeric_limits<double>::infinity();
-  std::pair<int, double> largest{0, -1.0};
-  for (unsigned face = 1; face < whole; ++face) {
-    const std::optional<Weights> weights = projected(corners, face, p);
-    if (!weights) continue;
-    if (result.degenerate)
-      if (const std::pair size{std::popcount(face), spread(corners, face)}; size > largest) {
-        largest = size;
-        result.free = *weights;
-      }
-    if (!inside(*weights)) continue;
-    if (const double squared = squaredDistance(corners, *weights, p); squared < nearest) {
-      nearest = squared;
-      result.clamped = *weights;
+struct ClosestPoint {
+  Weights weights{};
+  double squaredDistance = std::numeric_limits<double>::infinity();
+};
+
+// `free`: projected(corners, p).
+template <std::size_t kCorners>
+[[gnu::always_inline]] inline ClosestPoint closestPoint(const Simplex<kCorners>& corners,
+                                                        const std::optional<Weights>& free, glm::dvec3 p) {
+  if (free && inside(*free)) return {*free, squaredDistance(corners, *free, p)};
+  ClosestPoint closest;
+  if constexpr (kCorners > 1)
+    for (std::size_t corner = 0; corner < kCorners; ++corner) {
+      if (free && (*free)[corner] >= 0.0) continue;
+      const Simplex<kCorners - 1> face = faceWithout(corner, corners);
+      const ClosestPoint onFace = closestPoint(face, projected(face, p), p);
+      if (onFace.squaredDistance < closest.squaredDistance)
+        closest = {ofSimplex(corner, onFace.weights), onFace.squaredDistance};
     }
+  return closest;
+}
+
+// λ of the projection on a face of a degenerate simplex.
+struct LargestFace {
+  Weights weights{};
+  std::pair<std::size_t, double> size;  // number of corners, sum of squared distances between them
+};
+
+template <std::size_t kCorners>
+LargestFace largestFace(const Simplex<kCorners>& corners, glm::dvec3 p) {
+  if (const std::optional<Weights> weights = projected(corners, p)) {
+    double spread = 0;
+    for (std::size_t i = 0; i < kCorners; ++i)
+      for (std::size_t j = 0; j < i; ++j) spread += glm::dot(corners[i] - corners[j], corners[i] - corners[j]);
+    return {*weights, {kCorners, spread}};
   }
-  result.distance = std::sqrt(nearest);
-  return result;
+  LargestFace largest;
+  if constexpr (kCorners > 1)
+    for (std::size_t corner = kCorners; corner-- > 0;)
+      if (const LargestFace face = largestFace(faceWithout(corner, corners), p); face.size > largest.size)
+        largest = {ofSimplex(corner, face.weights), face.size};
+  return largest;
+}
+
+template <std::size_t kCorners>
+[[gnu::always_inline]] inline Barycentric barycentricOf(const glm::dvec3* first, glm::dvec3 p) {
+  Simplex<kCorners> corners;
+  for (std::size_t i = 0; i < kCorners; ++i) corners[i] = first[i];
+  const std::optional<Weights> free = projected(corners, p);
+  const ClosestPoint closest = closestPoint(corners, free, p);
+  return {.free = free ? *free : largestFace(corners, p).weights,
+          .clamped = closest.weights,
+          .distance = std::sqrt(closest.squaredDistance),
+          .degenerate = !free};
+}
+
+[[gnu::always_inline]] inline Barycentric closest(const glm::dvec3* corners, std::size_t count, glm::dvec3 p) {
+  switch (count) {
+    case 1:
+      return barycentricOf<1>(corners, p);
+    case 2:
+      return barycentricOf<2>(corners, p);
+    case 3:
+      return barycentricOf<3>(corners, p);
+    default:
+      return barycentricOf<4>(corners, p);
+  }
 }
 
 }  // namespace

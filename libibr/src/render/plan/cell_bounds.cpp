@@ -18,7 +18,7 @@ namespace {
 CellBounds boundsOf(const Scene& scene, const Cell& cell) {
   CellBounds bounds;
   for (std::size_t i = 0; i < cell.members.size(); ++i) {
-    CellBounds::Member& member = bounds.members.emplace_back();
+    CellBounds::Member& member = bounds.members[i];
     for (std::size_t p = 0; p < cell.mesh.vertexCount(); ++p) {
       const glm::vec3 point(memberPoint(scene, cell, i, p)), ray = glm::normalize(point);
       member.low = p ? glm::min(member.low, point) : point;

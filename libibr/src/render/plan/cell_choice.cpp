@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/plan/cell_cover.h"
+#include "render/plan/scene_index.h"
 
 namespace ibr {
 namespace {
@@ -30,9 +31,8 @@ struct MemberPoses {
   std::array<std::array<double, 7>, 4> poses{};
   std::size_t count = 0;
 
-  MemberPoses(const Scene& scene, const Cell& cell) {
-    for (const std::uint32_t member : cell.members) {
-      const auto& [position, rotation] = scene.nodes[member].camera.pose;
+  explicit MemberPoses(const CellPoses& cell) {
+    for (const auto& [position, rotation] : cell.poses()) {
       poses[count] = {position.x, position.y, position.z, rotation.w, rotation.x, rotation.y, rotation.z};
       for (std::size_t i = count++; i > 0 && poses[i] < poses[i - 1]; --i) std::swap(poses[i], poses[i - 1]);
     }
@@ -45,12 +45,12 @@ struct MemberPoses {
 
 class Order {
  public:
-  explicit Order(const Scene& scene) : scene_(scene) {}
+  explicit Order(std::span<const CellPoses> poses) : poses_(poses) {}
 
   bool better(const CellCandidate& a, const CellCandidate& b) const {
     if (a.extrapolation != b.extrapolation) return a.extrapolation < b.extrapolation;
     if (a.rotation != b.rotation) return a.rotation < b.rotation;
-    const auto order = MemberPoses(scene_, scene_.cells[a.cell]) <=> MemberPoses(scene_, scene_.cells[b.cell]);
+    const auto order = MemberPoses(poses_[a.cell]) <=> MemberPoses(poses_[b.cell]);
     return order != 0 ? order < 0 : a.cell < b.cell;
   }
 
@@ -84,15 +84,15 @@ class Order {
     return a.rotation + kAngleHysteresis < b.rotation;
   }
 
-  const Scene& scene_;
+  std::span<const CellPoses> poses_;  // as Scene::cells
 };
 
 }  // namespace
 
-std::size_t chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
-                        std::span<CellCandidate> candidates, std::size_t most, bool gathers,
-                        std::pmr::memory_resource* memory) {
-  const Order order(scene);
+std::size_t chooseCells(const SceneBounds& bounds, std::span<const Camera> views, std::span<CellCandidate> candidates,
+                        std::size_t most, bool gathers, std::pmr::memory_resource* memory) {
+  const std::vector<CellPoses>& poses = bounds.index->cells.poses;
+  const Order order(poses);
   const auto ranksBefore = [&](const auto& a, const auto& b) { return order.ranksBefore(a, b); };
   const std::size_t count = std::min(candidates.size(), std::max(most, kMaxCoverCandidates));
   const std::span<CellCandidate> considered = candidates.first(count);
@@ -106,8 +106,7 @@ std::size_t chooseCells(const Scene& scene, const SceneBounds& bounds, std::span
     std::size_t forced = count;
     for (std::size_t c = 0; c < count; ++c) {
       const CellCandidate& candidate = considered[c];
-      const std::uint32_t first = scene.cells[candidate.cell].members[0];
-      covers.push_back(coverOf(bounds.cells[candidate.cell], scene.nodes[first].camera.pose.position, views));
+      covers.push_back(coverOf(bounds.cells[candidate.cell], poses[candidate.cell].pose[0].position, views));
       worths.push_back(worthOf(candidate, considered[0].size));
       if (candidate.first) forced = c;
     }

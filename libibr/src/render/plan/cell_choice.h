@@ -11,7 +11,6 @@
 #include <span>
 
 #include "ibr/frame_plan.h"
-#include "ibr/scene.h"
 
 namespace ibr {
 
@@ -34,9 +33,8 @@ inline constexpr std::size_t kMaxCoverCandidates = 64;
 
 /// Chooses at most `most` of the candidates; all if there are no more and nothing is gathered. Moves the chosen ones to
 /// the front, best first, and returns their number. `gathers`: the gather draws what cells leave open, so only cells
-/// worth more than the gather are chosen. `bounds`: of the scene.
-std::size_t chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
-                        std::span<CellCandidate> candidates, std::size_t most, bool gathers,
-                        std::pmr::memory_resource* memory);
+/// worth more than the gather are chosen.
+std::size_t chooseCells(const SceneBounds& bounds, std::span<const Camera> views, std::span<CellCandidate> candidates,
+                        std::size_t most, bool gathers, std::pmr::memory_resource* memory);
 
 }  // namespace ibr

@@ -2,8 +2,8 @@
 // Distance of the virtual camera from a cell, in position and in direction ([T] §2.5.2).
 #pragma once
 
-#include "ibr/scene.h"
 #include "render/plan/barycentric.h"
+#include "render/plan/cell_poses.h"
 
 namespace ibr {
 
@@ -16,12 +16,12 @@ struct CellDistance {
 
 /// `size` is the cell's longest edge. Cells over the same positions get bit-equal extrapolation distances in any order
 /// of their members, so that only the direction distinguishes stacked cells.
-CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view);
+CellDistance cellDistance(const CellPoses& cell, double size, const Pose& view);
 
 /// Returns the largest absolute coordinate, which the rounding of positions is relative to.
 double largestCoordinate(glm::dvec3 v);
 
 /// CellDistance::weights alone.
-Barycentric cellWeights(const Scene& scene, const Cell& cell, glm::dvec3 position);
+Barycentric cellWeights(const CellPoses& cell, glm::dvec3 position);
 
 }  // namespace ibr

@@ -26,17 +26,16 @@ struct Entry {
   std::uint32_t cell = 0;
 };
 
-Entry entryOf(const Scene& scene, const CellBounds& bounds, std::uint32_t index) {
-  const Cell& cell = scene.cells[index];
+Entry entryOf(const CellPoses& cell, const CellBounds& bounds, std::uint32_t index) {
   Entry entry;
   entry.cell = index;
   TreeNode& node = entry.node;
-  node.low = node.high = scene.nodes[cell.members[0]].camera.pose.position;
+  node.low = node.high = cell.pose[0].position;
   node.minSize = node.maxSize = bounds.size;
   node.maxInverseDistance = bounds.maxInverseDistance;
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-  for (std::size_t i = 0; i < cell.members.size(); ++i) {
-    const Pose& pose = scene.nodes[cell.members[i]].camera.pose;
+  for (std::size_t i = 0; i < cell.count; ++i) {
+    const Pose& pose = cell.pose[i];
     const CellBounds::Member& box = bounds.members[i];
     node.low = glm::min(node.low, pose.position);
     node.high = glm::max(node.high, pose.position);
@@ -126,15 +125,17 @@ bool certainlyOutside(const TreeNode& node, const CellQuery::View& view) {
 CellIndex makeCellIndex(const Scene& scene, std::span<const CellBounds> cells, std::uint32_t leafSize) {
   std::vector<Entry> entries;
   entries.reserve(cells.size());
-  for (std::uint32_t c = 0; c < cells.size(); ++c) entries.push_back(entryOf(scene, cells[c], c));
   CellIndex index;
+  index.poses.reserve(cells.size());
+  for (std::uint32_t c = 0; c < cells.size(); ++c)
+    entries.push_back(entryOf(index.poses.emplace_back(cellPoses(scene, scene.cells[c])), cells[c], c));
   index.nodes = halvedTree(std::span(entries), leafSize, boundsOf, orderOf);
   for (const Entry& entry : entries) index.cells.push_back(entry.cell);
   return index;
 }
 
-CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, const CellIndex& index,
-                      const CellQuery& query, std::pmr::vector<std::uint32_t>& found) {
+CulledCells findCells(std::span<const CellBounds> bounds, const CellIndex& index, const CellQuery& query,
+                      std::pmr::vector<std::uint32_t>& found) {
   struct Open {
     std::uint32_t node;
     bool outside;  // of all frusta
@@ -167,7 +168,7 @@ CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, co
           continue;
         }
         const double size = bounds[cell].size;
-        const bool far = cellDistance(scene, scene.cells[cell], size, query.middle).extrapolation > query.limit * size;
+        const bool far = cellDistance(index.poses[cell], size, query.middle).extrapolation > query.limit * size;
         ++(far ? culled.byDistance : culled.byFrustum);
       }
     }

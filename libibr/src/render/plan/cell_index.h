@@ -18,6 +18,7 @@
 
 #include "base/halved_tree.h"
 #include "ibr/frame_plan.h"
+#include "render/plan/cell_poses.h"
 
 namespace ibr {
 
@@ -31,6 +32,7 @@ struct CellIndex {
   };
   std::vector<Node> nodes;           // over `cells`
   std::vector<std::uint32_t> cells;  // indices into Scene::cells, in the order of the leaves
+  std::vector<CellPoses> poses;      // as Scene::cells
 };
 
 /// `cells`: bounds of the scene's cells. A leaf has at most `leafSize` cells, >= 1.
@@ -53,7 +55,7 @@ struct CulledCells {
 };
 
 /// Appends the cells that may be near enough and in view, in ascending order, and counts the others.
-CulledCells findCells(const Scene& scene, std::span<const CellBounds> bounds, const CellIndex& index,
-                      const CellQuery& query, std::pmr::vector<std::uint32_t>& found);
+CulledCells findCells(std::span<const CellBounds> bounds, const CellIndex& index, const CellQuery& query,
+                      std::pmr::vector<std::uint32_t>& found);
 
 }  // namespace ibr

@@ -21,12 +21,12 @@ std::array<glm::dvec3, 4> frustum(const Camera& view) {
           toWorld * glm::dvec3(0, -1, -top)};
 }
 
-DirectionBounds::DirectionBounds(const Scene& scene, const Cell& cell, const CellBounds& bounds,
-                                 const Placement& placement, const glm::dquat& axes)
-    : count_(cell.members.size()), shift_(0.0), ours_(placement.morph == Morph::ours) {
+DirectionBounds::DirectionBounds(const CellPoses& cell, const CellBounds& bounds, const Placement& placement,
+                                 const glm::dquat& axes)
+    : count_(cell.count), shift_(0.0), ours_(placement.morph == Morph::ours) {
   const glm::dquat turn = glm::conjugate(placement.correction.rotation) * axes;
   for (std::size_t i = 0; i < count_; ++i) {
-    const Pose& pose = scene.nodes[cell.members[i]].camera.pose;
+    const Pose& pose = cell.pose[i];
     const CellBounds::Member& box = bounds.members[i];
     Member& member = members_[i];
     member.turn = placement.weights[i] * glm::mat3_cast(glm::conjugate(pose.rotation) * turn);
@@ -57,9 +57,9 @@ double DirectionBounds::reach() const {
   return sum;
 }
 
-bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds,
-                  const std::array<glm::dvec3, 4>& planes, const Placement& placement, double margin) {
-  const DirectionBounds directions(scene, cell, bounds, placement);
+bool mayBeVisible(const CellPoses& cell, const CellBounds& bounds, const std::array<glm::dvec3, 4>& planes,
+                  const Placement& placement, double margin) {
+  const DirectionBounds directions(cell, bounds, placement);
   const double reach = margin > 0 ? margin * directions.reach() : 0;
   return std::ranges::none_of(planes, [&](glm::dvec3 plane) {
     return directions.most(plane) + (reach > 0 ? reach * glm::length(plane) : 0) < 0.0;

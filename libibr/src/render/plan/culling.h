@@ -9,6 +9,7 @@
 
 #include "ibr/frame_plan.h"
 #include "render/plan/barycentric.h"
+#include "render/plan/cell_poses.h"
 
 namespace ibr {
 
@@ -33,7 +34,7 @@ struct Placement {
 class DirectionBounds {
  public:
   /// `axes`: rotation of the axes to world axes.
-  DirectionBounds(const Scene& scene, const Cell& cell, const CellBounds& bounds, const Placement& placement,
+  DirectionBounds(const CellPoses& cell, const CellBounds& bounds, const Placement& placement,
                   const glm::dquat& axes = glm::dquat(1, 0, 0, 0));
 
   /// Returns an upper bound of n·D; bounds each term by itself.
@@ -55,7 +56,7 @@ class DirectionBounds {
 };
 
 /// Returns false only if every vertex lies outside one plane by more than `margin` (radians), at these weights.
-bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds,
-                  const std::array<glm::dvec3, 4>& planes, const Placement& placement, double margin = 0);
+bool mayBeVisible(const CellPoses& cell, const CellBounds& bounds, const std::array<glm::dvec3, 4>& planes,
+                  const Placement& placement, double margin = 0);
 
 }  // namespace ibr

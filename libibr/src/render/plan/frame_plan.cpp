@@ -126,16 +126,17 @@ class Planner {
   // `margin`: radians by which a correction may still move the cell.
   bool visible(const PlannedCell& planned, double margin = 0) const {
     for (std::size_t v = 0; v < plan_.views.size(); ++v)
-      if (mayBeVisible(scene_, scene_.cells[planned.cell], bounds_.cells[planned.cell], frusta_[v].planes,
+      if (mayBeVisible(posesOf(planned.cell), bounds_.cells[planned.cell], frusta_[v].planes,
                        {planned.view[v].position, settings_.morph, frusta_[v].eye, planned.correction}, margin))
         return true;
     return false;
   }
+  const CellPoses& posesOf(std::uint32_t cell) const { return bounds_.index->cells.poses[cell]; }
   bool aligned() const { return settings_.alignCells && settings_.morph == Morph::ours; }
 
   // Returns a cell with its weights for every view; the draw order has no influence.
   PlannedCell planned(std::uint32_t index, const CellDistance& fromMiddle) const {
-    const Cell& cell = scene_.cells[index];
+    const CellPoses& cell = posesOf(index);
     PlannedCell planned;
     planned.cell = index;
     planned.extrapolationDistance = fromMiddle.extrapolation;
@@ -146,7 +147,7 @@ class Planner {
       planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
     for (std::size_t v = 0; v < plan_.views.size(); ++v) {
       const Barycentric weights =
-          plan_.views.size() == 1 ? fromMiddle.weights : cellWeights(scene_, cell, frusta_[v].eye);
+          plan_.views.size() == 1 ? fromMiddle.weights : cellWeights(cell, frusta_[v].eye);
       planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
       planned.view[v].blend = smoothstep(weights.clamped);
     }
@@ -154,24 +155,24 @@ class Planner {
     return planned;
   }
 
-  double photographDistance(const Cell& cell, const Weights& blend) const {
+  double photographDistance(const CellPoses& cell, const Weights& blend) const {
     double squared = 0;
-    for (std::size_t i = 0; i < cell.members.size(); ++i) {
-      const double distance = glm::distance(scene_.nodes[cell.members[i]].camera.pose.position, middle_.position);
+    for (std::size_t i = 0; i < cell.count; ++i) {
+      const double distance = glm::distance(cell.pose[i].position, middle_.position);
       squared += blend[i] * distance * distance;
     }
     return std::sqrt(squared);
   }
 
   CellDistance distanceOf(std::uint32_t cell) const {
-    return cellDistance(scene_, scene_.cells[cell], bounds_.cells[cell].size, middle_);
+    return cellDistance(posesOf(cell), bounds_.cells[cell].size, middle_);
   }
 
   // Cells that may be in view, ascending; counts the others.
   std::pmr::vector<std::uint32_t> cellsNearby() {
     std::pmr::vector<std::uint32_t> cells(memory_);
     const CellQuery query{middle_, settings_.extrapolationLimit, settings_.morph == Morph::ours && !aligned(), frusta_};
-    const CulledCells culled = findCells(scene_, bounds_.cells, bounds_.index->cells, query, cells);
+    const CulledCells culled = findCells(bounds_.cells, bounds_.index->cells, query, cells);
     plan_.culledByDistance += culled.byDistance;
     plan_.culledByFrustum += culled.byFrustum;
     return cells;
@@ -216,7 +217,7 @@ class Planner {
   void chooseCells() {
     findCandidates();
     std::pmr::vector<CellCandidate> ordered(candidates_, memory_);
-    const std::size_t drawn = ibr::chooseCells(scene_, bounds_, plan_.views, ordered, cellLimit(), gathers(), memory_);
+    const std::size_t drawn = ibr::chooseCells(bounds_, plan_.views, ordered, cellLimit(), gathers(), memory_);
     for (const CellCandidate& left : std::span(ordered).subspan(drawn)) {
       ++(left.nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
       if (!left.nearlyInView) plan_.next.hiddenCells.push_back(left.cell);
@@ -309,7 +310,7 @@ class Planner {
     if (const CellCandidate* known = candidateOf(index))
       return {&cell, anchors, clamped_[known->index], known->distance};
     const CellDistance from = distanceOf(index);
-    const double photographs = photographDistance(cell, smoothstep(from.weights.clamped));
+    const double photographs = photographDistance(posesOf(index), smoothstep(from.weights.clamped));
     return {&cell, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
   }
 

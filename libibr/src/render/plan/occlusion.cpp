@@ -13,6 +13,7 @@
 #include "render/plan/correction.h"
 #include "render/plan/cover_mask.h"
 #include "render/plan/culling.h"
+#include "render/plan/scene_index.h"
 
 namespace ibr {
 namespace {
@@ -20,9 +21,8 @@ namespace {
 // Cover of the cells drawn so far in one view, and the open rest of the image.
 class ViewCover {
  public:
-  ViewCover(const Scene& scene, const FramePlan& plan, std::size_t view, std::pmr::memory_resource* memory)
-      : scene_(scene),
-        camera_(plan.views[view]),
+  ViewCover(const FramePlan& plan, std::size_t view, std::pmr::memory_resource* memory)
+      : camera_(plan.views[view]),
         mask_(camera_.intrinsics.width, camera_.intrinsics.height, 1.5 * std::max(1.0, 1.0 / plan.settings.renderScale),
               memory),
         open_(memory),
@@ -33,15 +33,15 @@ class ViewCover {
 
   glm::dvec3 eye() const { return camera_.pose.position; }
 
-  bool mayShow(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
-    const DirectionBounds directions(scene_, cell, bounds, placement, camera_.pose.rotation);
+  bool mayShow(const CellPoses& cell, const CellBounds& bounds, const Placement& placement) const {
+    const DirectionBounds directions(cell, bounds, placement, camera_.pose.rotation);
     return std::ranges::any_of(open_, [&](const Opening& part) {
       return !(directions.most({1, 0, part.left}) < 0 || directions.most({-1, 0, -part.right}) < 0 ||
                directions.most({0, 1, part.bottom}) < 0 || directions.most({0, -1, -part.top}) < 0);
     });
   }
 
-  void draw(const Cell& cell, const CellBounds& bounds, const Placement& placement) {
+  void draw(const CellPoses& cell, const CellBounds& bounds, const Placement& placement) {
     if (bounds.outline.empty() || !isInFront(cell, bounds, placement)) return;
     if (!projectCorners(cell, bounds, placement)) return;
     edges_.clear();
@@ -65,14 +65,14 @@ class ViewCover {
   };
 
   // Returns false where a corner is not seen at a finite pixel.
-  bool projectCorners(const Cell& cell, const CellBounds& bounds, const Placement& placement) {
+  bool projectCorners(const CellPoses& cell, const CellBounds& bounds, const Placement& placement) {
     const auto& [weights, morph, eye, correction] = placement;
     const Intrinsics& k = camera_.intrinsics;
     const glm::dquat rotation = glm::conjugate(camera_.pose.rotation);
     glm::dvec3 shift(0.0);
     std::array<glm::dmat3, 4> toView;
-    for (std::size_t i = 0; i < cell.members.size(); ++i) {
-      const Pose& pose = scene_.nodes[cell.members[i]].camera.pose;
+    for (std::size_t i = 0; i < cell.count; ++i) {
+      const Pose& pose = cell.pose[i];
       toView[i] = weights[i] * glm::mat3_cast(rotation * correction.rotation * glm::normalize(pose.rotation));
       shift += weights[i] * (pose.position - eye);
     }
@@ -81,7 +81,7 @@ class ViewCover {
     corners_.clear();
     for (const CellBounds::Corner& corner : bounds.corners) {
       glm::dvec3 d = morph == Morph::paper ? glm::dvec3(0.0) : double(corner.inverseDistance) * shift;
-      for (std::size_t i = 0; i < cell.members.size(); ++i) {
+      for (std::size_t i = 0; i < cell.count; ++i) {
         const glm::dvec3 q(corner.point[i]);
         d += toView[i] * (morph == Morph::paper ? glm::normalize(q) : q);
       }
@@ -94,10 +94,10 @@ class ViewCover {
 
   // Largest distance in the image of an edge from the chain that it stands for: the chain's D differ by at most r from
   // a point of the edge, whose pixel moves by at most f·r·√(1 + tan²) / (z − r). Infinite where r reaches the eye.
-  double marginPx(const CellBounds::OutlineEdge& edge, const Corner& from, const Corner& to, const Cell& cell,
+  double marginPx(const CellBounds::OutlineEdge& edge, const Corner& from, const Corner& to, const CellPoses& cell,
                   const Placement& placement) const {
     double r = double(edge.inverseDistanceDeviation) * shift_;
-    for (std::size_t i = 0; i < cell.members.size(); ++i)
+    for (std::size_t i = 0; i < cell.count; ++i)
       r += std::abs(placement.weights[i]) * double(edge.deviation[i]);
     if (r == 0) return 0;
     const auto tangents = [](glm::dvec3 d) { return glm::abs(glm::dvec2(d) / d.z); };
@@ -109,8 +109,8 @@ class ViewCover {
   }
 
   // True if all vertices are in front of the camera, by their bounding boxes: behind it, a projection is not a map.
-  bool isInFront(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
-    return DirectionBounds(scene_, cell, bounds, placement, camera_.pose.rotation).most({0, 0, 1}) < 0;
+  bool isInFront(const CellPoses& cell, const CellBounds& bounds, const Placement& placement) const {
+    return DirectionBounds(cell, bounds, placement, camera_.pose.rotation).most({0, 0, 1}) < 0;
   }
 
   void findOpen() {
@@ -122,7 +122,6 @@ class ViewCover {
     });
   }
 
-  const Scene& scene_;
   const Camera& camera_;
   CoverMask mask_;
   std::pmr::vector<Opening> open_;
@@ -137,9 +136,9 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan, 
   if (plan.cells.empty()) return;
   std::pmr::vector<ViewCover> views(memory);
   views.reserve(plan.views.size());
-  for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v, memory);
+  for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(plan, v, memory);
   for (PlannedCell& planned : plan.cells) {  // cells that fade out are drawn too, but hide nothing
-    const Cell& cell = scene.cells[planned.cell];
+    const CellPoses& cell = bounds.index->cells.poses[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     const auto placementIn = [&](std::size_t v) {
       return Placement{planned.view[v].position, plan.settings.morph, views[v].eye(), planned.correction};
@@ -148,7 +147,7 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan, 
     for (std::size_t v = 0; planned.hidden && v < views.size(); ++v)
       planned.hidden = !views[v].mayShow(cell, cellBounds, placementIn(v));
     if (&planned == &plan.cells.back()) break;                                     // there is nothing behind it
-    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) continue;  // masks leave holes
+    if (planned.hidden || planned.opacity < 1 || isMasked(scene, scene.cells[planned.cell])) continue;  // masks leave holes
     for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
   }
 }
