@@ -33,7 +33,7 @@ int count(const CoverMask& mask, int columns, int rows) {
   return sum;
 }
 
-std::vector<CoverMask::Rectangle> openOf(const CoverMask& mask) {
+std::vector<CoverMask::Rectangle> openOf(CoverMask& mask) {
   std::vector<CoverMask::Rectangle> open;
   mask.forOpen([&](const CoverMask::Rectangle& one) { open.push_back(one); });
   return open;

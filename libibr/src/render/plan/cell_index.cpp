@@ -92,13 +92,15 @@ auto orderOf(const TreeNode& node, std::span<const Entry> entries) {
 // True if cellDistance is certainly beyond the limit for all cells of a node.
 bool certainlyFar(const TreeNode& node, const CellQuery& query) {
   const glm::dvec3 eye = query.middle.position;
-  const glm::dvec3 outside = glm::max(glm::max(node.low - eye, eye - node.high), glm::dvec3(0.0));
-  const double distance = (1 - kMargin) * glm::length(outside);
+  const glm::dvec3 outside = (1 - kMargin) * glm::max(glm::max(node.low - eye, eye - node.high), glm::dvec3(0.0));
+  const double limit = std::max(query.limit * node.maxSize, 0.0);  // NaN: nothing is beyond
+  const double squared = glm::dot(outside, outside);
+  if (!(squared > limit * limit)) return false;
   const double magnitude =
       std::max({largestCoordinate(eye), largestCoordinate(node.low), largestCoordinate(node.high)});
   // cellDistance counts smaller distances as 0.
   const double tolerance = std::max(2e-9 * node.maxSize, 16.0 * std::numeric_limits<double>::epsilon() * magnitude);
-  return distance > tolerance && distance > query.limit * node.maxSize;  // false for a limit of NaN
+  return squared > tolerance * tolerance;
 }
 
 // True if cellDistance is certainly within the limit for all cells of a node.
@@ -116,7 +118,7 @@ bool certainlyOutside(const TreeNode& node, const CellQuery::View& view) {
   return std::ranges::any_of(view.planes, [&](glm::dvec3 plane) {
     const double most = double(node.maxInverseDistance) * std::max(0.0, mostInBox(plane, low, high)) +
                         mostInBox(plane, node.shownLow, node.shownHigh);
-    return most < -margin * glm::length(plane);
+    return most < -margin;
   });
 }
 

@@ -43,7 +43,7 @@ struct CellQuery {
   double limit = 0;       // RenderSettings::extrapolationLimit
   bool byFrustum = true;  // false: no cell is left out for its direction, because weights are free or cells may move
   struct View {
-    std::array<glm::dvec3, 4> planes;  // frustum()
+    std::array<glm::dvec3, 4> planes;  // frustum(): unit normals
     glm::dvec3 eye;
   };
   std::span<const View> views;

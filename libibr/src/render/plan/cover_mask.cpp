@@ -24,10 +24,14 @@ CoverMask::CoverMask(int width, int height, double marginPx, std::pmr::memory_re
       words_((columns_ + 63) / 64),
       margin_(marginPx),
       covered_(std::size_t(words_) * std::size_t(rows_), memory),
+      open_(memory),
       touched_(covered_.size(), memory),
       crossed_(covered_.size(), memory),
       winding_(64 * covered_.size(), memory) {
   for (int row = 0; row < rows_; ++row) covered_[word(row, words_ - 1)] = ~bits(0, columns_ - 64 * (words_ - 1));
+  open_.reserve(std::size_t((columns_ + kBlock - 1) / kBlock) * std::size_t((rows_ + kBlock - 1) / kBlock));
+  for (int y = 0; y < rows_; y += kBlock)
+    for (int x = 0; x < columns_; x += kBlock) open_.emplace_back(x, y);
 }
 
 // Marks tiles that come within the margin of the edge, row by row.

@@ -40,10 +40,12 @@ class CoverMask {
   };
   /// Calls `visit` with rectangles that together contain everything that is not covered, and the margin around it.
   template <class Visit>
-  void forOpen(Visit&& visit) const {
-    for (int y = 0; y < rows_; y += kBlock)
-      for (int x = 0; x < columns_; x += kBlock)
-        if (const std::optional<Rectangle> open = openIn(x, y)) visit(*open);
+  void forOpen(Visit&& visit) {
+    std::erase_if(open_, [&](glm::ivec2 block) {
+      const std::optional<Rectangle> open = openIn(block.x, block.y);
+      if (open) visit(*open);
+      return !open;
+    });
   }
 
  private:
@@ -58,6 +60,7 @@ class CoverMask {
   double margin_;
   // Bits of tiles, 64 a word; rows start with a word. Bits beyond the last column count as covered.
   std::pmr::vector<std::uint64_t> covered_;
+  std::pmr::vector<glm::ivec2> open_;        // first tiles of the blocks that may be open; covered ones stay covered
   std::pmr::vector<std::uint64_t> touched_;  // by the outline that is being added
   std::pmr::vector<std::uint64_t> crossed_;  // tiles whose value in winding_ was changed
   std::pmr::vector<std::int32_t> winding_;   // of the outline: change from the tile's left neighbour to the tile, at

@@ -17,18 +17,19 @@ std::array<glm::dvec3, 4> frustum(const Camera& view) {
   const double left = -k.cx / k.fx, right = (k.width - k.cx) / k.fx;
   const double bottom = (k.cy - k.height) / k.fy, top = k.cy / k.fy;
   const glm::dmat3 toWorld = glm::mat3_cast(view.pose.rotation);
-  return {toWorld * glm::dvec3(1, 0, left), toWorld * glm::dvec3(-1, 0, -right), toWorld * glm::dvec3(0, 1, bottom),
-          toWorld * glm::dvec3(0, -1, -top)};
+  const auto plane = [&](glm::dvec3 normal) { return toWorld * glm::normalize(normal); };
+  return {plane({1, 0, left}), plane({-1, 0, -right}), plane({0, 1, bottom}), plane({0, -1, -top})};
 }
 
 DirectionBounds::DirectionBounds(const CellPoses& cell, const CellBounds& bounds, const Placement& placement,
                                  const glm::dquat& axes)
-    : count_(cell.count), shift_(0.0), ours_(placement.morph == Morph::ours) {
+    : shift_(0.0), ours_(placement.morph == Morph::ours) {
   const glm::dquat turn = glm::conjugate(placement.correction.rotation) * axes;
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < cell.count; ++i) {
+    if (placement.weights[i] == 0) continue;
     const Pose& pose = cell.pose[i];
     const CellBounds::Member& box = bounds.members[i];
-    Member& member = members_[i];
+    Member& member = members_[count_++];
     member.turn = placement.weights[i] * glm::mat3_cast(glm::conjugate(pose.rotation) * turn);
     member.low = ours_ ? box.low : box.unitLow;
     member.high = ours_ ? box.high : box.unitHigh;
@@ -62,7 +63,7 @@ bool mayBeVisible(const CellPoses& cell, const CellBounds& bounds, const std::ar
   const DirectionBounds directions(cell, bounds, placement);
   const double reach = margin > 0 ? margin * directions.reach() : 0;
   return std::ranges::none_of(planes, [&](glm::dvec3 plane) {
-    return directions.most(plane) + (reach > 0 ? reach * glm::length(plane) : 0) < 0.0;
+    return directions.most(plane) + reach < 0.0;
   });
 }
 

@@ -13,7 +13,7 @@
 
 namespace ibr {
 
-/// Inward normals of the four side planes of a pinhole's frustum, world axes; all pass through its centre.
+/// Inward unit normals of the four side planes of a pinhole's frustum, world axes; all pass through its centre.
 std::array<glm::dvec3, 4> frustum(const Camera& view);
 
 /// Returns the maximum of n·x over a box, added to `sum`.
@@ -49,8 +49,8 @@ class DirectionBounds {
     glm::dvec3 low, high;  // of q_i
     double weight;         // |λ_i|
   };
-  std::array<Member, 4> members_;
-  std::size_t count_;
+  std::array<Member, 4> members_;  // those with a weight other than 0
+  std::size_t count_ = 0;
   glm::dvec3 shift_;  // t times the largest ρ
   bool ours_;
 };

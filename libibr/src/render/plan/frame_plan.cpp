@@ -179,7 +179,11 @@ class Planner {
   }
 
   void findCandidates() {
-    for (const std::uint32_t c : cellsNearby()) {
+    const std::pmr::vector<std::uint32_t> nearby = cellsNearby();
+    candidates_.reserve(nearby.size());
+    planned_.reserve(nearby.size());
+    clamped_.reserve(nearby.size());
+    for (const std::uint32_t c : nearby) {
       const double size = bounds_.cells[c].size;
       const CellDistance distance = distanceOf(c);
       if (distance.extrapolation > settings_.extrapolationLimit * size) {

@@ -71,7 +71,11 @@ class ViewCover {
     const glm::dquat rotation = glm::conjugate(camera_.pose.rotation);
     glm::dvec3 shift(0.0);
     std::array<glm::dmat3, 4> toView;
+    std::array<std::size_t, 4> shown;  // members with a weight other than 0
+    std::size_t count = 0;
     for (std::size_t i = 0; i < cell.count; ++i) {
+      if (weights[i] == 0) continue;
+      shown[count++] = i;
       const Pose& pose = cell.pose[i];
       toView[i] = weights[i] * glm::mat3_cast(rotation * correction.rotation * glm::normalize(pose.rotation));
       shift += weights[i] * (pose.position - eye);
@@ -81,7 +85,7 @@ class ViewCover {
     corners_.clear();
     for (const CellBounds::Corner& corner : bounds.corners) {
       glm::dvec3 d = morph == Morph::paper ? glm::dvec3(0.0) : double(corner.inverseDistance) * shift;
-      for (std::size_t i = 0; i < cell.count; ++i) {
+      for (const std::size_t i : std::span(shown).first(count)) {
         const glm::dvec3 q(corner.point[i]);
         d += toView[i] * (morph == Morph::paper ? glm::normalize(q) : q);
       }
