@@ -4,12 +4,11 @@
 
 namespace ibr::app {
 
-/// Makes libibr measure its Vulkan calls. Call before the first device is created. The measurement of a call costs
-/// about half a microsecond, half of which counts as the caller's own time.
+/// Makes libibr measure its Vulkan calls. Call before the first device is created.
 void measureDriverTime();
 
-/// Part of threadSeconds() (base/usage.h) that the calling thread has spent in Vulkan calls, s; 0 before
-/// measureDriverTime().
+/// Part of threadSeconds() (base/usage.h) that the calling thread has spent in Vulkan calls and in measuring them, s;
+/// 0 before measureDriverTime(), which finds out what the measurement of a call costs.
 double driverSeconds();
 
 }  // namespace ibr::app

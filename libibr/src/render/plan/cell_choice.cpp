@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/prefetch.h"
 #include "render/plan/cell_cover.h"
 #include "render/plan/scene_index.h"
 
@@ -104,7 +105,15 @@ std::size_t chooseCells(const SceneBounds& bounds, std::span<const Camera> views
     std::pmr::vector<CellCover> covers(memory);
     std::pmr::vector<double> worths(memory);
     std::size_t forced = count;
+    const auto ahead = [&](std::size_t c) {
+      if (c >= count) return;
+      const std::vector<glm::vec4>& surface = bounds.cells[considered[c].cell].surface;
+      prefetch(surface.data(), surface.size() * sizeof surface[0]);
+    };
+    constexpr std::size_t kAhead = 2;
+    for (std::size_t c = 0; c < kAhead; ++c) ahead(c);
     for (std::size_t c = 0; c < count; ++c) {
+      ahead(c + kAhead);
       const CellCandidate& candidate = considered[c];
       covers.push_back(coverOf(bounds.cells[candidate.cell], poses[candidate.cell].pose[0].position, views));
       worths.push_back(worthOf(candidate, considered[0].size));

@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
+#include "base/prefetch.h"
 #include "render/plan/cell_distance.h"
 #include "render/plan/culling.h"
 
@@ -160,6 +161,7 @@ CulledCells findCells(std::span<const CellBounds> bounds, const CellIndex& index
     if (outside && certainlyNear(node, query)) {
       culled.byFrustum += node.end - node.first;
     } else if (node.second != 0) {
+      prefetch(index.nodes[node.second]);
       open[count++] = {node.second, outside};
       open[count++] = {at + 1, outside};
     } else {

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/prefetch.h"
 #include "ibr/frame_plan.h"
 #include "render/photographs/photograph_choice.h"
 #include "render/plan/anchors.h"
@@ -183,7 +184,16 @@ class Planner {
     candidates_.reserve(nearby.size());
     planned_.reserve(nearby.size());
     clamped_.reserve(nearby.size());
-    for (const std::uint32_t c : nearby) {
+    const auto ahead = [&](std::size_t i) {  // cells are far apart in memory
+      if (i >= nearby.size()) return;
+      prefetch(posesOf(nearby[i]));
+      prefetch(bounds_.cells[nearby[i]]);
+    };
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < kAhead; ++i) ahead(i);
+    for (std::size_t i = 0; i < nearby.size(); ++i) {
+      ahead(i + kAhead);
+      const std::uint32_t c = nearby[i];
       const double size = bounds_.cells[c].size;
       const CellDistance distance = distanceOf(c);
       if (distance.extrapolation > settings_.extrapolationLimit * size) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/resident/wanted_items.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "render/photographs/photograph_choice.h"
@@ -11,21 +13,34 @@ namespace ibr {
 WantedItems::WantedItems(const Scene& scene, std::vector<bool> isStreamed)
     : items_(scene),
       isStreamed_(std::move(isStreamed)),
-      cellsOfNode_(scene.nodes.size()),
       backdropOfNode_(scene.nodes.size(), kNone),
       seen_(items_.count(), 0),
-      reached_(scene.cells.size(), 0) {
-  for (std::uint32_t c = 0; c < scene.cells.size(); ++c) {
-    cells_.push_back(scene.cells[c].members);
-    for (const std::uint32_t member : cells_[c]) cellsOfNode_[member].push_back(c);
+      reached_(scene.cells.size(), 0),
+      opened_(scene.nodes.size(), 0) {
+  for (const Cell& cell : scene.cells) {
+    cells_.values.insert(cells_.values.end(), cell.members.begin(), cell.members.end());
+    cells_.ends.push_back(std::uint32_t(cells_.values.size()));
   }
+  cellsOfNode_ = cellsOfNodes(cells_, scene.nodes.size());
   for (const std::uint32_t b : gatherableBackdrops(scene)) backdropOfNode_[scene.backdrops[b].members[0]] = b;
   listed_.reserve(items_.count());
   around_.reserve(items_.count());
-  queue_.reserve(cells_.size());
+  queue_.reserve(scene.cells.size());
+}
+
+WantedItems::Lists WantedItems::cellsOfNodes(const Lists& cells, std::size_t nodeCount) {
+  Lists lists{std::vector<std::uint32_t>(nodeCount, 0), std::vector<std::uint32_t>(cells.values.size())};
+  for (const std::uint32_t node : cells.values) ++lists.ends[node];
+  std::partial_sum(lists.ends.begin(), lists.ends.end(), lists.ends.begin());
+  // Every list is filled from its end, with the last cell first.
+  std::vector<std::uint32_t> next = lists.ends;
+  for (std::size_t c = cells.ends.size(); c-- > 0;)
+    for (const std::uint32_t node : cells[c]) lists.values[--next[node]] = std::uint32_t(c);
+  return lists;
 }
 
 void WantedItems::update(const FramePlan& plan, std::size_t most) {
+  most = std::min(most, kMaxListed);
   const bool gathers = plan.settings.composition != Composition::cells;
   if (plan.cells.empty()) {
     around_.clear();
@@ -50,6 +65,7 @@ void WantedItems::findAround(const From& from) {
   for (std::size_t i = 0; i < queue_.size() && around_.size() < from.most; ++i) {
     addCell(queue_[i]);
     for (const std::uint32_t member : cells_[queue_[i]]) {
+      if (std::exchange(opened_[member], update_) == update_) continue;
       if (from.gathers) addGathered(member);
       for (const std::uint32_t cell : cellsOfNode_[member]) reach(cell);
     }

@@ -23,7 +23,9 @@ class WantedItems {
   /// `isStreamed`: by item; meshes and depth textures that are not streamed are left out.
   WantedItems(const Scene& scene, std::vector<bool> isStreamed);
 
-  /// At most `most` items beyond those that the plan shows are listed, up to `most` in all.
+  static constexpr std::size_t kMaxListed = 1024;  // unless a plan shows more
+
+  /// Lists the items that the plan shows, then others up to `most` and kMaxListed in all.
   void update(const FramePlan& plan, std::size_t most);
 
   std::span<const std::uint32_t> items() const noexcept { return listed_; }
@@ -32,6 +34,14 @@ class WantedItems {
  private:
   static constexpr std::uint32_t kNone = ~0u;
 
+  // Lists of indices, beside each other in memory.
+  struct Lists {
+    std::vector<std::uint32_t> ends, values;
+    std::span<const std::uint32_t> operator[](std::size_t list) const {
+      const std::uint32_t first = list > 0 ? ends[list - 1] : 0;
+      return std::span(values).subspan(first, ends[list] - first);
+    }
+  };
   struct From {
     std::uint32_t cell = 0;
     bool gathers = false;  // depth textures and meshes of backdrops are wanted, too
@@ -41,6 +51,7 @@ class WantedItems {
 
   void findAround(const From& from);
   void begin(std::vector<std::uint32_t>& list);
+  static Lists cellsOfNodes(const Lists& cells, std::size_t nodeCount);
   void addCell(std::uint32_t cell);
   void addGathered(std::uint32_t node);
   void addStreamed(std::uint32_t item);
@@ -49,13 +60,14 @@ class WantedItems {
 
   StreamItems items_;
   std::vector<bool> isStreamed_;
-  std::vector<std::vector<std::uint32_t>> cells_, cellsOfNode_;
+  Lists cells_, cellsOfNode_;  // members of each cell, and the cells of each photograph
   std::vector<std::uint32_t> backdropOfNode_;  // kNone: the photograph cannot be gathered from
   std::vector<std::uint32_t> listed_, queue_;
   std::vector<std::uint32_t> around_;           // items around the cell of from_, nearest first
   std::optional<From> from_;                    // of around_
   std::vector<std::uint32_t>* list_ = nullptr;  // the list that add() appends to
-  std::vector<std::uint64_t> seen_, reached_;   // by item and cell: last list that has it
+  std::vector<std::uint64_t> seen_;             // by item: last list that has it
+  std::vector<std::uint64_t> reached_, opened_;  // by cell and photograph: last list around a cell that reached it
   std::uint64_t update_ = 0;                    // number of the list
   std::size_t needed_ = 0;
 };
