@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
+#include <functional>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <random>
@@ -41,7 +42,13 @@ CellCover tiles(std::initializer_list<std::size_t> set) {
 
 std::vector<std::size_t> chosenOf(const std::vector<CellCover>& covers, const std::vector<double>& worth, double behind,
                                   std::size_t most, std::size_t forced) {
-  const auto chosen = coveringCells(covers, worth, behind, most, forced);
+  std::vector<bool> asked(covers.size());
+  const auto cover = [&](std::size_t c) {
+    CHECK_FALSE(asked[c]);
+    asked[c] = true;
+    return covers[c];
+  };
+  const auto chosen = coveringCells(std::ref(cover), tilesOfViews(2), worth, behind, most, forced);
   return {chosen.begin(), chosen.end()};
 }
 
@@ -184,4 +191,26 @@ TEST_CASE("the choice that skips gains which are too small is that of computing 
     std::ranges::sort(all);
     CHECK(chosenOf(covers, worth, behind, most, forced) == all);
   }
+}
+
+TEST_CASE("covers are computed only of cells that may be chosen") {
+  std::vector<double> worth{1};
+  worth.resize(64, 0.1);
+  std::vector<std::size_t> computed;
+  const auto coverOf = [&](std::size_t c) {
+    computed.push_back(c);
+    CellCover cover;
+    cover.set(c < 2 ? c : 40 + c % 8);
+    return c == 0 ? tilesOfViews(1) : cover;
+  };
+  // The first cell covers the whole view with more worth than any other.
+  CHECK(coveringCells(std::ref(coverOf), tilesOfViews(1), worth, 0, 12, 64).size() == 12);
+  CHECK(computed == std::vector<std::size_t>{0});
+  computed.clear();
+  CHECK(coveringCells(std::ref(coverOf), tilesOfViews(1), worth, 0.085, 12, 64).size() == 1);
+  CHECK(computed == std::vector<std::size_t>{0});
+  // A forced cell is computed, too.
+  computed.clear();
+  CHECK(coveringCells(std::ref(coverOf), tilesOfViews(1), worth, 0, 12, 1).size() == 12);
+  CHECK(computed == std::vector<std::size_t>{1, 0});
 }

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <compare>
+#include <functional>
 #include <utility>
 #include <vector>
 
-#include "base/prefetch.h"
 #include "render/plan/cell_cover.h"
 #include "render/plan/scene_index.h"
 
@@ -102,26 +102,20 @@ std::size_t chooseCells(const SceneBounds& bounds, std::span<const Camera> views
   std::ranges::sort(considered, ranksBefore);
   std::size_t chosen = count;
   if (gathers || candidates.size() > most) {
-    std::pmr::vector<CellCover> covers(memory);
     std::pmr::vector<double> worths(memory);
     std::size_t forced = count;
-    const auto ahead = [&](std::size_t c) {
-      if (c >= count) return;
-      const std::vector<glm::vec4>& surface = bounds.cells[considered[c].cell].surface;
-      prefetch(surface.data(), surface.size() * sizeof surface[0]);
-    };
-    constexpr std::size_t kAhead = 2;
-    for (std::size_t c = 0; c < kAhead; ++c) ahead(c);
     for (std::size_t c = 0; c < count; ++c) {
-      ahead(c + kAhead);
-      const CellCandidate& candidate = considered[c];
-      covers.push_back(coverOf(bounds.cells[candidate.cell], poses[candidate.cell].pose[0].position, views));
-      worths.push_back(worthOf(candidate, considered[0].size));
-      if (candidate.first) forced = c;
+      worths.push_back(worthOf(considered[c], considered[0].size));
+      if (considered[c].first) forced = c;
     }
+    const auto cover = [&](std::size_t c) {
+      const std::uint32_t cell = considered[c].cell;
+      return coverOf(bounds.cells[cell], poses[cell].pose[0].position, views);
+    };
+    const std::pmr::vector<std::size_t> covering = coveringCells(
+        std::ref(cover), tilesOfViews(views.size()), worths, gathers ? kGatherWorth : 0.0, most, forced, memory);
     chosen = 0;  // the chosen ones are moved to the front, in their order
-    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGatherWorth : 0.0, most, forced, memory))
-      std::swap(considered[chosen++], considered[c]);
+    for (const std::size_t c : covering) std::swap(considered[chosen++], considered[c]);
   }
   // Insertion sorts, the second of which starts from the order of the previous frame.
   const auto sort = [drawn = considered.first(chosen)](auto before) {

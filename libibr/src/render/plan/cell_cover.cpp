@@ -9,6 +9,7 @@
 #include <glm/mat3x3.hpp>
 #include <limits>
 
+#include "base/prefetch.h"
 #include "base/wide.h"
 
 namespace ibr {
@@ -63,6 +64,7 @@ float gain(const Worths& covered, const CellCover& cell, float worth) {
 
 CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Camera> views) {
   constexpr std::size_t kChunk = 128;
+  prefetch(cell.surface.data(), cell.surface.size() * sizeof cell.surface[0]);
   CellCover cover;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& view = views[v];
@@ -83,37 +85,63 @@ CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Cam
   return cover;
 }
 
+CellCover tilesOfViews(std::size_t views) {
+  return ~CellCover() >> (kCoverTiles - views * kCoverRows * kCoverColumns);
+}
+
 // Gains never grow while cells are chosen, not even when rounded: each is a sum of the same terms in the same order. A
-// previous gain is therefore an upper bound, and few gains are computed again.
-std::pmr::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth,
-                                            double behind, std::size_t most, std::size_t forced,
-                                            std::pmr::memory_resource* memory) {
-  const std::size_t count = covers.size();
+// previous gain, and the gain of a cell that would cover all tiles, are therefore upper bounds. Few gains are computed
+// again, and few covers at all.
+std::pmr::vector<std::size_t> coveringCells(const std::function<CellCover(std::size_t)>& coverOf,
+                                            const CellCover& tiles, std::span<const double> worth, double behind,
+                                            std::size_t most, std::size_t forced, std::pmr::memory_resource* memory) {
+  const std::size_t count = worth.size();
   std::pmr::vector<std::size_t> chosen(memory);
   if (behind == 0 && count <= most) {
     for (std::size_t c = 0; c < count; ++c) chosen.push_back(c);
     return chosen;
   }
+  struct Candidate {
+    CellCover cover;  // all tiles until it is computed
+    bool isComputed = false;
+    float bound = std::numeric_limits<float>::infinity();  // of the gain; −1: chosen
+  };
   Worths covered;
   covered.fill(float(behind));
-  std::pmr::vector<float> bound(count, std::numeric_limits<float>::infinity(), memory);  // −1: chosen
-  const auto take = [&](std::size_t cell) {
-    chosen.push_back(cell);
-    bound[cell] = -1;
-    for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
-      if (covers[cell][tile]) covered[tile] = std::max(covered[tile], float(worth[cell]));
+  std::pmr::vector<Candidate> cells(count, Candidate{tiles}, memory);
+  const auto compute = [&](std::size_t c) {
+    cells[c].cover = coverOf(c);
+    cells[c].isComputed = true;
   };
-  if (forced < count) take(forced);
+  const auto take = [&](std::size_t c) {  // a cover that is not computed adds nothing
+    chosen.push_back(c);
+    cells[c].bound = -1;
+    for (std::size_t tile = 0; tile < kCoverTiles; ++tile)
+      if (cells[c].cover[tile]) covered[tile] = std::max(covered[tile], float(worth[c]));
+  };
+  if (forced < count) {
+    compute(forced);
+    take(forced);
+  }
   while (chosen.size() < std::min(most, count)) {
     std::size_t best = count;
     float largest = -1;
-    // Starts with the largest bound, which is likely to be the largest gain. Among equal gains the first cell wins.
-    const auto highest = std::size_t(std::ranges::max_element(bound) - bound.begin());
+    const auto mayBeBest = [&](std::size_t c) {  // among equal gains the first cell wins
+      const float bound = cells[c].bound;
+      return bound > largest || (bound == largest && bound >= 0 && c < best);
+    };
+    // Starts with the largest bound, which is likely to be the largest gain.
+    const auto highest = std::size_t(std::ranges::max_element(cells, {}, &Candidate::bound) - cells.begin());
     for (std::size_t i = 0; i <= count; ++i) {
       const std::size_t c = i == 0 ? highest : i - 1;
-      if (bound[c] < 0 || bound[c] < largest || (bound[c] == largest && c >= best)) continue;
-      bound[c] = gain(covered, covers[c], float(worth[c]));
-      if (bound[c] > largest || (bound[c] == largest && c < best)) largest = bound[c], best = c;
+      if (!mayBeBest(c)) continue;
+      Candidate& cell = cells[c];
+      cell.bound = gain(covered, cell.cover, float(worth[c]));
+      if (!cell.isComputed && cell.bound > 0 && mayBeBest(c)) {
+        compute(c);
+        cell.bound = gain(covered, cell.cover, float(worth[c]));
+      }
+      if (mayBeBest(c)) largest = cell.bound, best = c;
     }
     if (behind > 0 && !(largest > 0)) break;
     take(best);

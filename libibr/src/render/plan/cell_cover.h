@@ -4,6 +4,7 @@
 
 #include <bitset>
 #include <cstddef>
+#include <functional>
 #include <memory_resource>
 #include <span>
 #include <vector>
@@ -27,9 +28,14 @@ CellCover coverOf(const CellBounds& cell, glm::dvec3 origin, std::span<const Cam
 ///
 /// A tile without a cell is worth `behind`, >= 0. With 0, cells that add nothing are chosen in the given order; with
 /// more, the choice stops when nothing is gained. `worth`: of each cell, > 0. `forced`: index of a cell that is chosen
-/// in any case; the number of cells: none. Returns indices, ascending.
-std::pmr::vector<std::size_t> coveringCells(std::span<const CellCover> covers, std::span<const double> worth,
-                                            double behind, std::size_t most, std::size_t forced,
+/// in any case; the number of cells: none. `coverOf`: computes the cover of a cell, a part of `tiles`; called at most
+/// once a cell, and not for cells that cannot be chosen. Returns indices, ascending.
+std::pmr::vector<std::size_t> coveringCells(const std::function<CellCover(std::size_t)>& coverOf,
+                                            const CellCover& tiles, std::span<const double> worth, double behind,
+                                            std::size_t most, std::size_t forced,
                                             std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+
+/// All tiles of one or two views.
+CellCover tilesOfViews(std::size_t views);
 
 }  // namespace ibr

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/prefetch.h"
 #include "render/plan/correction.h"
 #include "render/plan/cover_mask.h"
 #include "render/plan/culling.h"
@@ -43,6 +44,8 @@ class ViewCover {
 
   void draw(const CellPoses& cell, const CellBounds& bounds, const Placement& placement) {
     if (bounds.outline.empty() || !isInFront(cell, bounds, placement)) return;
+    prefetch(bounds.outline.data(), bounds.outline.size() * sizeof bounds.outline[0]);
+    prefetch(bounds.corners.data(), bounds.corners.size() * sizeof bounds.corners[0]);
     if (!projectCorners(cell, bounds, placement)) return;
     edges_.clear();
     for (const CellBounds::OutlineEdge& edge : bounds.outline) {

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cassert>
-#include <tuple>
 #include <utility>
 
 namespace ibr {
 
 Residency::Residency(std::vector<Class> classes, std::vector<std::uint32_t> classOf, std::vector<std::uint64_t> budgets)
-    : classes_(std::move(classes)), items_(classOf.size()) {
+    : classes_(std::move(classes)), orders_(classes_.size()), free_(classes_.size()), items_(classOf.size()) {
   for (const std::uint64_t budget : budgets) groups_.push_back({.budget = budget});
   std::vector<std::size_t> counts(classes_.size(), 0);
   for (std::size_t p = 0; p < classOf.size(); ++p) {
@@ -22,6 +21,7 @@ Residency::Residency(std::vector<Class> classes, std::vector<std::uint32_t> clas
                                                        groupOf(classes_[c]).budget / classes_[c].arrayBytes);
     for (std::size_t a = 0; a < most; ++a)
       arrays_.push_back({.classIndex = c, .layers = std::vector<std::uint32_t>(layers, kNone)});
+    free_[c].reserve(most * layers);
   }
   wanted_.reserve(classOf.size());
   busy_.reserve(arrays_.size());
@@ -35,6 +35,7 @@ void Residency::begin(std::span<const std::uint32_t> wanted, std::size_t needed,
   needed_ = needed;
   cursor_ = 0;
   for (Group& group : groups_) group.full = false;
+  for (Order& order : orders_) order.search = order.first;
   frame_ = frame;
   completed_ = completed;
   for (std::size_t rank = 0; rank < wanted_.size(); ++rank) {
@@ -62,17 +63,13 @@ std::optional<Residency::Step> Residency::next(bool mayMakeArray) {
     std::uint32_t found = kNone;
     const Room victim = findVictim(urgent, found);
     if (victim == Room::found) {
-      const Item left = items_[found];
       remove(found);
-      return load(p, left.array, left.layer);
+      return layerFor(p);
     }
     const Room freed = findArrayToFree(urgent, found);
     if (freed == Room::found) {
       if (isBlocked) return std::nullopt;
-      for (const std::uint32_t other : arrays_[found].layers)
-        if (other != kNone) remove(other);
-      group.used -= classes_[arrays_[found].classIndex].arrayBytes;
-      arrays_[found].exists = false;
+      removeArray(found);
       return Step{.kind = Step::Kind::freeArray, .array = found};
     }
     urgent.refused = victim == Room::none && freed == Room::none;
@@ -82,22 +79,16 @@ std::optional<Residency::Step> Residency::next(bool mayMakeArray) {
 }
 
 std::optional<Residency::Step> Residency::layerFor(std::uint32_t item) {
-  for (std::uint32_t array = 0; array < arrays_.size(); ++array) {
-    if (!arrays_[array].exists || arrays_[array].classIndex != items_[item].classIndex) continue;
-    const auto free = std::ranges::find(arrays_[array].layers, kNone);
-    if (free != arrays_[array].layers.end())
-      return load(item, array, std::uint32_t(free - arrays_[array].layers.begin()));
-  }
-  return std::nullopt;
-}
-
-Residency::Step Residency::load(std::uint32_t item, std::uint32_t array, std::uint32_t layer) {
   Item& p = items_[item];
+  std::vector<Slot>& free = free_[p.classIndex];
+  if (free.empty()) return std::nullopt;
   p.state = State::loading;
-  p.array = array;
-  p.layer = layer;
-  arrays_[array].layers[layer] = item;
-  return {.kind = Step::Kind::load, .array = array, .item = item, .layer = layer};
+  p.array = free.back().array;
+  p.layer = free.back().layer;
+  free.pop_back();
+  arrays_[p.array].layers[p.layer] = item;
+  append(item);
+  return Step{.kind = Step::Kind::load, .array = p.array, .item = item, .layer = p.layer};
 }
 
 // There is an array that does not exist: all items of the class would fit into those that do.
@@ -108,25 +99,39 @@ Residency::Step Residency::makeArray(std::uint32_t classIndex) {
   unused->exists = true;
   unused->lastFrame = frame_;
   groupOf(classes_[classIndex]).used += classes_[classIndex].arrayBytes;
-  return {.kind = Step::Kind::makeArray, .array = std::uint32_t(unused - arrays_.begin()), .itemClass = classIndex};
+  const auto array = std::uint32_t(unused - arrays_.begin());
+  for (std::uint32_t layer = classes_[classIndex].layersPerArray; layer-- > 0;)
+    free_[classIndex].push_back({array, layer});
+  return {.kind = Step::Kind::makeArray, .array = array, .itemClass = classIndex};
 }
 
-// Finds the least urgent item of the same class; among equals, the one not shown for the longest time.
-// Items that no frame in flight uses are preferred.
+// Finds the least urgent item of the same class; among unwanted ones, the one not shown for the longest time. Items
+// that no frame in flight uses are preferred.
 Residency::Room Residency::findVictim(const Item& urgent, std::uint32_t& victim) {
-  std::uint32_t idle = kNone, busy = kNone;
-  const auto worth = [&](std::uint32_t p) { return std::tuple(~items_[p].rank, items_[p].lastFrame, p); };
-  for (const TextureArray& array : arrays_) {
-    if (!array.exists || array.classIndex != urgent.classIndex) continue;
-    for (const std::uint32_t p : array.layers) {
-      if (p == kNone || items_[p].rank <= urgent.rank || items_[p].claimedFrame == frame_) continue;
-      const bool free = items_[p].state != State::loading && items_[p].lastFrame <= completed_;
-      std::uint32_t& best = free ? idle : busy;
-      if (best == kNone || worth(p) < worth(best)) best = p;
+  std::uint32_t busy = kNone;
+  const auto isFound = [&](std::uint32_t candidate) {
+    const Item& item = items_[candidate];
+    victim = candidate;
+    if (item.state != State::loading && item.lastFrame <= completed_) return true;
+    if (busy == kNone) busy = candidate;
+    return false;
+  };
+  Order& order = orders_[urgent.classIndex];
+  for (std::uint32_t p = order.search; p != kNone; p = items_[p].after) {
+    if (items_[p].rank != kNone || items_[p].claimedFrame == frame_) {
+      if (order.search == p) order.search = items_[p].after;
+    } else if (isFound(p)) {
+      return Room::found;
+    } else if (items_[p].lastFrame > completed_) {
+      break;  // so are those behind
     }
   }
-  victim = idle;
-  if (idle != kNone) return Room::found;
+  for (std::size_t rank = wanted_.size(); rank-- > std::size_t(urgent.rank) + 1;) {
+    const Item& item = items_[wanted_[rank]];
+    if (item.layer != kNone && item.classIndex == urgent.classIndex && item.claimedFrame != frame_ &&
+        isFound(wanted_[rank]))
+      return Room::found;
+  }
   if (busy == kNone) return Room::none;
   claim(busy);
   return Room::claimed;
@@ -176,9 +181,43 @@ void Residency::claim(std::uint32_t item) {
 
 void Residency::remove(std::uint32_t item) {
   Item& p = items_[item];
+  unlink(item);
+  free_[p.classIndex].push_back({p.array, p.layer});
   arrays_[p.array].layers[p.layer] = kNone;
   p.state = State::absent;
   p.array = p.layer = kNone;
+}
+
+void Residency::removeArray(std::uint32_t array) {
+  const std::uint32_t classIndex = arrays_[array].classIndex;
+  for (const std::uint32_t p : arrays_[array].layers)
+    if (p != kNone) remove(p);
+  std::erase_if(free_[classIndex], [&](Slot slot) { return slot.array == array; });
+  groupOf(classes_[classIndex]).used -= classes_[classIndex].arrayBytes;
+  arrays_[array].exists = false;
+}
+
+void Residency::append(std::uint32_t item) {
+  Order& order = orders_[items_[item].classIndex];
+  items_[item].before = order.last;
+  items_[item].after = kNone;
+  (order.last == kNone ? order.first : items_[order.last].after) = item;
+  order.last = item;
+}
+
+void Residency::unlink(std::uint32_t item) {
+  const Item& p = items_[item];
+  Order& order = orders_[p.classIndex];
+  if (order.search == item) order.search = p.after;
+  (p.before == kNone ? order.first : items_[p.before].after) = p.after;
+  (p.after == kNone ? order.last : items_[p.after].before) = p.before;
+}
+
+// This frame shows the item.
+void Residency::show(std::uint32_t item) {
+  items_[item].lastFrame = arrays_[items_[item].array].lastFrame = frame_;
+  unlink(item);
+  append(item);
 }
 
 void Residency::arrayMade(std::uint32_t array) {
@@ -186,19 +225,16 @@ void Residency::arrayMade(std::uint32_t array) {
 }
 
 void Residency::allocationFailed(std::uint32_t array) {
-  for (const std::uint32_t p : arrays_[array].layers)
-    if (p != kNone) remove(p);
+  removeArray(array);
   Group& group = groupOf(classes_[arrays_[array].classIndex]);
-  group.used -= classes_[arrays_[array].classIndex].arrayBytes;
   group.budget = group.used;
-  arrays_[array].exists = false;
 }
 
 void Residency::finishLoad(std::uint32_t item) {
   Item& p = items_[item];
   assert(p.state == State::loading);
   p.state = State::here;
-  p.lastFrame = arrays_[p.array].lastFrame = frame_;
+  show(item);
 }
 
 void Residency::cancel(std::uint32_t item) {
@@ -224,8 +260,7 @@ Residency::Counts Residency::endFrame() {
     Item& p = items_[wanted_[i]];
     if (p.classIndex == kNone) continue;
     if (p.state == State::here) {
-      p.lastFrame = frame_;
-      arrays_[p.array].lastFrame = frame_;
+      show(wanted_[i]);
     } else if (p.state == State::failed) {
       ++counts.failed;
     } else {

@@ -91,6 +91,12 @@ class Residency {
     std::uint64_t lastFrame = 0;     // last frame that shows the item
     std::uint64_t claimedFrame = 0;  // last frame in which a more urgent item claimed its layer
     bool refused = false;            // in this frame: no room
+    std::uint32_t before = kNone, after = kNone;  // in Order
+  };
+  // Items of a class that have a layer, the one not shown for the longest time first.
+  struct Order {
+    std::uint32_t first = kNone, last = kNone;
+    std::uint32_t search = kNone;  // in this frame: items before are wanted or claimed
   };
   struct TextureArray {
     std::uint32_t classIndex = kNone;
@@ -104,17 +110,22 @@ class Residency {
   };
   enum class Room { none, claimed, found };  // claimed: room when frames in flight have finished
 
-  Step load(std::uint32_t item, std::uint32_t array, std::uint32_t layer);
   std::optional<Step> layerFor(std::uint32_t item);
   Step makeArray(std::uint32_t classIndex);
   Room findVictim(const Item& urgent, std::uint32_t& victim);
   Room findArrayToFree(const Item& urgent, std::uint32_t& array);
   void claim(std::uint32_t item);
   void remove(std::uint32_t item);
+  void removeArray(std::uint32_t array);
+  void append(std::uint32_t item);
+  void unlink(std::uint32_t item);
+  void show(std::uint32_t item);
 
   Group& groupOf(const Class& itemClass) { return groups_[itemClass.group]; }
 
   std::vector<Class> classes_;
+  std::vector<Order> orders_;             // by class
+  std::vector<std::vector<Slot>> free_;   // layers without an item, by class
   std::vector<Group> groups_;
   std::vector<Item> items_;
   std::vector<TextureArray> arrays_;  // all that can exist, by class
