@@ -112,8 +112,8 @@ std::size_t chooseCells(const SceneBounds& bounds, std::span<const Camera> views
       const std::uint32_t cell = considered[c].cell;
       return coverOf(bounds.cells[cell], poses[cell].pose[0].position, views);
     };
-    const std::pmr::vector<std::size_t> covering = coveringCells(
-        std::ref(cover), tilesOfViews(views.size()), worths, gathers ? kGatherWorth : 0.0, most, forced, memory);
+    const std::pmr::vector<std::size_t> covering = coveringCells(std::ref(cover), tilesOfViews(views.size()), worths,
+                                                                 gathers ? kGatherWorth : 0.0, most, forced, memory);
     chosen = 0;  // the chosen ones are moved to the front, in their order
     for (const std::size_t c : covering) std::swap(considered[chosen++], considered[c]);
   }

@@ -62,9 +62,7 @@ bool mayBeVisible(const CellPoses& cell, const CellBounds& bounds, const std::ar
                   const Placement& placement, double margin) {
   const DirectionBounds directions(cell, bounds, placement);
   const double reach = margin > 0 ? margin * directions.reach() : 0;
-  return std::ranges::none_of(planes, [&](glm::dvec3 plane) {
-    return directions.most(plane) + reach < 0.0;
-  });
+  return std::ranges::none_of(planes, [&](glm::dvec3 plane) { return directions.most(plane) + reach < 0.0; });
 }
 
 }  // namespace ibr

@@ -147,8 +147,7 @@ class Planner {
     if (fade > 0 && std::isfinite(fade))
       planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
     for (std::size_t v = 0; v < plan_.views.size(); ++v) {
-      const Barycentric weights =
-          plan_.views.size() == 1 ? fromMiddle.weights : cellWeights(cell, frusta_[v].eye);
+      const Barycentric weights = plan_.views.size() == 1 ? fromMiddle.weights : cellWeights(cell, frusta_[v].eye);
       planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
       planned.view[v].blend = smoothstep(weights.clamped);
     }

@@ -104,8 +104,7 @@ class ViewCover {
   double marginPx(const CellBounds::OutlineEdge& edge, const Corner& from, const Corner& to, const CellPoses& cell,
                   const Placement& placement) const {
     double r = double(edge.inverseDistanceDeviation) * shift_;
-    for (std::size_t i = 0; i < cell.count; ++i)
-      r += std::abs(placement.weights[i]) * double(edge.deviation[i]);
+    for (std::size_t i = 0; i < cell.count; ++i) r += std::abs(placement.weights[i]) * double(edge.deviation[i]);
     if (r == 0) return 0;
     const auto tangents = [](glm::dvec3 d) { return glm::abs(glm::dvec2(d) / d.z); };
     const double left = std::min(-from.direction.z, -to.direction.z) - r;
@@ -153,8 +152,9 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan, 
     planned.hidden = true;
     for (std::size_t v = 0; planned.hidden && v < views.size(); ++v)
       planned.hidden = !views[v].mayShow(cell, cellBounds, placementIn(v));
-    if (&planned == &plan.cells.back()) break;                                     // there is nothing behind it
-    if (planned.hidden || planned.opacity < 1 || isMasked(scene, scene.cells[planned.cell])) continue;  // masks leave holes
+    if (&planned == &plan.cells.back()) break;  // there is nothing behind it
+    if (planned.hidden || planned.opacity < 1 || isMasked(scene, scene.cells[planned.cell]))
+      continue;  // masks leave holes
     for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
   }
 }

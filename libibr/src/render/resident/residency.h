@@ -87,10 +87,10 @@ class Residency {
     std::uint32_t classIndex = kNone;
     State state = State::absent;
     std::uint32_t array = kNone, layer = kNone;
-    std::uint32_t rank = kNone;      // index in this frame's list
-    std::uint64_t lastFrame = 0;     // last frame that shows the item
-    std::uint64_t claimedFrame = 0;  // last frame in which a more urgent item claimed its layer
-    bool refused = false;            // in this frame: no room
+    std::uint32_t rank = kNone;                   // index in this frame's list
+    std::uint64_t lastFrame = 0;                  // last frame that shows the item
+    std::uint64_t claimedFrame = 0;               // last frame in which a more urgent item claimed its layer
+    bool refused = false;                         // in this frame: no room
     std::uint32_t before = kNone, after = kNone;  // in Order
   };
   // Items of a class that have a layer, the one not shown for the longest time first.
@@ -124,8 +124,8 @@ class Residency {
   Group& groupOf(const Class& itemClass) { return groups_[itemClass.group]; }
 
   std::vector<Class> classes_;
-  std::vector<Order> orders_;             // by class
-  std::vector<std::vector<Slot>> free_;   // layers without an item, by class
+  std::vector<Order> orders_;            // by class
+  std::vector<std::vector<Slot>> free_;  // layers without an item, by class
   std::vector<Group> groups_;
   std::vector<Item> items_;
   std::vector<TextureArray> arrays_;  // all that can exist, by class

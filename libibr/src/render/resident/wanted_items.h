@@ -23,7 +23,7 @@ class WantedItems {
   /// `isStreamed`: by item; meshes and depth textures that are not streamed are left out.
   WantedItems(const Scene& scene, std::vector<bool> isStreamed);
 
-  static constexpr std::size_t kMaxListed = 1024;  // unless a plan shows more
+  static constexpr std::size_t kMaxListed = 384;  // unless a plan shows more
 
   /// Lists the items that the plan shows, then others up to `most` and kMaxListed in all.
   void update(const FramePlan& plan, std::size_t most);
@@ -60,15 +60,15 @@ class WantedItems {
 
   StreamItems items_;
   std::vector<bool> isStreamed_;
-  Lists cells_, cellsOfNode_;  // members of each cell, and the cells of each photograph
+  Lists cells_, cellsOfNode_;                  // members of each cell, and the cells of each photograph
   std::vector<std::uint32_t> backdropOfNode_;  // kNone: the photograph cannot be gathered from
   std::vector<std::uint32_t> listed_, queue_;
-  std::vector<std::uint32_t> around_;           // items around the cell of from_, nearest first
-  std::optional<From> from_;                    // of around_
-  std::vector<std::uint32_t>* list_ = nullptr;  // the list that add() appends to
-  std::vector<std::uint64_t> seen_;             // by item: last list that has it
+  std::vector<std::uint32_t> around_;            // items around the cell of from_, nearest first
+  std::optional<From> from_;                     // of around_
+  std::vector<std::uint32_t>* list_ = nullptr;   // the list that add() appends to
+  std::vector<std::uint64_t> seen_;              // by item: last list that has it
   std::vector<std::uint64_t> reached_, opened_;  // by cell and photograph: last list around a cell that reached it
-  std::uint64_t update_ = 0;                    // number of the list
+  std::uint64_t update_ = 0;                     // number of the list
   std::size_t needed_ = 0;
 };
 
