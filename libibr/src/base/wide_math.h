@@ -4,12 +4,12 @@
 
 namespace ibr {
 
-/// std::min and std::max return references, which prevents vectorisation.
+/// std::min and std::max return references, which prevents vectorisation. If `a` is NaN, these return `b`.
 [[gnu::always_inline]] inline float smaller(float a, float b) {
-  return b < a ? b : a;
+  return a < b ? a : b;
 }
 [[gnu::always_inline]] inline float larger(float a, float b) {
-  return a < b ? b : a;
+  return a > b ? a : b;
 }
 
 /// Arctangent of t, |t| <= 1, radians: Abramowitz and Stegun 4.4.49, error below 1e-7.
