@@ -16,6 +16,7 @@
 #include "base/vulkan/submit.h"
 #include "ibr/error.h"
 #include "reference/grid_walk.h"
+#include "render/resident/streamer.h"
 #include "render/resident/wanted_items.h"
 #include "support/error_of.h"
 #include "support/gate.h"
@@ -89,7 +90,8 @@ TEST_CASE("frames show stand-ins while a source blocks, and the photographs once
     CHECK(sharesOf(walker.frame(plan), node).standIn > 0.99);
     CHECK(walker.streamed.waiting == walker.streamed.needed);
     CHECK(walker.streamed.reading == 2);
-    CHECK(walker.streamed.queued == 6);
+    CHECK(walker.streamed.queued >= 3);  // the other layers of an array
+    CHECK(walker.streamed.queued + walker.streamed.reading <= maxLoads(2));
     CHECK(walker.uploaded == 0);
   }
   gate.open();
@@ -132,15 +134,15 @@ TEST_CASE("the most urgent photographs of the last frame are read first, and tho
                 {64, 64});
   const FramePlan there = walker.planAt({0, 0, 0}), here = walker.planAt({4, 0, 4});
   walker.frame(there);
-  CHECK(walker.streamed.queued == 4);
+  CHECK(walker.streamed.queued == 5);  // the layers of the array that is about to be made
   CHECK(hand.jobs.size() == 1);
   walker.frame(here);
-  CHECK(walker.streamed.queued == 4);
+  CHECK(walker.streamed.queued == 5);
   CHECK(hand.jobs.size() == 1);  // it runs all queued jobs
   hand.runAll();
   WantedItems wanted(scene, std::vector<bool>(StreamItems(scene).count(), false));
-  wanted.update(here, 4);
-  CHECK(reads.nodes() == std::vector<std::size_t>(wanted.items().begin(), wanted.items().begin() + 4));
+  wanted.update(here, 5);
+  CHECK(reads.nodes() == std::vector<std::size_t>(wanted.items().begin(), wanted.items().begin() + 5));
 }
 
 TEST_CASE("photographs that were read in vain are read again when they are needed") {
