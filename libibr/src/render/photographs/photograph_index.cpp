@@ -11,6 +11,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/prefetch.h"
 #include "render/photographs/photograph_choice.h"
 #include "render/photographs/photograph_values.h"
 #include "shared/gather.h"
@@ -120,6 +121,8 @@ class Promise {
     const double leastAcross = std::max(0.0, across - radius), leastAlong = std::max(0.0, std::abs(along) - radius);
     double sum = 0;
     for (const double nearness : nearness_) {
+      const double ahead = std::clamp(1 - nearness * (along - radius), 0.0, 1.0);  // shows no points behind itself
+      if (ahead == 0) continue;
       // The point at this depth as seen from the photograph: D, and the relative error of D at most.
       const glm::dvec3 direction = forward_ - nearness * offset;
       const double length = glm::length(direction), error = nearness * radius;
@@ -130,7 +133,7 @@ class Promise {
               sine * (1 + (std::numbers::sqrt2 - 1) * sine * sine);
       }
       const double overlap = std::clamp((field + field_ - off) / (2 * field_), 0.0, 1.0);
-      const double ahead = std::clamp(1 - nearness * (along - radius), 0.0, 1.0);  // shows no points behind itself
+      if (overlap == 0) continue;
       const double apart = angleOfShift(nearness * leastAcross) + kAlong * angleOfShift(nearness * leastAlong);
       sum += overlap * ahead / std::sqrt(double(shader::kGatherAngleFloor) + apart);
     }
@@ -187,6 +190,7 @@ std::pmr::vector<Photograph> promisingPhotographs(const PhotographIndex& index, 
       }
       const TreeNode& node = index.nodes[at];
       if (node.second != 0) {
+        prefetch(index.nodes[node.second]);
         put(promise.of(index.nodes[at + 1]), at + 1);
         put(promise.of(index.nodes[node.second]), node.second);
         continue;
