@@ -126,9 +126,10 @@ class IBR_API GpuScene {
     std::uint32_t reading = 0;  // those that are being loaded, or that wait for a texture array
   };
   /// Requests what the plan needs, most important first: a cell's mesh, then its photographs. Then requests what is
-  /// around the main cell by its distance in the graph; earlier requests that have not begun are replaced. Records
-  /// uploads of loaded items into the command buffer, outside a render pass. Every plan must be streamed before it is
-  /// recorded, in the same command buffer or one submitted earlier.
+  /// around the main cell by its distance in the graph, some hundred items in all; earlier requests that have not begun
+  /// are replaced. Records uploads of loaded items into the command buffer, outside a render pass. Every plan must be
+  /// streamed before it is recorded, in the same command buffer or one submitted earlier. The time depends on what the
+  /// plan shows, not on the size of the scene, nor on the budget unless that is too small.
   ///
   /// Reads no files, waits neither for reads nor for the device, and allocates neither host nor device memory. It
   /// allocates for messages, and for descriptor sets where more than 4 frames are in flight. With readerThreads 0 it

@@ -22,8 +22,8 @@
 
 namespace ibr {
 
-/// Maximum number of items that are queued or loaded at a time, for a number of threads of the queue. Threads have
-/// nothing to do once they are finished, until the next frame: a slow frame takes as long as many reads.
+/// Maximum number of items that are queued or loaded at a time, for a number of threads of the queue. Items are
+/// requested once a frame, and a slow frame lasts as long as many reads.
 constexpr std::size_t maxLoads(unsigned threads) {
   return threads > 0 ? 16 * std::size_t(threads) : 1;
 }
