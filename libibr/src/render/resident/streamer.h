@@ -25,7 +25,7 @@ namespace ibr {
 /// Maximum number of items that are queued or loaded at a time, for a number of threads of the queue. Items are
 /// requested once a frame, and a slow frame lasts as long as many reads.
 constexpr std::size_t maxLoads(unsigned threads) {
-  return threads > 0 ? 16 * std::size_t(threads) : 1;
+  return threads > 0 ? 32 * std::size_t(threads) : 1;
 }
 
 /// Textures that are streamed.
