@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,8 @@
 #include <cstring>
 #include <exception>
 #include <map>
+#include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -31,8 +34,8 @@ constexpr std::size_t kMaxLineBytes = 64 * 1024;  // longer lines are passed on 
 class Descriptor {
  public:
   explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
   ~Descriptor() { close(); }
   int get() const { return descriptor_; }
   void close() {
@@ -67,14 +70,19 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 // A running program, leader of its own process group. The destructor ends the program.
 class Child {
  public:
-  Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int output) {
+  /// `input` < 0: stdin is empty.
+  Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int input, int output,
+        int messages) {
     std::vector<std::string> copy = arguments;
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (input < 0)
+      ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    else
+      ::posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
     ::posix_spawnattr_init(&attributes);
     ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     ::posix_spawnattr_setpgroup(&attributes, 0);
@@ -116,26 +124,60 @@ class Child {
   int status_ = 0;
 };
 
+// The two ends of a pipe; reads do not block.
+struct Pipe {
+  explicit Pipe(const std::string& program) : Pipe(ends(program)) {}
+  Descriptor out, in;  // to read, to write
+
+ private:
+  struct Ends {
+    int at[2];
+  };
+  explicit Pipe(Ends ends) : out(ends.at[0]), in(ends.at[1]) { ::fcntl(out.get(), F_SETFL, O_NONBLOCK); }
+  static Ends ends(const std::string& program) {
+    Ends made;
+    check(::pipe2(made.at, O_CLOEXEC) == 0, ErrorCode::io, "{}: cannot be run: {}", program, std::strerror(errno));
+    return made;
+  }
+};
+
+// A file in memory with these bytes, at its start.
+Descriptor fileOf(std::span<const std::byte> bytes, const std::string& program) {
+  Descriptor file(::memfd_create("input", MFD_CLOEXEC));
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    check(written > 0, ErrorCode::io, "{}: cannot be given its input: {}", program, std::strerror(errno));
+    bytes = bytes.subspan(std::size_t(written));
+  }
+  ::lseek(file.get(), 0, SEEK_SET);
+  return file;
+}
+
+// Reads what a pipe holds, into `buffer`: nullopt if it holds nothing now, an empty span at its end.
+std::optional<std::span<const std::byte>> readNow(const Descriptor& pipe, std::span<std::byte> buffer) {
+  const ssize_t got = ::read(pipe.get(), buffer.data(), buffer.size());
+  if (got < 0) return std::nullopt;
+  return buffer.first(std::size_t(got));
+}
+
 }  // namespace
 
 ChildResult runChild(const std::vector<std::string>& arguments,
                      const std::vector<std::pair<std::string, std::string>>& environment,
                      const std::function<void(std::string_view)>& line, const std::function<bool()>& shouldContinue) {
-  int ends[2];
-  check(::pipe2(ends, O_CLOEXEC) == 0, ErrorCode::io, "{}: cannot be run: {}", arguments[0], std::strerror(errno));
-  Descriptor in(ends[0]), out(ends[1]);
-  Child child(arguments, environmentWith(environment), out.get());
-  out.close();
-  ::fcntl(in.get(), F_SETFL, O_NONBLOCK);
+  Pipe pipe(arguments[0]);
+  Child child(arguments, environmentWith(environment), -1, pipe.in.get(), pipe.in.get());
+  pipe.in.close();
   std::string rest;
   bool open = true;
   const auto read = [&] {
-    char buffer[4096];
+    std::byte buffer[4096];
     for (int turn = 0; turn < kMaxReads; ++turn) {
-      const ssize_t got = ::read(in.get(), buffer, sizeof(buffer));
-      if (got == 0) open = false;
-      if (got <= 0) return;  // no more output at present
-      rest.append(buffer, std::size_t(got));
+      const auto got = readNow(pipe.out, buffer);
+      if (got && got->empty()) open = false;
+      if (!got || got->empty()) return;  // no more output at present
+      rest.append(reinterpret_cast<const char*>(got->data()), got->size());
       for (std::size_t end; (end = rest.find_first_of("\r\n")) != rest.npos; rest.erase(0, end + 1))
         if (end > 0) line(std::string_view(rest).substr(0, end));
       if (rest.size() >= kMaxLineBytes) line(std::exchange(rest, {}));
@@ -148,7 +190,7 @@ ChildResult runChild(const std::vector<std::string>& arguments,
       return {child.status(), true};
     }
     if (open) {
-      pollfd wait{in.get(), POLLIN, 0};
+      pollfd wait{pipe.out.get(), POLLIN, 0};
       ::poll(&wait, 1, 100);
     } else {
       std::this_thread::sleep_for(20ms);
@@ -158,6 +200,50 @@ ChildResult runChild(const std::vector<std::string>& arguments,
   }
   if (!rest.empty()) line(rest);
   return {child.status(), false};
+}
+
+ChildOutput readChild(const std::vector<std::string>& arguments, std::span<const std::byte> input,
+                      const std::function<bool(std::span<const std::byte>)>& output,
+                      const std::function<bool()>& shouldContinue) {
+  constexpr std::size_t kLastWords = 4096, kPiece = std::size_t(1) << 16;
+  Pipe pixels(arguments[0]), messages(arguments[0]);
+  const Descriptor file = fileOf(input, arguments[0]);
+  Child child(arguments, environmentWith({}), file.get(), pixels.in.get(), messages.in.get());
+  pixels.in.close();
+  messages.in.close();
+  ChildOutput result;
+  std::vector<std::byte> buffer(kPiece);
+  bool open = true;
+  // Returns false if the program is to end.
+  const auto readAll = [&] {
+    while (const auto got = readNow(pixels.out, buffer)) {
+      if (got->empty()) {
+        open = false;
+        break;
+      }
+      if (!output(*got) || !shouldContinue()) return false;
+    }
+    for (auto got = readNow(messages.out, buffer); got && !got->empty(); got = readNow(messages.out, buffer)) {
+      result.lastWords.append(reinterpret_cast<const char*>(got->data()), got->size());
+      if (result.lastWords.size() > kLastWords) result.lastWords.erase(0, result.lastWords.size() - kLastWords);
+    }
+    return true;
+  };
+  for (bool ended = false; !ended;) {
+    pollfd wait[]{{open ? pixels.out.get() : -1, POLLIN, 0}, {messages.out.get(), POLLIN, 0}};
+    if (open)
+      ::poll(wait, 2, 100);
+    else
+      std::this_thread::sleep_for(5ms);
+    ended = child.ended();  // before the last read, which then misses nothing
+    if (!shouldContinue() || !readAll()) {
+      child.end();
+      result.stopped = true;
+      break;
+    }
+  }
+  result.status = child.status();
+  return result;
 }
 
 }  // namespace ibr

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs another program to its end and reads its output line by line.
+// Runs another program to its end and reads its output, line by line or as bytes.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,5 +25,17 @@ struct ChildResult {
 ChildResult runChild(const std::vector<std::string>& arguments,
                      const std::vector<std::pair<std::string, std::string>>& environment,
                      const std::function<void(std::string_view)>& line, const std::function<bool()>& shouldContinue);
+
+struct ChildOutput {
+  int status = 0;         // as ChildResult::status
+  bool stopped = false;   // ended because `output` or shouldContinue returned false
+  std::string lastWords;  // the end of stderr, at most 4 KiB
+};
+
+/// Runs a program whose stdin is a seekable file of the bytes `input`. `output` receives stdout piece by piece, and
+/// returns false to end the program. Otherwise as runChild.
+ChildOutput readChild(const std::vector<std::string>& arguments, std::span<const std::byte> input,
+                      const std::function<bool(std::span<const std::byte>)>& output,
+                      const std::function<bool()>& shouldContinue);
 
 }  // namespace ibr

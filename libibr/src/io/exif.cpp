@@ -42,6 +42,8 @@ class Directory {
     return type == kLong ? fields_.read(*entry + 8, 4) : std::nullopt;
   }
 
+  bool has(std::uint32_t tag) const { return find(tag).has_value(); }
+
   // First value of a rational entry; 0 if it is not a positive number.
   double ratio(std::uint32_t tag) const {
     const auto entry = find(tag);
@@ -115,6 +117,21 @@ std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
 }
 
 }  // namespace
+
+bool isRawTiff(std::span<const std::byte> file) {
+  const auto fields = fieldsOf(file);
+  if (!fields) return false;
+  constexpr std::uint32_t kCanon = 0x43520200;  // "CR", version 2
+  if (Fields(file, true).read(8, 4) == kCanon) return true;
+  // TIFF 6.0 §8, TIFF/EP §5.1, DNG 1.4 chapter 4; compressions of Sony, Samsung, Nikon, Pentax.
+  constexpr std::uint32_t kSubfile = 0x00fe, kCompression = 0x0103, kPhotometric = 0x0106, kDngVersion = 0xc612;
+  constexpr std::uint32_t kReduced = 1, kColourFilterArray = 32803, kLinearRaw = 34892;
+  constexpr std::uint32_t kMakers[] = {32767, 32769, 32770, 34713, 65535};
+  const Directory first(*fields, *fields->read(4, 4));
+  const std::uint32_t photometric = first.integer(kPhotometric).value_or(0);
+  return first.has(kDngVersion) || first.integer(kSubfile) == kReduced || photometric == kColourFilterArray ||
+         photometric == kLinearRaw || std::ranges::find(kMakers, first.integer(kCompression)) != std::end(kMakers);
+}
 
 void resetOrientation(std::span<std::byte> tiff) {
   const auto fields = fieldsOf(tiff);

@@ -19,6 +19,10 @@ struct Exif {
 /// are ignored: metadata never make a photograph unreadable.
 Exif readExif(std::span<const std::byte> tiff);
 
+/// True for a raw file that starts as a TIFF file: DNG, Canon CR2, and files whose first directory has a reduced image,
+/// sensor values or a compression of camera makers.
+bool isRawTiff(std::span<const std::byte> file);
+
 /// Sets the orientation to 1, if there is one.
 void resetOrientation(std::span<std::byte> tiff);
 

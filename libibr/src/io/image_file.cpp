@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "io/codec.h"
+#include "io/decoded.h"
 
 namespace fs = std::filesystem;
 
@@ -28,11 +29,12 @@ void checkSize(const ImageFileInfo& info, const ReadLimits& limits, const std::s
 namespace {
 
 struct Format {
+  bool headFirst;  // the start of the file is enough for most probes
   ImageFileInfo (*probe)(Bytes, const std::string&);
   Image8 (*read)(Bytes, const std::string&, const ReadLimits&, ImageFileInfo&);
 };
 
-constexpr std::size_t kMagicBytes = 16;
+constexpr std::size_t kMagicBytes = std::size_t(1) << 16;  // of raw files, the first directory decides
 
 // Detects the format by content; file names can be wrong.
 std::optional<Format> formatThatBegins(Bytes file) {
@@ -40,11 +42,12 @@ std::optional<Format> formatThatBegins(Bytes file) {
     const std::array magic{std::byte(bytes)...};
     return file.size() >= magic.size() && std::equal(magic.begin(), magic.end(), file.begin());
   };
-  if (startsWith(0xff, 0xd8, 0xff)) return Format{probeJpeg, readJpeg};
-  if (startsWith(0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a)) return Format{probePng, readPng};
+  if (startsWith(0xff, 0xd8, 0xff)) return Format{true, probeJpeg, readJpeg};
+  if (startsWith(0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a)) return Format{true, probePng, readPng};
+  if (programFormat(file)) return Format{false, probeByProgram, readByProgram};
   if (startsWith('I', 'I', 42, 0) || startsWith('M', 'M', 0, 42) || startsWith('I', 'I', 43, 0) ||
       startsWith('M', 'M', 0, 43))
-    return Format{probeTiff, readTiff};
+    return Format{true, probeTiff, readTiff};
   return std::nullopt;
 }
 
@@ -55,17 +58,10 @@ const char* unsupportedFormat(Bytes file) {
     return begin.size() >= offset + magic.size() && begin.substr(offset, magic.size()) == magic;
   };
   using namespace std::string_view_literals;
-  if (at(4, "ftypavif") || at(4, "ftypavis")) return "AVIF";
-  if (at(4, "ftyphei") || at(4, "ftyphev") || at(4, "ftypmif1") || at(4, "ftypmsf1")) return "HEIC";
-  if (at(4, "ftypcrx ")) return "CR3 raw";
   if (at(4, "ftyp")) return "video";
-  if (at(0, "RIFF") && at(8, "WEBP")) return "WebP";
   if (at(0, "GIF8")) return "GIF";
   if (at(0, "BM")) return "BMP";
   if (at(0, "8BPS")) return "PSD";
-  if (at(0, "FUJIFILM")) return "RAF raw";
-  if (at(0, "IIU\0"sv)) return "RW2 raw";
-  if (at(0, "IIRO") || at(0, "IIRS")) return "ORF raw";
   if (at(0, "\xff\x0a"sv) || at(0, "\0\0\0\x0cJXL "sv)) return "JPEG XL";
   if (at(0, "\0\0\0\x0cjP  "sv)) return "JPEG 2000";
   return "";
@@ -77,7 +73,7 @@ Format formatOf(Bytes file, const std::string& name) {
   const char* const foreign = unsupportedFormat(file);
   check(format.has_value() || !*foreign, ErrorCode::unsupported,
         "{}: {} files are not supported; convert the file to JPEG", name, foreign);
-  check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
+  check(format.has_value(), ErrorCode::invalidInput, "{}: is none of JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw", name);
   return *format;
 }
 
@@ -102,7 +98,7 @@ ImageFileInfo probeImage(const fs::path& path) {
     if (file) {
       const auto format = io::formatOf(prefix, name);
       try {
-        return format.probe(prefix, name);
+        if (format.headFirst) return format.probe(prefix, name);
       } catch (const Error&) {
       }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photographs and images in files: JPEG (libjpeg-turbo), PNG (libpng), TIFF (libtiff), OpenEXR. Neither the runtime nor
-// OpenCV is used. A truncated file is an error, never a half-grey image. All functions throw Error (io, invalidInput,
-// unsupported) with the file's name. Thread-safe.
+// Photographs and images in files: JPEG (libjpeg-turbo), PNG (libpng), TIFF (libtiff), OpenEXR; by the program
+// ibr-decode HEIC, AVIF, WebP and raw. Neither the runtime nor OpenCV is used. A truncated file is an error, never a
+// half-grey image. All functions throw Error (io, invalidInput, unsupported) with the file's name. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace ibr {
 
-enum class ImageFormat : std::uint8_t { jpeg, png, tiff };
+enum class ImageFormat : std::uint8_t { jpeg, png, tiff, heic, avif, webp, raw };
 
 struct ImageFileInfo {
-  int width = 0, height = 0;  // as stored, before orientation
+  int width = 0, height = 0;  // as stored, before orientation; HEIC and AVIF: upright, as all their readers return them
   int channels = 0;
   int bitsPerChannel = 0;
   int orientation = 1;                     // EXIF, 1 to 8
@@ -34,8 +34,10 @@ struct ReadLimits {
 ImageFileInfo probeImage(const std::filesystem::path& path);
 
 /// Reads as 8-bit sRGB: grey and palette expanded, alpha dropped, 16 bits rounded to 8. Other colour spaces, by ICC
-/// profile or EXIF "R03", are converted; CMYK is unsupported. Applies the EXIF orientation only with applyOrientation:
-/// pose estimators may or may not have applied the orientation.
+/// profile, code points (ITU-T H.273) or EXIF "R03", are converted, and high dynamic range is compressed; CMYK is
+/// unsupported. Raw files are developed linearly, with the camera's white balance and without automatic brightness.
+/// Applies the EXIF orientation only with applyOrientation: pose estimators may or may not have applied the
+/// orientation.
 Image8 readImage(const std::filesystem::path& path, bool applyOrientation = false, const ReadLimits& limits = {});
 
 /// Reads a PNG with one channel of 16 bits, values as stored.
@@ -67,11 +69,11 @@ void writeImage(const std::filesystem::path& path, const Image8& image, const st
 /// Other formats have none.
 std::vector<ImageText> readImageTexts(const std::filesystem::path& path);
 
-/// Name of an image format that is recognised but not supported, for messages: "HEIC"; "" for all other files. Throws
+/// Name of an image format that is recognised but not supported, for messages: "GIF"; "" for all other files. Throws
 /// Error{io}.
 std::string unsupportedImageFormat(const std::filesystem::path& path);
 
-/// True if a file starts as JPEG, PNG or TIFF do; false if it cannot be read. Never throws.
+/// True if a file starts as one of an ImageFormat; false if it cannot be read. Never throws.
 bool isImageFile(const std::filesystem::path& path) noexcept;
 
 }  // namespace ibr
