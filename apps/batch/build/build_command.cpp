@@ -224,7 +224,8 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --refine-poses auto\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS is a folder of photographs. Their poses come from a COLMAP model (text or binary)\n"
+        "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG; untested\n"
+        "with real files of CR2, CR3, NEF, ARW and others). Links are followed. Their poses come from a COLMAP model (text or binary)\n"
         "or from transforms.json. Poses of panoramas come from a model with EQUIRECTANGULAR\n"
         "cameras or from --panoramas. The program COLMAP estimates missing poses in SCENE/.poses.\n"
         "Photographs of distorting lenses are undistorted; photographs of pinholes are stored\n"

@@ -37,29 +37,7 @@ constexpr std::size_t kMaxSimilar = 4, kMinSimilar = 2;
 constexpr double kDuplicateCorrelation = 0.9995;  // correlation of two signatures
 constexpr std::size_t kMaxCompared = 3000;
 
-// Reports videos in the folder and in the photographs' folders. Other folders below may belong to other programs.
-void videos(const fs::path& folder, const PhotographFolder& found, Findings& findings) {
-  static const std::set<std::string> kVideo{".mp4", ".mov", ".avi", ".mkv", ".mts"};
-  std::set<fs::path> folders{""}, photographs;  // without extensions: phones store a video beside each photograph
-  const auto put = [&](const fs::path& name) {
-    folders.insert(name.parent_path());
-    photographs.insert(fs::path(name).replace_extension());
-  };
-  for (const std::string& name : found.pictures) put(name);
-  for (const PhotographFolder::UnreadableFile& file : found.unreadable) put(file.name);
-  std::vector<std::string> names;
-  for (const fs::path& below : folders) {
-    std::error_code error, ignored;
-    for (fs::directory_iterator at(folder / below, error), end; !error && at != end; at.increment(error)) {
-      const fs::path name = below / at->path().filename();
-      std::string extension = name.extension().string();
-      std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-      if (kVideo.contains(extension) && at->is_regular_file(ignored) && !name.filename().string().starts_with('.') &&
-          !photographs.contains(fs::path(name).replace_extension()))
-        names.push_back(name.generic_string());
-    }
-  }
-  std::ranges::sort(names);
+void videos(const std::vector<std::string>& names, Findings& findings) {
   if (!names.empty())
     findings.add({"format", Severity::warning,
                   fmt::format("{}: {}.", someOf(names), names.size() == 1 ? "is a video" : "are videos"),
@@ -256,7 +234,8 @@ void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Fin
   } catch (const fs::filesystem_error& e) {
     fail(ErrorCode::io, "{}: {}", folder.string(), e.code().message());
   }
-  videos(folder, found, findings);
+  findings.fact(countText(found));
+  videos(found.videos, findings);
   reportSkipped(found.unreadable, findings);
   const std::vector<ExaminedPhotograph> all = examineAll(folder, found.pictures, context);
   unreadable(all, findings);

@@ -43,7 +43,7 @@ Truth::Truth(const fs::path& folder, const std::vector<std::string>& names, cons
 }
 
 Image8 Truth::picture(const View& view) const {
-  const fs::path file = pathInside(images_, view.name);
+  const fs::path file = pathBelow(images_, view.name);
   Image8 image = readImage(file);
   const Intrinsics& k = view.camera.intrinsics;
   const auto lens = lenses_.find(view.name);

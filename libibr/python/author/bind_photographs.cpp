@@ -61,7 +61,10 @@ void bindPhotographs(py::module_& module) {
       .field("reason", &F::UnreadableFile::reason, "The fault, and what to do");
   Record<F>(module, "PhotographFolder", "Photographs in a folder: scan_photograph_folder().")
       .field("pictures", &F::pictures, "Tuple of names, relative to the folder, sorted")
-      .field("unreadable", &F::unreadable, "Tuple of UnreadableFile");
+      .field("unreadable", &F::unreadable, "Tuple of UnreadableFile")
+      .field("videos", &F::videos, "Tuple of names, without videos beside a photograph of the same name")
+      .field("doubles", &F::doubles, "Number of files left out beside photographs of the same name")
+      .field("others", &F::others, "Number of files of other kinds");
 
   py::class_<PosedPhotographs>(
       module, "PosedPhotographs",
@@ -94,7 +97,7 @@ void bindPhotographs(py::module_& module) {
   module.def(
       "read_picture", [](const fs::path& file) { return toArray(unlocked([&] { return readPicture(file); })); },
       py::arg("file"),
-      "Reads a JPEG, PNG or TIFF file as stored: (height, width, 3), uint8, sRGB. EXIF's orientation is not applied.");
+      "Reads a photograph as stored: (height, width, 3), uint8, sRGB. EXIF's orientation is not applied.");
 }
 
 }  // namespace ibr::python

@@ -164,6 +164,13 @@ double folderBytes(const fs::path& folder) {
   return bytes;
 }
 
+fs::path pathBelow(const fs::path& folder, const fs::path& relative) {
+  const fs::path normal = relative.lexically_normal();
+  check(relative.is_relative() && !normal.empty() && normal != "." && *normal.begin() != "..", ErrorCode::invalidInput,
+        "{}: leads outside the folder {}", relative.string(), folder.string());
+  return folder / relative;
+}
+
 fs::path pathInside(const fs::path& folder, const fs::path& relative) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);

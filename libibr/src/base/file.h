@@ -52,6 +52,9 @@ void checkFolderWritable(const std::filesystem::path& folder);
 /// Sum of the sizes of all regular files below a folder, links excluded; 0 if the folder cannot be read.
 double folderBytes(const std::filesystem::path& folder);
 
+/// Returns folder / relative. Throws Error{invalidInput} if the path itself leads outside (absolute, ".."); links may.
+std::filesystem::path pathBelow(const std::filesystem::path& folder, const std::filesystem::path& relative);
+
 /// Returns `relative` below `folder`, both canonical. Throws Error{invalidInput} if the path leads outside (absolute,
 /// "..", links). The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);

@@ -34,8 +34,10 @@ Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const Re
 
 /// Deterministic: the same image gives the same bytes.
 std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::string& name);
-/// Copies the EXIF block of the JPEG file `original`, if any, into `jpeg` and sets its orientation to 1.
-std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, const std::string& name);
+/// EXIF block of a JPEG file; empty if there is none.
+std::vector<std::byte> exifOf(Bytes jpeg, const std::string& name);
+/// Inserts an EXIF block and sets its orientation to 1. Leaves out a block that is too long for JPEG, of over 64 KiB.
+std::vector<std::byte> withExif(std::vector<std::byte> jpeg, std::span<const std::byte> block);
 std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageText>& texts, const std::string& name);
 
 std::vector<ImageText> pngTexts(Bytes file, const std::string& name);

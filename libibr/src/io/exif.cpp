@@ -3,6 +3,7 @@
 #include "io/exif.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -166,6 +167,98 @@ Exif readExif(std::span<const std::byte> tiff) {
   if (const auto interoperability = exif.integer(0xa005))
     result.adobeRgb = Directory(fields, *interoperability).text(1) == "R03";
   return result;
+}
+
+namespace {
+
+// Writes a little-endian TIFF block, directory by directory.
+class BlockWriter {
+ public:
+  // Entries of one directory, by ascending tag.
+  void shortValue(std::uint16_t tag, double value) {
+    if (value >= 1 && value < 65535.5) add(tag, kShort, 1, std::uint32_t(std::lround(value)));
+  }
+  void longValue(std::uint16_t tag, std::uint32_t value) { add(tag, kLong, 1, value); }
+  void text(std::uint16_t tag, const std::string& text) {
+    if (text.empty()) return;
+    std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    bytes.resize(std::max<std::size_t>(bytes.size() + 1, 5), 0);  // up to 4 bytes would lie in the entry
+    addData(tag, kAscii, std::uint32_t(bytes.size()), bytes);
+  }
+  void ratio(std::uint16_t tag, double value) {
+    if (!(value > 0) || value > 1e6) return;
+    const bool small = value < 1;  // exposure times are stated as 1/250
+    const double below = small ? 1e6 : 1e3;
+    std::vector<std::uint8_t> bytes;
+    put(bytes, std::uint32_t(std::lround(value * below)), 4);
+    put(bytes, std::uint32_t(below), 4);
+    addData(tag, kRational, 1, bytes);
+  }
+
+  // The directory for the offset `at` from the block's start; the next one begins at its end.
+  std::vector<std::uint8_t> directory(std::uint32_t at) const {
+    std::vector<std::uint8_t> bytes;
+    put(bytes, std::uint32_t(entries_.size()), 2);
+    for (const Entry& entry : entries_) {
+      put(bytes, entry.tag, 2);
+      put(bytes, entry.type, 2);
+      put(bytes, entry.count, 4);
+      put(bytes, entry.inData ? at + size() + entry.value : entry.value, 4);
+    }
+    put(bytes, 0, 4);  // no further directory
+    bytes.insert(bytes.end(), data_.begin(), data_.end());
+    return bytes;
+  }
+  std::uint32_t size() const { return std::uint32_t(6 + 12 * entries_.size()); }
+
+ private:
+  struct Entry {
+    std::uint16_t tag;
+    std::uint32_t type, count, value;
+    bool inData;
+  };
+  static void put(std::vector<std::uint8_t>& bytes, std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes.push_back(std::uint8_t(value >> (8 * i)));
+  }
+  void add(std::uint16_t tag, std::uint32_t type, std::uint32_t count, std::uint32_t value) {
+    entries_.push_back({tag, type, count, value, false});
+  }
+  void addData(std::uint16_t tag, std::uint32_t type, std::uint32_t count, const std::vector<std::uint8_t>& bytes) {
+    entries_.push_back({tag, type, count, std::uint32_t(data_.size()), true});
+    data_.insert(data_.end(), bytes.begin(), bytes.end());
+    if (data_.size() % 2) data_.push_back(0);
+  }
+
+  std::vector<Entry> entries_;
+  std::vector<std::uint8_t> data_;
+};
+
+}  // namespace
+
+std::vector<std::byte> exifBlock(const CaptureMetadata& capture) {
+  BlockWriter exif;
+  exif.ratio(0x829a, capture.exposureTime);
+  exif.ratio(0x829d, capture.fNumber);
+  exif.shortValue(0x8827, capture.iso);
+  exif.ratio(0x920a, capture.focalLength);
+  exif.shortValue(0xa405, capture.focalLength35);
+  exif.text(0xa434, capture.lens);
+  constexpr std::uint32_t kHeader = 8;
+  BlockWriter first;
+  first.text(0x010f, capture.maker);
+  first.text(0x0110, capture.model);
+  first.shortValue(kOrientation, 1);
+  BlockWriter sized = first;
+  sized.longValue(0x8769, 0);
+  first.longValue(0x8769, kHeader + std::uint32_t(sized.directory(0).size()));
+  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, kHeader, 0, 0, 0};
+  for (const BlockWriter* directory : {&first, &exif}) {
+    const std::vector<std::uint8_t> more = directory->directory(std::uint32_t(bytes.size()));
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  }
+  std::vector<std::byte> block(bytes.size());
+  std::ranges::transform(bytes, block.begin(), [](std::uint8_t v) { return std::byte(v); });
+  return block;
 }
 
 }  // namespace ibr::io

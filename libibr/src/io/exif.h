@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXIF metadata: orientation and exposure of a photograph.
+// EXIF metadata: orientation and exposure of a photograph; raw files, whose first bytes are a TIFF directory, too.
 #pragma once
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "ibr/capture.h"
 
@@ -18,6 +19,9 @@ struct Exif {
 /// Reads an EXIF block that starts with its TIFF header ("II*" or "MM*"), or a TIFF file. Missing or damaged entries
 /// are ignored: metadata never make a photograph unreadable.
 Exif readExif(std::span<const std::byte> tiff);
+
+/// An EXIF block of what is known, with orientation 1: the inverse of readExif.
+std::vector<std::byte> exifBlock(const CaptureMetadata& capture);
 
 /// True for a raw file that starts as a TIFF file: DNG, Canon CR2, and files whose first directory has a reduced image,
 /// sensor values or a compression of camera makers.

@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "io/codec.h"
 #include "io/decoded.h"
+#include "io/exif.h"
 
 namespace fs = std::filesystem;
 
@@ -34,7 +35,7 @@ struct Format {
   Image8 (*read)(Bytes, const std::string&, const ReadLimits&, ImageFileInfo&);
 };
 
-constexpr std::size_t kMagicBytes = std::size_t(1) << 16;  // of raw files, the first directory decides
+constexpr std::size_t kMagicBytes = 16;
 
 // Detects the format by content; file names can be wrong.
 std::optional<Format> formatThatBegins(Bytes file) {
@@ -53,7 +54,8 @@ std::optional<Format> formatThatBegins(Bytes file) {
 
 // Detects other formats by their first bytes: returns the format's name, or "".
 const char* unsupportedFormat(Bytes file) {
-  const std::string_view begin(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 16));
+  if (programFormat(file)) return "";
+  const std::string_view begin(reinterpret_cast<const char*>(file.data()), std::min(file.size(), kMagicBytes));
   const auto at = [&](std::size_t offset, std::string_view magic) {
     return begin.size() >= offset + magic.size() && begin.substr(offset, magic.size()) == magic;
   };
@@ -145,15 +147,17 @@ void writeImage(const fs::path& path, const Image8& image, int quality) {
   writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, {}, name));
 }
 
-void writeUpright(const fs::path& from, const fs::path& to) {
+void writeJpegCopy(const fs::path& from, const fs::path& to, bool applyOrientation) {
   constexpr int kQuality = 95;
   const std::string name = from.string();
   const auto file = readFile(from);
   const io::Format format = io::formatOf(file, name);
   ImageFileInfo info;
-  const Image8 stored = format.read(file, name, {}, info);
-  std::vector<std::byte> jpeg = io::encodeJpeg(upright(stored, info.orientation), kQuality, to.string());
-  writeFile(to, format.read == io::readJpeg ? io::withExifOf(file, std::move(jpeg), name) : std::move(jpeg));
+  Image8 image = format.read(file, name, {}, info);
+  if (applyOrientation && info.orientation != 1) image = upright(image, info.orientation);
+  std::vector<std::byte> exif = format.read == io::readJpeg ? io::exifOf(file, name) : io::exifBlock(info.capture);
+  std::vector<std::byte> jpeg = io::encodeJpeg(image, kQuality, to.string());
+  writeFile(to, exif.empty() ? std::move(jpeg) : io::withExif(std::move(jpeg), exif));
 }
 
 void writeImage(const fs::path& path, const Image8& image, const std::vector<ImageText>& texts) {

@@ -49,9 +49,9 @@ void writeImage(const std::filesystem::path& path, const Image8& image, int qual
 /// Applies an EXIF orientation, 1 to 8, to an image as stored.
 Image8 upright(const Image8& stored, int orientation);
 
-/// Writes the photograph in `from` upright: always a JPEG, whatever the file's name. EXIF of a JPEG is copied, with
-/// orientation 1.
-void writeUpright(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Writes the photograph in `from` as a JPEG, whatever the file's name; upright, or as stored. EXIF is kept, with
+/// orientation 1: all of a JPEG's, the CaptureMetadata of other formats.
+void writeJpegCopy(const std::filesystem::path& from, const std::filesystem::path& to, bool upright);
 
 /// A text inside an image. `key`: 1 to 79 printable ASCII characters, no leading, trailing or double spaces; `text`:
 /// UTF-8 without a zero byte.

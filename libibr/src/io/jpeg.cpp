@@ -231,16 +231,22 @@ std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::s
   return {bytes.begin(), bytes.end()};
 }
 
-std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, const std::string& name) {
-  const Decoder decoder(original, name);
-  const Bytes segment = decoder.exifSegment();
-  if (segment.empty()) return jpeg;
-  const std::size_t length = segment.size() + 2;  // includes its own two bytes
-  const std::byte head[] = {std::byte(0xff), std::byte(0xe1), std::byte(length >> 8), std::byte(length & 0xff)};
-  const auto at = jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
-  resetOrientation(std::span(at, segment.size()).subspan(sizeof kExif));
-  jpeg.insert(jpeg.begin() + 2, std::begin(head), std::end(head));
+std::vector<std::byte> withExif(std::vector<std::byte> jpeg, std::span<const std::byte> block) {
+  const std::size_t length = sizeof(kExif) + block.size() + 2;  // includes its own two bytes
+  if (length > 0xffff) return jpeg;
+  std::vector<std::byte> segment{std::byte(0xff), std::byte(0xe1), std::byte(length >> 8), std::byte(length & 0xff)};
+  for (const auto c : kExif) segment.push_back(std::byte(c));
+  segment.insert(segment.end(), block.begin(), block.end());
+  resetOrientation(std::span(segment).subspan(segment.size() - block.size()));
+  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
   return jpeg;
+}
+
+std::vector<std::byte> exifOf(Bytes jpeg, const std::string& name) {
+  const Decoder decoder(jpeg, name);
+  const Bytes segment = decoder.exifSegment();
+  if (segment.size() < sizeof(kExif)) return {};
+  return {segment.begin() + sizeof(kExif), segment.end()};
 }
 
 }  // namespace ibr::io

@@ -146,3 +146,21 @@ TEST_CASE("the exposure is read from JPEG, PNG and TIFF files") {
     CHECK(probeImage(folder / name).capture.model == "M1");
   }
 }
+
+TEST_CASE("an EXIF block that is written is read again") {
+  const CaptureMetadata whole{1.0 / 250, 2.8, 400, 23.5, 35, "Maker", "M1", "50 mm"};
+  for (const CaptureMetadata& capture : {whole, CaptureMetadata{}, CaptureMetadata{.focalLength = 4.2, .model = "A"}}) {
+    const std::vector<std::byte> block = io::exifBlock(capture);
+    const io::Exif read = io::readExif(block);
+    CHECK(read.orientation == 1);
+    CHECK(read.capture.exposureTime == Approx(capture.exposureTime));
+    CHECK(read.capture.fNumber == Approx(capture.fNumber));
+    CHECK(read.capture.focalLength == Approx(capture.focalLength));
+    CHECK((read.capture.iso == capture.iso && read.capture.focalLength35 == capture.focalLength35));
+    CHECK((read.capture.maker == capture.maker && read.capture.model == capture.model &&
+           read.capture.lens == capture.lens));
+  }
+  // Values that EXIF cannot state are left out.
+  const io::Exif odd = io::readExif(io::exifBlock({.exposureTime = 1e9, .iso = 1e7, .focalLength = -1}));
+  CHECK((odd.capture.exposureTime == 0 && odd.capture.iso == 0 && odd.capture.focalLength == 0));
+}

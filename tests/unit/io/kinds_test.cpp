@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/file.h"
+#include "io/decoded.h"
 #include "io/image_file.h"
 #include "support/temporary_folder.h"
 #include "unusual_files.h"
@@ -139,15 +141,10 @@ TEST_CASE("16-bit grey TIFF is rounded, also if white is 0") {
     }
 }
 
-TEST_CASE("raw and two-channel TIFF files are refused, and the error names the remedy") {
+TEST_CASE("two-channel TIFF files are refused, and the error names the remedy") {
   test::TemporaryFolder folder;
-  const Image<std::uint16_t> rgb(4, 4, 3, 9);
-  test::makeTiff(folder / "a.tif", rgb, 8, PHOTOMETRIC_RGB, false, 1, {.preview = true});
-  Error error = test::errorOf([&] { readImage(folder / "a.tif"); });
-  CHECK(error.code() == ErrorCode::unsupported);
-  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("raw"));
   test::makeTiff(folder / "b.tif", Image<std::uint16_t>(4, 4, 2, 9), 16, PHOTOMETRIC_RGB, false);
-  error = test::errorOf([&] { readImage(folder / "b.tif"); });
+  const Error error = test::errorOf([&] { readImage(folder / "b.tif"); });
   CHECK(error.code() == ErrorCode::unsupported);
   CHECK_THAT(error.what(), Catch::Contains("b.tif") && Catch::Contains("RGB") && Catch::Contains("16"));
 }
@@ -155,24 +152,11 @@ TEST_CASE("raw and two-channel TIFF files are refused, and the error names the r
 TEST_CASE("the error for other formats names the format by content, not by extension") {
   test::TemporaryFolder folder;
   using namespace std::string_literals;
-  const std::pair<const char*, std::string> kinds[] = {{"HEIC",
-                                                        "\0\0\0\x18"
-                                                        "ftypheic\0\0\0\0"s},
-                                                       {"HEIC",
-                                                        "\0\0\0\x18"
-                                                        "ftypmif1\0\0\0\0"s},
-                                                       {"AVIF",
-                                                        "\0\0\0\x18"
-                                                        "ftypavif\0\0\0\0"s},
-                                                       {"WebP", "RIFF\x10\0\0\0WEBPVP8 "s},
-                                                       {"GIF", "GIF89a"s},
+  const std::pair<const char*, std::string> kinds[] = {{"GIF", "GIF89a"s},
                                                        {"JPEG XL", "\xff\x0a\0"s},
                                                        {"video",
                                                         "\0\0\0\x18"
-                                                        "ftypqt  \0\0\0\0"s},
-                                                       {"CR3 raw",
-                                                        "\0\0\0\x18"
-                                                        "ftypcrx \0\0\0\0"s}};
+                                                        "ftypqt  \0\0\0\0"s}};
   for (const auto& [kind, begin] : kinds) {
     test::writeBytes(folder / "a.jpg", test::Bytes(begin.begin(), begin.end()));
     CHECK(unsupportedImageFormat(folder / "a.jpg") == kind);
@@ -272,5 +256,36 @@ TEST_CASE("PNG and TIFF have the orientations of JPEG") {
         CHECK(upright.pixel(1, 0)[c] == stored.pixel(x1, y1)[c]);
       }
     }
+  }
+}
+
+TEST_CASE("formats that the program ibr-decode reads are known by content") {
+  test::TemporaryFolder folder;
+  using namespace std::string_literals;
+  const std::pair<ImageFormat, std::string> kinds[] = {{ImageFormat::heic,
+                                                        "\0\0\0\x18"
+                                                        "ftypheic\0\0\0\0"s},
+                                                       {ImageFormat::heic,
+                                                        "\0\0\0\x18"
+                                                        "ftypmif1\0\0\0\0"s},
+                                                       {ImageFormat::avif,
+                                                        "\0\0\0\x18"
+                                                        "ftypavif\0\0\0\0"s},
+                                                       {ImageFormat::webp, "RIFF\x10\0\0\0WEBPVP8 "s},
+                                                       {ImageFormat::raw,
+                                                        "\0\0\0\x18"
+                                                        "ftypcrx \0\0\0\0"s},
+                                                       {ImageFormat::raw, "FUJIFILMCCD-RAW "s},
+                                                       {ImageFormat::raw, "II*\0\x10\0\0\0CR\2\0"s}};
+  for (const auto& [format, begin] : kinds) {
+    test::writeBytes(folder / "a.jpg", test::Bytes(begin.begin(), begin.end()));
+    CHECK(io::programFormat(readFile(folder / "a.jpg")) == format);
+    CHECK(isImageFile(folder / "a.jpg"));
+    CHECK(unsupportedImageFormat(folder / "a.jpg").empty());
+  }
+  for (const bool preview : {false, true}) {
+    test::makeTiff(folder / "a.tif", Image<std::uint16_t>(4, 4, 3, 9), 8, PHOTOMETRIC_RGB, false, 1,
+                   {.preview = preview});
+    CHECK(io::programFormat(readFile(folder / "a.tif")).has_value() == preview);
   }
 }

@@ -2,6 +2,7 @@
 // Photographs in a folder and their masks, before a build; measures of single photographs. Needs ibr::author.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,15 +17,22 @@ struct PhotographFolder {
     std::string name;
     std::string reason;  // for people: the fault, and what to do
   };
-  std::vector<std::string> pictures;       // content and extension of JPEG, PNG or TIFF files
+  std::vector<std::string> pictures;       // photographs by extension and content
   std::vector<UnreadableFile> unreadable;  // photographs by name or content in unsupported formats, or damaged
+  std::vector<std::string> videos;         // by extension, without those beside a photograph of the same name
+  std::size_t doubles = 0;  // left out: links to files of the folder; of photographs of one name, such as
+                            // IMG_1.JPG, IMG_1.HEIC and IMG_1.DNG, all but the first of these kinds
+  std::size_t others = 0;   // files of other kinds
 };
 
-/// Names are relative to the folder (with '/'), sorted. Subfolders are searched, links to folders are not.
-/// Skipped silently: hidden files and folders (._IMG_1.jpg), scenes, other programs' preview folders, and files
-/// beside an image that differ only in the extension (IMG_1.CR2 beside IMG_1.JPG). Throws
+/// Finds JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw photographs. Names are relative to the folder (with '/'), sorted.
+/// Subfolders are searched, also behind links; a folder that is reached twice is searched once. Skipped without being
+/// counted: hidden files and folders (._IMG_1.jpg), scenes, other programs' preview folders. Throws
 /// std::filesystem::filesystem_error.
 PhotographFolder scanPhotographFolder(const std::filesystem::path& folder);
+
+/// Returns one line with the numbers of photographs and of files left out.
+std::string countText(const PhotographFolder& folder);
 
 /// Returns one line that names the files, at most three per reason; "" if there are none.
 std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& unreadable);
@@ -33,8 +41,9 @@ std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& 
 /// is none.
 std::optional<std::filesystem::path> findMaskFile(const std::filesystem::path& folder, const std::string& photograph);
 
-/// Reads a JPEG, PNG or TIFF file as 8-bit sRGB of three channels, as stored: EXIF's orientation is not applied, alpha
-/// is dropped. Throws Error (io, invalidInput, unsupported) that names the file.
+/// Reads a photograph as 8-bit sRGB of three channels, as stored: EXIF's orientation is not applied, alpha is dropped.
+/// The program ibr-decode reads HEIC, AVIF, WebP and raw files. Throws Error (io, invalidInput, unsupported) that names
+/// the file.
 Image8 readPicture(const std::filesystem::path& file);
 
 /// Scales RGB down by area averaging.

@@ -221,3 +221,6 @@ class PhotographFolder:
     __match_args__: ClassVar[tuple[str, ...]]
     pictures: Final[tuple[str, ...]]
     unreadable: Final[tuple[UnreadableFile, ...]]
+    videos: Final[tuple[str, ...]]
+    doubles: Final[int]
+    others: Final[int]

@@ -33,15 +33,21 @@ std::string utf8Of(const std::string& name) {
 // Files of the photographs' folder that the model lacks. Skips images of the output scene below that folder.
 std::vector<UnusedPhotograph> photographsNotInModel(const PosedModel& model, const BuildOptions& options) {
   std::set<std::string> known;
-  for (const PosedImage& image : model.images) known.insert(image.name);
+  std::set<fs::path> knownFiles;  // links may give one file several names
+  std::error_code ignored;
+  for (const PosedImage& image : model.images) {
+    known.insert(image.name);
+    knownFiles.insert(fs::weakly_canonical(options.photographs / image.name, ignored));
+  }
   known.insert(options.exclude.begin(), options.exclude.end());
   const fs::path scene = fs::weakly_canonical(options.output) / "images";
   const fs::path photographs = fs::weakly_canonical(options.photographs);
   std::vector<UnusedPhotograph> unknown;
   const auto add = [&](const std::string& name, const std::string& reason) {
     const fs::path inScene = (photographs / name).lexically_relative(scene);
-    if (!known.contains(name) && (inScene.empty() || *inScene.begin() == ".."))
-      unknown.push_back({utf8Of(name), reason});
+    const bool isKnown =
+        known.contains(name) || knownFiles.contains(fs::weakly_canonical(options.photographs / name, ignored));
+    if (!isKnown && (inScene.empty() || *inScene.begin() == "..")) unknown.push_back({utf8Of(name), reason});
   };
   const PhotographFolder folder = scanPhotographFolder(options.photographs);
   for (const std::string& name : folder.pictures) add(name, std::string(kNotRegistered));
@@ -74,7 +80,7 @@ void findPhotographs(BuildInput& input, const BuildOptions& options) {
   std::vector<std::string> missing, faults;
   for (const PosedImage& image : input.model.images) {
     std::error_code ignored;
-    if (!fs::exists(pathInside(options.photographs, image.name), ignored)) {
+    if (!fs::exists(pathBelow(options.photographs, image.name), ignored)) {
       missing.push_back(image.name);
       continue;
     }

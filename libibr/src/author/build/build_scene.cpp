@@ -331,9 +331,11 @@ BuildReport build(const BuildOptions& requested, const ProgressCallback& progres
   const Stopwatch watch;
   checkOptions(requested);
   const BuildOptions options = requested.draft ? draftOptions(requested) : requested;
-  if (const std::string unreadable = unreadableText(scanPhotographFolder(options.photographs).unreadable);
-      log && !unreadable.empty())
-    log(LogLevel::warning, unreadable);
+  if (log) {
+    const PhotographFolder folder = scanPhotographFolder(options.photographs);
+    if (!folder.unreadable.empty()) log(LogLevel::warning, unreadableText(folder.unreadable));
+    log(LogLevel::info, fmt::format("{}: {}", options.photographs.string(), countText(folder)));
+  }
   const double before = cpuSeconds();
   if (posesFile(options).empty() && options.onPrediction) {
     const SingleThreadedOpenCv quiet;

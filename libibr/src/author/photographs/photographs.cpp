@@ -22,7 +22,17 @@ namespace {
 
 constexpr std::uint64_t kReadingVersion = 2;  // of the image readers: raise it when their pixels change
 constexpr double kBytesPerPixel = 20;         // image (3), mips (4 + 4/3) and the encoded texture (as much)
-constexpr double kTiffRaster = 4;             // bytes per pixel, while a TIFF is read
+
+// Additional memory while a file is read, also of the program ibr-decode.
+double rasterBytesPerPixel(ImageFormat format) {
+  if (format == ImageFormat::jpeg || format == ImageFormat::png) return 0;
+  return format == ImageFormat::tiff ? 4 : 24;
+}
+
+// Formats that have lost detail already are stored as JPEG.
+bool isLossy(ImageFormat format) {
+  return format == ImageFormat::heic || format == ImageFormat::avif || format == ImageFormat::webp;
+}
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -78,7 +88,7 @@ bool isJpeg(const fs::path& path) {
 Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize, Orientation orientation) {
   Photograph photo;
   photo.name = image.name;
-  photo.source = pathInside(folder, image.name);
+  photo.source = pathBelow(folder, image.name);
   check(fs::exists(photo.source), ErrorCode::io, "{}: the model's photograph is missing", photo.source.string());
   const ImageFileInfo info = probeImage(photo.source);
   const Intrinsics& k = image.camera.intrinsics;
@@ -87,8 +97,8 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   int width = info.width, height = info.height;
   photo.sourcePixels = double(width) * height;
   std::error_code ignored;
-  photo.sourceBytes = double(fs::file_size(photo.source, ignored)) +
-                      (info.format == ImageFormat::tiff ? kTiffRaster * photo.sourcePixels : 0);
+  photo.sourceBytes =
+      double(fs::file_size(photo.source, ignored)) + rasterBytesPerPixel(info.format) * photo.sourcePixels;
   const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);
   const bool turnedFits = swaps ? sameShape(height, width, camera) : storedFits;
   photo.orientationAmbiguous = info.orientation != 1 && storedFits && turnedFits;
@@ -108,7 +118,8 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const bool asCalled =
       info.format == ImageFormat::png ? calledPng : info.format == ImageFormat::jpeg && isJpeg(photo.source);
   photo.copied = asCalled && !smaller && !photo.applyOrientation && !photo.lens;
-  photo.imageFile = fs::path("images") / (asCalled || calledPng ? image.name : image.name + ".png");
+  photo.imageFile =
+      fs::path("images") / (asCalled || calledPng ? image.name : image.name + (isLossy(info.format) ? ".jpg" : ".png"));
   photo.textureFile = fs::path("textures") / (image.name + ".ktx2");
   return photo;
 }

@@ -2,12 +2,14 @@
 #include "ibr/author/photographs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "ibr/error.h"
 #include "io/image_file.h"
@@ -28,21 +30,23 @@ bool isOneOf(std::string_view word, const std::array<std::string_view, N>& words
   return std::ranges::find(words, word) != words.end();
 }
 
-bool isReadable(std::string_view extension) {
-  constexpr std::array<std::string_view, 5> kRead{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
-  return isOneOf(extension, kRead);
-}
+// Kinds of files by extension, in lower case. Of photographs of one name, the first kind is used.
+enum class Kind { picture, compressed, raw, foreign, video, other };
 
-bool isRawExtension(std::string_view extension) {
-  constexpr std::array<std::string_view, 14> kRaw{".dng", ".nef", ".nrw", ".cr2", ".cr3", ".crw", ".arw",
-                                                  ".raf", ".rw2", ".orf", ".pef", ".srw", ".3fr", ".iiq"};
-  return isOneOf(extension, kRaw);
-}
-
-bool isUnsupported(std::string_view extension) {
-  constexpr std::array<std::string_view, 9> kForeign{".heic", ".heif", ".hif", ".avif", ".webp",
-                                                     ".gif",  ".bmp",  ".jxl", ".jp2"};
-  return isOneOf(extension, kForeign);
+Kind kindOf(std::string_view extension) {
+  constexpr std::array<std::string_view, 5> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
+  constexpr std::array<std::string_view, 5> kCompressed{".heic", ".heif", ".hif", ".avif", ".webp"};
+  constexpr std::array<std::string_view, 20> kRaw{".dng", ".nef", ".nrw", ".cr2", ".cr3", ".crw", ".arw",
+                                                  ".srf", ".sr2", ".raf", ".rw2", ".orf", ".pef", ".srw",
+                                                  ".3fr", ".iiq", ".x3f", ".mrw", ".kdc", ".dcr"};
+  constexpr std::array<std::string_view, 5> kForeign{".gif", ".bmp", ".jxl", ".jp2", ".psd"};
+  constexpr std::array<std::string_view, 12> kVideos{".mp4",  ".mov", ".m4v",  ".avi", ".mkv",  ".mts",
+                                                     ".m2ts", ".3gp", ".webm", ".mpg", ".insv", ".lrv"};
+  if (isOneOf(extension, kPictures)) return Kind::picture;
+  if (isOneOf(extension, kCompressed)) return Kind::compressed;
+  if (isOneOf(extension, kRaw)) return Kind::raw;
+  if (isOneOf(extension, kForeign)) return Kind::foreign;
+  return isOneOf(extension, kVideos) ? Kind::video : Kind::other;
 }
 
 // Folders in which network disks, other systems and galleries keep previews.
@@ -62,57 +66,127 @@ bool isScene(const fs::path& folder) {
                              [&](const char* name) { return fs::exists(folder / name, ignored); });
 }
 
-constexpr const char* kHeicFault = "HEIC files are not read: convert them, for example with heif-convert -q 95";
-
-// Returns the reason why a file named as a photograph cannot be one; "" if it may be. The extension is in lower case.
-std::string faultOf(const fs::path& file, const std::string& extension) {
+// Returns the reason why a file named as a photograph cannot be one; "" if it may be.
+std::string faultOf(const fs::path& file, Kind kind) {
   std::error_code ignored;
   if (fs::file_size(file, ignored) == 0) return "is empty: copy it from the camera again";
-  if (isRawExtension(extension)) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
   std::string foreign;
   try {
     foreign = unsupportedImageFormat(file);
   } catch (const Error& error) {
     return "cannot be read";
   }
-  if (foreign.ends_with(" raw")) return "raw files are not read: develop them as JPEG or 16-bit TIFF";
-  if (foreign == "HEIC") return kHeicFault;
-  if (foreign == "video") return "is a video: extract photographs from it, for example with ffmpeg";
+  if (foreign == "video") return "is a video, despite its extension";
   if (!foreign.empty()) return foreign + " files are not read: convert them to JPEG";
-  if (isOneOf(extension, std::array<std::string_view, 3>{".heic", ".heif", ".hif"})) return kHeicFault;
-  if (isUnsupported(extension)) return extension.substr(1) + " files are not read: convert them to JPEG";
-  return isImageFile(file) ? "" : "is not a JPEG, PNG or TIFF file, despite its extension";
+  if (kind == Kind::foreign)
+    return lowered(file.extension().string()).substr(1) + " files are not read: convert them to JPEG";
+  return isImageFile(file) ? "" : "is not a photograph, despite its extension";
+}
+
+// Walks through a folder and its subfolders, also behind links. Calls `visit` with each file that is not hidden.
+class FolderWalk {
+ public:
+  FolderWalk(const fs::path& root, PhotographFolder& found)
+      : root_(root), canonicalRoot_(fs::canonical(root)), found_(found) {}
+
+  template <class F>
+  void run(F&& visit) {
+    constexpr auto kOptions =
+        fs::directory_options::skip_permission_denied | fs::directory_options::follow_directory_symlink;
+    fs::recursive_directory_iterator at(root_, kOptions);
+    for (; at != fs::recursive_directory_iterator(); ++at) {
+      const std::string name = at->path().filename().string();
+      std::error_code ignored;  // dangling links
+      if (at->is_directory(ignored)) {
+        if (name.starts_with('.') || isPreviewFolder(name) || isScene(at->path()) || isKnown(*at))
+          at.disable_recursion_pending();
+      } else if (!name.starts_with('.')) {
+        if (at->is_regular_file(ignored) && isKnown(*at))
+          ++found_.doubles;
+        else if (at->is_regular_file(ignored))
+          visit(at->path());
+        else
+          ++found_.others;
+      }
+    }
+  }
+
+ private:
+  // True for a link to what is inside the root, which is found there, or to what another link has led to. A link to a
+  // folder above would lead round in circles.
+  bool isKnown(const fs::directory_entry& entry) {
+    std::error_code ignored;
+    if (!entry.is_symlink(ignored)) return false;
+    const fs::path target = fs::canonical(entry.path(), ignored);
+    return contains(canonicalRoot_, target) || contains(target, canonicalRoot_) || !targets_.insert(target).second;
+  }
+  static bool contains(const fs::path& folder, const fs::path& file) {
+    return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+  }
+
+  fs::path root_, canonicalRoot_;
+  PhotographFolder& found_;
+  std::set<fs::path> targets_;
+};
+
+// Leaves the best kind of the photographs of each name.
+void removeDoubles(std::vector<std::pair<std::string, Kind>>& pictures, std::size_t& doubles) {
+  std::map<std::string, Kind> best;
+  for (const auto& [name, kind] : pictures) {
+    const auto [at, fresh] = best.emplace(stemOf(name), kind);
+    if (!fresh) at->second = std::min(at->second, kind);
+  }
+  doubles +=
+      std::erase_if(pictures, [&](const auto& picture) { return best.at(stemOf(picture.first)) < picture.second; });
 }
 
 }  // namespace
 
 PhotographFolder scanPhotographFolder(const fs::path& folder) {
   PhotographFolder found;
-  std::set<std::string> stems;
-  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied);
-  for (; at != fs::recursive_directory_iterator(); ++at) {
-    const std::string file = at->path().filename().string();
-    std::error_code ignored;  // dangling links
-    if (at->is_directory(ignored)) {
-      if (file.starts_with('.') || isPreviewFolder(file) || isScene(at->path())) at.disable_recursion_pending();
-      continue;
-    }
-    const std::string extension = lowered(at->path().extension().string());
-    if (file.starts_with('.') || !at->is_regular_file(ignored)) continue;
-    if (!isReadable(extension) && !isRawExtension(extension) && !isUnsupported(extension)) continue;
-    const std::string name = at->path().lexically_relative(folder).generic_string();
-    std::string fault = faultOf(at->path(), extension);
-    if (fault.empty() && isReadable(extension)) {
-      found.pictures.push_back(name);
-      stems.insert(stemOf(name));
-    } else {
+  std::vector<std::pair<std::string, Kind>> pictures;
+  FolderWalk(folder, found).run([&](const fs::path& file) {
+    const Kind kind = kindOf(lowered(file.extension().string()));
+    const std::string name = file.lexically_relative(folder).generic_string();
+    if (kind == Kind::other)
+      ++found.others;
+    else if (kind == Kind::video)
+      found.videos.push_back(name);
+    else if (std::string fault = faultOf(file, kind); fault.empty())
+      pictures.emplace_back(name, kind);
+    else
       found.unreadable.push_back({name, std::move(fault)});
-    }
+  });
+  removeDoubles(pictures, found.doubles);
+  std::set<std::string> stems;
+  for (const auto& [name, kind] : pictures) {
+    found.pictures.push_back(name);
+    stems.insert(stemOf(name));
   }
-  std::erase_if(found.unreadable, [&](const auto& unreadable) { return stems.contains(stemOf(unreadable.name)); });
+  // Cameras store such files beside a photograph, telephones a short video.
+  found.doubles += std::erase_if(found.unreadable, [&](const auto& file) { return stems.contains(stemOf(file.name)); });
+  found.others += std::erase_if(found.videos, [&](const std::string& name) { return stems.contains(stemOf(name)); });
   std::ranges::sort(found.pictures);
+  std::ranges::sort(found.videos);
   std::ranges::sort(found.unreadable, {}, &PhotographFolder::UnreadableFile::name);
   return found;
+}
+
+std::string countText(const PhotographFolder& folder) {
+  const auto count = [](std::size_t number, const char* one, const char* several) {
+    return fmt::format("{} {}", number, number == 1 ? one : several);
+  };
+  std::vector<std::string> left;
+  if (folder.doubles > 0)
+    left.push_back(
+        count(folder.doubles, "file beside a photograph of its name", "files beside photographs of their names"));
+  if (!folder.unreadable.empty())
+    left.push_back(count(folder.unreadable.size(), "unreadable file", "unreadable files"));
+  if (!folder.videos.empty()) left.push_back(count(folder.videos.size(), "video", "videos"));
+  if (folder.others > 0) left.push_back(count(folder.others, "other file", "other files"));
+  std::string text = count(folder.pictures.size(), "photograph", "photographs");
+  if (!left.empty()) text += fmt::format("; left out: {}", fmt::join(left, ", "));
+  return text;
 }
 
 Image8 readPicture(const fs::path& file) {

@@ -49,16 +49,23 @@ bool isRotated(const PoseOptions& options, const ImageFileInfo& info) {
   return options.orientation != Orientation::stored && info.orientation != 1;
 }
 
-bool anyRotated(const PoseOptions& options, const ColmapPhotographs& photographs) {
-  return std::ranges::any_of(photographs.infos, [&](const ImageFileInfo& info) { return isRotated(options, info); });
+// COLMAP reads neither rotated photographs upright nor the formats of ibr-decode.
+bool isCopied(const PoseOptions& options, const ImageFileInfo& info) {
+  const bool colmapReads =
+      info.format == ImageFormat::jpeg || info.format == ImageFormat::png || info.format == ImageFormat::tiff;
+  return isRotated(options, info) || !colmapReads;
 }
 
-// Writes a rotated photograph upright below `folder`; links to any other one, after decoding it.
+bool anyCopied(const PoseOptions& options, const ColmapPhotographs& photographs) {
+  return std::ranges::any_of(photographs.infos, [&](const ImageFileInfo& info) { return isCopied(options, info); });
+}
+
+// Writes a JPEG below `folder`, or a link to a photograph that COLMAP reads as it is, after decoding it.
 void placeUpright(const PoseOptions& options, const std::string& name, const ImageFileInfo& info,
                   const fs::path& folder) {
   const fs::path from = options.photographs / name, to = folder / name;
   makeFolders(to.parent_path());
-  if (isRotated(options, info)) return writeUpright(from, to);
+  if (isCopied(options, info)) return writeJpegCopy(from, to, isRotated(options, info));
   readImage(from);
   fs::remove(to);
   fs::create_symlink(fs::absolute(from), to);
@@ -96,21 +103,21 @@ std::vector<std::string> colmapKeyLines(const PoseOptions& options, const Colmap
 }
 
 fs::path colmapImageFolder(const PoseOptions& options, const ColmapPhotographs& photographs) {
-  return anyRotated(options, photographs) ? options.folder / "upright" : options.photographs;
+  return anyCopied(options, photographs) ? options.folder / "upright" : options.photographs;
 }
 
 void checkColmapPhotographs(const PoseOptions& options, const ColmapPhotographs& photographs,
                             std::span<const std::size_t> indices, const ProgressCallback& progress) {
   double most = 0;
   for (const ImageFileInfo& info : photographs.infos) most = std::max(most, double(info.width) * info.height);
-  const bool turns = anyRotated(options, photographs);
+  const bool copies = anyCopied(options, photographs);
   std::vector<std::string> faults(indices.size());
   const bool finished = runJobs(
       indices.size(), threadsFor(options.threads, kBytesPerPixel * most),
       [&](std::size_t job) {
         const std::size_t i = indices[job];
         collectFault(faults[job], [&] {
-          if (turns)
+          if (copies)
             placeUpright(options, photographs.names[i], photographs.infos[i], options.folder / "upright");
           else
             readImage(options.photographs / photographs.names[i]);

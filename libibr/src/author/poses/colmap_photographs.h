@@ -28,7 +28,7 @@ ColmapPhotographs colmapPhotographs(const PoseOptions& options);
 std::vector<std::string> colmapKeyLines(const PoseOptions& options, const ColmapPhotographs& photographs);
 
 /// Returns the folder from which COLMAP reads the photographs: "upright" below options.folder if some are rotated by
-/// EXIF, else options.photographs.
+/// EXIF or of a format that COLMAP does not read, else options.photographs.
 std::filesystem::path colmapImageFolder(const PoseOptions& options, const ColmapPhotographs& photographs);
 
 /// Decodes the photographs, which finds damaged files before hours of work, and fills the folder "upright" if

@@ -135,32 +135,36 @@ TEST_CASE("a folder's photographs are separated from previews, hidden files and 
   fs::create_directories(folder / ".thumbnails");
   fs::copy_file(folder / "a.jpg", folder / ".thumbnails/a.jpg");
   fs::copy_file(folder / "a.jpg", folder / "caf\xe9.jpg");  // Latin-1
-  fs::create_symlink(folder / "a.jpg", folder / "link.jpg");
-  fs::create_symlink(folder / "nothing.jpg", folder / "broken.jpg");
-  fs::create_directory_symlink(folder / "", folder / "loop");
   writeText(folder / "notes.txt", "hello");
   writeText(folder / "empty.jpg", "");
   writeText(folder / "text.jpg", "hello");
   using namespace std::string_literals;
-  writeText(folder / "phone.jpg", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);  // HEIC content under a JPEG name
-  for (const char* name : {"x1.HEIC", "x2.HEIC", "x3.heic", "x4.HEIC"})
-    writeText(folder / name, "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  const std::string heic = "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s;
+  writeText(folder / "phone.jpg", heic);  // under a JPEG name
+  writeText(folder / "x1.HEIC", heic);
+  writeText(folder / "a.heic", heic);         // beside a.jpg
+  writeText(folder / "a.CR2", "II*\0raw"s);   // beside a.jpg
+  writeText(folder / "x1.dng", "II*\0raw"s);  // beside x1.HEIC
   writeText(folder / "raw.NEF", "MM\0*raw"s);
-  writeText(folder / "a.CR2", "II*\0raw"s);  // a raw file beside a.jpg
   writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
+  for (const char* name : {"1.gif", "2.gif", "3.gif", "4.GIF"}) writeText(folder / name, "GIF89a");
+  writeText(folder / "x1.MOV", "live");  // a telephone's video beside a photograph
+  writeText(folder / "walk.mp4", "video");
   const PhotographFolder found = scanPhotographFolder(folder / "");
-  CHECK(
-      (found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
+  CHECK((found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "phone.jpg", "raw.NEF",
+                                                    "sub/d.jpeg", "web.webp", "x1.HEIC"}));
   std::vector<std::string> names;
   for (const auto& unreadable : found.unreadable) names.push_back(unreadable.name);
-  CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
-                                           "x2.HEIC", "x3.heic", "x4.HEIC"}));
+  CHECK((names == std::vector<std::string>{"1.gif", "2.gif", "3.gif", "4.GIF", "empty.jpg", "text.jpg"}));
+  CHECK(found.videos == std::vector<std::string>{"walk.mp4"});
+  CHECK((found.doubles == 3 && found.others == 2));
   const std::string text = unreadableText(found.unreadable);
-  CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC") && Contains("2 more") && Contains(": HEIC") &&
-                       !Contains("x4.HEIC") && Contains("empty.jpg: ") && Contains("raw.NEF: ") &&
-                       Contains("16-bit TIFF") && Contains("web.webp: WebP") && Contains("text.jpg: ") &&
-                       !Contains("\n"));
+  CHECK_THAT(text, Contains("1.gif, 2.gif, 3.gif") && Contains("1 more") && Contains(": GIF") && !Contains("4.GIF") &&
+                       Contains("empty.jpg: ") && Contains("text.jpg: ") && !Contains("\n"));
   CHECK(unreadableText({}).empty());
+  CHECK_THAT(countText(found), Contains("9 photographs") && Contains("3 files beside") && Contains("6 unreadable") &&
+                                   Contains("1 video") && Contains("2 other files") && !Contains("\n"));
+  CHECK(countText({}) == "0 photographs");
 }
 
 namespace {
@@ -176,6 +180,58 @@ test::CourtPhotographs mixedSet() {
 }
 
 }  // namespace
+
+TEST_CASE("links to photographs and folders are followed, and each file is found once") {
+  const test::TemporaryFolder folder, elsewhere;
+  const Image8 small(2, 2, 3, 9);
+  fs::create_directories(folder / "p/sub");
+  fs::create_directories(elsewhere / "trip/day");
+  writeImage(folder / "p/a.jpg", small);
+  for (const char* name : {"trip/b.jpg", "trip/day/c.jpg", "d.jpg"}) writeImage(elsewhere / name, small);
+  fs::create_symlink(elsewhere / "d.jpg", folder / "p/d.jpg");
+  fs::create_symlink(folder / "p/a.jpg", folder / "p/again.jpg");
+  fs::create_symlink(folder / "nothing.jpg", folder / "p/broken.jpg");
+  fs::create_directory_symlink(elsewhere / "trip", folder / "p/trip");
+  fs::create_directory_symlink(elsewhere / "trip", folder / "p/trip2");
+  fs::create_directory_symlink(folder / "p", folder / "p/loop");
+  fs::create_directory_symlink(folder / "", folder / "p/sub/above");
+  fs::create_directory_symlink(folder / "p", folder / "linked");
+  for (const char* root : {"p", "linked"}) {
+    INFO(root);
+    const PhotographFolder found = scanPhotographFolder(folder / root);
+    const std::string trip = fs::exists(folder / root / found.pictures.back())
+                                 ? found.pictures.back().substr(0, found.pictures.back().find('/'))
+                                 : "";
+    CHECK((trip == "trip" || trip == "trip2"));
+    CHECK((found.pictures == std::vector<std::string>{"a.jpg", "d.jpg", trip + "/b.jpg", trip + "/day/c.jpg"}));
+    CHECK((found.doubles == 1 && found.others == 1));
+    for (const std::string& name : found.pictures) CHECK(readPicture(folder / root / name) == small);
+  }
+}
+
+TEST_CASE("a build follows links to photographs, and its scene needs none of them") {
+  const test::CourtPhotographs set = mixedSet();
+  const test::TemporaryFolder linked;
+  fs::create_directories(linked / "photographs");
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = fmt::format("photo0{}.jpg", i);
+    fs::create_symlink(set.options.photographs / name, linked / "photographs" / name);
+  }
+  BuildOptions options = set.options;
+  options.photographs = linked / "photographs";
+  options.output = linked / "scene";
+  options.backdrops = false;
+  CHECK(!build(options).cells.empty());
+  for (const auto& entry : fs::recursive_directory_iterator(linked / "scene")) CHECK(!entry.is_symlink());
+  // A model whose names are those of a linked folder.
+  fs::create_directory_symlink(set.options.photographs, linked / "sub");
+  const PosedImage image = posed("sub/photo00.jpg", 96, 72);
+  CHECK(findPhotograph(linked / "", image, 0).source == linked / "sub/photo00.jpg");
+  for (const char* outside : {"../photo00.jpg", "sub/../../x.jpg", "/etc/hosts"}) {
+    const Error error = test::errorOf([&] { findPhotograph(linked / "", posed(outside, 96, 72), 0); });
+    CHECK_THAT(error.what(), Contains("leads outside"));
+  }
+}
 
 TEST_CASE("photographs of several cameras and shapes share a cell") {
   const test::CourtPhotographs set = mixedSet();
@@ -214,7 +270,7 @@ TEST_CASE("all unreadable photographs are reported at once with a remedy") {
 TEST_CASE("unsupported files in a folder are reported and listed in the scene") {
   const test::CourtPhotographs set = mixedSet();
   using namespace std::string_literals;
-  writeText(set.options.photographs / "x.HEIC", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  writeText(set.options.photographs / "x.gif", "GIF89a");
   writeText(set.options.photographs / "photo00.CR2", "II*\0raw"s);
   BuildOptions options = set.options;
   options.backdrops = false;
@@ -222,10 +278,10 @@ TEST_CASE("unsupported files in a folder are reported and listed in the scene") 
   const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
     if (level == LogLevel::warning) logged += text;
   });
-  CHECK_THAT(logged, Contains("x.HEIC: HEIC") && !Contains("photo00.CR2"));
+  CHECK_THAT(logged, Contains("x.gif: GIF") && !Contains("photo00.CR2"));
   REQUIRE(report.unusedPhotographs.size() == 1);
-  CHECK(report.unusedPhotographs[0].name == "x.HEIC");
-  CHECK_THAT(report.unusedPhotographs[0].reason, Contains("heif-convert"));
+  CHECK(report.unusedPhotographs[0].name == "x.gif");
+  CHECK_THAT(report.unusedPhotographs[0].reason, Contains("JPEG"));
 }
 
 TEST_CASE("scenes in a folder of photographs are not read as photographs") {
