@@ -224,12 +224,13 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --refine-poses auto\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG; untested\n"
-        "with real files of CR2, CR3, NEF, ARW and others). Links are followed. Their poses come from a COLMAP model (text or binary)\n"
-        "or from transforms.json. Poses of panoramas come from a model with EQUIRECTANGULAR\n"
-        "cameras or from --panoramas. The program COLMAP estimates missing poses in SCENE/.poses.\n"
-        "Photographs of distorting lenses are undistorted; photographs of pinholes are stored\n"
-        "unchanged. The same input, options and seed give the same scene.\n\n"
+        "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG; CR2,\n"
+        "CR3, NEF, ARW and others are untested with real files). Subfolders are searched, and links\n"
+        "are followed. Poses come from a COLMAP model (text or binary) or from transforms.json.\n"
+        "Poses of panoramas come from a model with EQUIRECTANGULAR cameras or from --panoramas. The\n"
+        "program COLMAP estimates missing poses in SCENE/.poses. Photographs of distorting lenses\n"
+        "are undistorted; photographs of pinholes are stored unchanged. The same input, options and\n"
+        "seed give the same scene.\n\n"
         "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
         "be deleted. After photographs are added, a build matches only what the new photographs\n"
         "change. COLMAP adds the new photographs to the poses in SCENE/.poses.",
