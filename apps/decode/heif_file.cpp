@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/check.h"
-#include "decode/colour_code.h"
 #include "decode/picture_file.h"
 #include "io/colour.h"
+#include "io/colour_code.h"
 #include "io/exif.h"
 
 namespace ibr::app {
@@ -114,7 +114,7 @@ class HeifFile : public PictureFile {
   }
 
   // Of the file, else of the coded picture in it.
-  ColourCode code(const heif_image& image) const {
+  io::ColourCode code(const heif_image& image) const {
     heif_color_profile_nclx* found = nullptr;
     if (heif_image_handle_get_nclx_color_profile(handle_.get(), &found).code != heif_error_Ok &&
         heif_image_get_nclx_color_profile(&image, &found).code != heif_error_Ok)
@@ -128,14 +128,14 @@ class HeifFile : public PictureFile {
       io::toSrgb(picture, icc);
       return picture;
     }
-    if (isSrgb(code(image))) return picture;
+    if (io::isSrgb(code(image))) return picture;
     Image<std::uint16_t> wide(picture.width, picture.height, 3);
     std::ranges::transform(picture.values, wide.values.begin(), [](std::uint8_t v) { return std::uint16_t(v * 257); });
-    return toSrgb(wide, code(image));
+    return io::toSrgb(wide, code(image));
   }
   Image8 toSrgb8(const Image<std::uint16_t>& picture, const heif_image& image) const {
     const std::vector<std::byte> icc = profile();
-    if (icc.empty() && !isSrgb(code(image))) return toSrgb(picture, code(image));
+    if (icc.empty() && !io::isSrgb(code(image))) return io::toSrgb(picture, code(image));
     Image8 narrow(picture.width, picture.height, 3);
     std::ranges::transform(picture.values, narrow.values.begin(),
                            [](std::uint16_t v) { return std::uint8_t((v + 128) / 257); });

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "base/check.h"
-#include "decode/colour_code.h"
 #include "decode/picture_file.h"
+#include "io/colour_code.h"
 
 namespace ibr::app {
 namespace {
@@ -110,7 +110,7 @@ class RawFile : public PictureFile {
     for (std::size_t i = 0; i < pixels; ++i)
       for (std::size_t c = 0; c < 3; ++c) linear.values[3 * i + c] = value(made->colors == 3 ? 3 * i + c : i);
     constexpr int kLinear = 8;
-    return toSrgb(linear, {1, kLinear});
+    return io::toSrgb(linear, {1, kLinear});
   }
 
  private:

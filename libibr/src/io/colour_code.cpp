@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decode/colour_code.h"
+#include "io/colour_code.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "base/check.h"
 #include "base/srgb.h"
 
-namespace ibr::app {
+namespace ibr::io {
 namespace {
 
 constexpr double kDiffuseWhite = 203, kPeak = 1000;  // cd/m²
@@ -133,4 +133,4 @@ Image8 toSrgb(const Image<std::uint16_t>& picture, ColourCode code) {
   return result;
 }
 
-}  // namespace ibr::app
+}  // namespace ibr::io

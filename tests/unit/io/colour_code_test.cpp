@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decode/colour_code.h"
+#include "io/colour_code.h"
 
 #include <cmath>
 
@@ -11,10 +11,10 @@ using namespace ibr;
 namespace {
 
 // One pixel of values of 0 to 1.
-std::array<int, 3> converted(std::array<double, 3> rgb, app::ColourCode code) {
+std::array<int, 3> converted(std::array<double, 3> rgb, io::ColourCode code) {
   Image<std::uint16_t> picture(1, 1, 3);
   for (std::size_t c = 0; c < 3; ++c) picture.values[c] = std::uint16_t(std::lround(65535 * rgb[c]));
-  const Image8 result = app::toSrgb(picture, code);
+  const Image8 result = io::toSrgb(picture, code);
   return {result.values[0], result.values[1], result.values[2]};
 }
 
@@ -25,10 +25,10 @@ int srgb(double light) {
 }  // namespace
 
 TEST_CASE("sRGB's code points leave values as they are") {
-  CHECK(app::isSrgb({1, 13}));
-  CHECK(app::isSrgb({2, 2}));
-  CHECK_FALSE(app::isSrgb({12, 13}));
-  CHECK_FALSE(app::isSrgb({1, 16}));
+  CHECK(io::isSrgb({1, 13}));
+  CHECK(io::isSrgb({2, 2}));
+  CHECK_FALSE(io::isSrgb({12, 13}));
+  CHECK_FALSE(io::isSrgb({1, 16}));
   for (int v = 0; v <= 255; ++v)
     for (const int transfer : {1, 13}) CHECK(converted({v / 255.0, 0.5, 0.0}, {1, transfer})[0] == v);
 }
@@ -64,7 +64,7 @@ TEST_CASE("HDR light rises to white without a step") {
 }
 
 TEST_CASE("unknown code points are named") {
-  for (const app::ColourCode code : {app::ColourCode{10, 13}, {1, 11}, {1, 300}}) {
+  for (const io::ColourCode code : {io::ColourCode{10, 13}, {1, 11}, {1, 300}}) {
     const Error error = test::errorOf([&] { converted({0, 0, 0}, code); });
     CHECK(error.code() == ErrorCode::unsupported);
     CHECK_THAT(error.what(), Catch::Contains(std::to_string(code.primaries == 1 ? code.transfer : code.primaries)));

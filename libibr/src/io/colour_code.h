@@ -6,7 +6,7 @@
 
 #include "ibr/image.h"
 
-namespace ibr::app {
+namespace ibr::io {
 
 /// Table 2 (colour primaries) and table 3 (transfer characteristics) of H.273.
 struct ColourCode {
@@ -23,4 +23,4 @@ bool isSrgb(ColourCode code);
 /// it, so that 1000 cd/m² become white. Throws Error{unsupported} that names an unknown code point.
 Image8 toSrgb(const Image<std::uint16_t>& picture, ColourCode code);
 
-}  // namespace ibr::app
+}  // namespace ibr::io
