@@ -21,6 +21,14 @@ struct CaptureMetadata {
   bool operator==(const CaptureMetadata&) const = default;
 };
 
+/// Where a camera was (WGS 84), in degrees north and east, and metres above sea level.
+struct Location {
+  double latitude = 0, longitude = 0;
+  std::optional<double> altitude;
+
+  bool operator==(const Location&) const = default;
+};
+
 /// Returns a photograph's exposure relative to other photographs of the same camera: exposure time × ISO / N². nullopt
 /// where a factor is unknown.
 inline std::optional<double> relativeExposure(const CaptureMetadata& metadata) {

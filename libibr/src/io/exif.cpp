@@ -27,7 +27,7 @@ class Fields {
   bool bigEndian_;
 };
 
-enum Type : std::uint32_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5 };
+enum Type : std::uint32_t { kByte = 1, kAscii = 2, kShort = 3, kLong = 4, kRational = 5 };
 
 // One directory of EXIF entries.
 class Directory {
@@ -44,13 +44,18 @@ class Directory {
   }
 
   bool has(std::uint32_t tag) const { return find(tag).has_value(); }
-
-  // First value of a rational entry; 0 if it is not a positive number.
-  double ratio(std::uint32_t tag) const {
+  std::uint32_t byte(std::uint32_t tag) const {
     const auto entry = find(tag);
-    if (!entry || fields_.read(*entry + 2, 2) != kRational) return 0;
-    const std::uint32_t at = fields_.read(*entry + 8, 4).value_or(~0u);
-    const double above = fields_.read(at, 4).value_or(0), below = fields_.read(std::size_t(at) + 4, 4).value_or(0);
+    return entry ? fields_.read(*entry + 8, 1).value_or(0) : 0;
+  }
+
+  // A value of a rational entry; 0 if it is not a positive number.
+  double ratio(std::uint32_t tag, std::uint32_t index = 0) const {
+    const auto entry = find(tag);
+    if (!entry || fields_.read(*entry + 2, 2) != kRational || index >= fields_.read(*entry + 4, 4).value_or(0))
+      return 0;
+    const std::size_t at = std::size_t(fields_.read(*entry + 8, 4).value_or(~0u)) + 8 * std::size_t(index);
+    const double above = fields_.read(at, 4).value_or(0), below = fields_.read(at + 4, 4).value_or(0);
     return below > 0 ? above / below : 0;
   }
 
@@ -107,7 +112,21 @@ double sensitivity(const Directory& exif) {
   return 0;
 }
 
-constexpr std::uint32_t kOrientation = 0x0112;
+constexpr std::uint32_t kOrientation = 0x0112, kExif = 0x8769, kGps = 0x8825;
+
+// EXIF 2.32 §4.6.6: degrees, minutes and seconds. nullopt unless both angles are stated.
+std::optional<Location> locationOf(const Directory& gps) {
+  const auto angle = [&](std::uint32_t tag, const char* negative) {
+    return (gps.text(tag) == negative ? -1 : 1) *
+           (gps.ratio(tag + 1) + gps.ratio(tag + 1, 1) / 60 + gps.ratio(tag + 1, 2) / 3600);
+  };
+  const Location location{angle(1, "S"), angle(3, "W"), std::nullopt};
+  const bool stated =
+      gps.has(2) && gps.has(4) && std::abs(location.latitude) <= 90 && std::abs(location.longitude) <= 180;
+  if (!stated) return std::nullopt;
+  if (!gps.has(6)) return location;
+  return Location{location.latitude, location.longitude, (gps.byte(5) == 1 ? -1 : 1) * gps.ratio(6)};
+}
 
 // Returns nullopt if there is no TIFF header.
 std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
@@ -155,7 +174,8 @@ Exif readExif(std::span<const std::byte> tiff) {
   CaptureMetadata& capture = result.capture;
   capture.maker = first.text(0x010f);
   capture.model = first.text(0x0110);
-  const auto at = first.integer(0x8769);
+  if (const auto gps = first.integer(kGps)) result.location = locationOf(Directory(fields, *gps));
+  const auto at = first.integer(kExif);
   if (!at) return result;
   const Directory exif(fields, *at);
   capture.exposureTime = exif.ratio(0x829a);
@@ -182,18 +202,28 @@ class BlockWriter {
   void text(std::uint16_t tag, const std::string& text) {
     if (text.empty()) return;
     std::vector<std::uint8_t> bytes(text.begin(), text.end());
-    bytes.resize(std::max<std::size_t>(bytes.size() + 1, 5), 0);  // up to 4 bytes would lie in the entry
-    addData(tag, kAscii, std::uint32_t(bytes.size()), bytes);
+    bytes.push_back(0);
+    const auto count = std::uint32_t(bytes.size());
+    if (count > 4) return addData(tag, kAscii, count, bytes);
+    bytes.resize(4, 0);
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t(bytes[i]) << (8 * i);
+    add(tag, kAscii, count, value);
   }
   void ratio(std::uint16_t tag, double value) {
     if (!(value > 0) || value > 1e6) return;
-    const bool small = value < 1;  // exposure times are stated as 1/250
-    const double below = small ? 1e6 : 1e3;
-    std::vector<std::uint8_t> bytes;
-    put(bytes, std::uint32_t(std::lround(value * below)), 4);
-    put(bytes, std::uint32_t(below), 4);
-    addData(tag, kRational, 1, bytes);
+    ratios(tag, {value}, value < 1 ? 1e6 : 1e3);
   }
+  // Values of 0 or more, as fractions of this denominator.
+  void ratios(std::uint16_t tag, std::initializer_list<double> values, double below) {
+    std::vector<std::uint8_t> bytes;
+    for (const double value : values) {
+      put(bytes, std::uint32_t(std::lround(value * below)), 4);
+      put(bytes, std::uint32_t(below), 4);
+    }
+    addData(tag, kRational, std::uint32_t(values.size()), bytes);
+  }
+  void byteValue(std::uint16_t tag, std::uint8_t value) { add(tag, kByte, 1, value); }
 
   // The directory for the offset `at` from the block's start; the next one begins at its end.
   std::vector<std::uint8_t> directory(std::uint32_t at) const {
@@ -235,7 +265,7 @@ class BlockWriter {
 
 }  // namespace
 
-std::vector<std::byte> exifBlock(const CaptureMetadata& capture) {
+std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<Location>& location) {
   BlockWriter exif;
   exif.ratio(0x829a, capture.exposureTime);
   exif.ratio(0x829d, capture.fNumber);
@@ -243,19 +273,38 @@ std::vector<std::byte> exifBlock(const CaptureMetadata& capture) {
   exif.ratio(0x920a, capture.focalLength);
   exif.shortValue(0xa405, capture.focalLength35);
   exif.text(0xa434, capture.lens);
-  constexpr std::uint32_t kHeader = 8;
-  BlockWriter first;
-  first.text(0x010f, capture.maker);
-  first.text(0x0110, capture.model);
-  first.shortValue(kOrientation, 1);
-  BlockWriter sized = first;
-  sized.longValue(0x8769, 0);
-  first.longValue(0x8769, kHeader + std::uint32_t(sized.directory(0).size()));
-  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, kHeader, 0, 0, 0};
-  for (const BlockWriter* directory : {&first, &exif}) {
-    const std::vector<std::uint8_t> more = directory->directory(std::uint32_t(bytes.size()));
-    bytes.insert(bytes.end(), more.begin(), more.end());
+  BlockWriter gps;
+  if (location) {
+    constexpr double kSecond = 1.0 / 3600, kParts = 1e4;
+    const auto angle = [&](std::uint16_t tag, double degrees, const char* positive, const char* negative) {
+      const double whole = std::floor(std::abs(degrees)), rest = (std::abs(degrees) - whole) / kSecond;
+      gps.text(tag, degrees < 0 ? negative : positive);
+      gps.ratios(std::uint16_t(tag + 1), {whole, std::floor(rest / 60), std::fmod(rest, 60)}, kParts);
+    };
+    angle(1, location->latitude, "N", "S");
+    angle(3, location->longitude, "E", "W");
+    if (location->altitude) {
+      gps.byteValue(5, *location->altitude < 0);
+      gps.ratios(6, {std::abs(*location->altitude)}, 1e3);
+    }
   }
+  // The first directory refers to the others by their offsets, which depend on its size.
+  constexpr std::uint32_t kHeader = 8;
+  const auto firstDirectory = [&](std::uint32_t exifAt, std::uint32_t gpsAt) {
+    BlockWriter first;
+    first.text(0x010f, capture.maker);
+    first.text(0x0110, capture.model);
+    first.shortValue(kOrientation, 1);
+    first.longValue(kExif, exifAt);
+    if (location) first.longValue(kGps, gpsAt);
+    return first.directory(kHeader);
+  };
+  const std::uint32_t exifAt = kHeader + std::uint32_t(firstDirectory(0, 0).size());
+  const std::vector<std::uint8_t> exifBytes = exif.directory(exifAt);
+  const std::uint32_t gpsAt = exifAt + std::uint32_t(exifBytes.size());
+  std::vector<std::uint8_t> bytes{'I', 'I', 42, 0, kHeader, 0, 0, 0};
+  for (const std::vector<std::uint8_t>& more : {firstDirectory(exifAt, gpsAt), exifBytes, gps.directory(gpsAt)})
+    bytes.insert(bytes.end(), more.begin(), more.end());
   std::vector<std::byte> block(bytes.size());
   std::ranges::transform(bytes, block.begin(), [](std::uint8_t v) { return std::byte(v); });
   return block;

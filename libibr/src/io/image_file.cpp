@@ -147,6 +147,11 @@ void writeImage(const fs::path& path, const Image8& image, int quality) {
   writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, {}, name));
 }
 
+void writePhotograph(const fs::path& path, const Image8& image, int quality, const CaptureMetadata& capture,
+                     const std::optional<Location>& location) {
+  writeFile(path, io::withExif(io::encodeJpeg(image, quality, path.string()), io::exifBlock(capture, location)));
+}
+
 void writeJpegCopy(const fs::path& from, const fs::path& to, bool applyOrientation) {
   constexpr int kQuality = 95;
   const std::string name = from.string();

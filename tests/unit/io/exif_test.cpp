@@ -160,6 +160,16 @@ TEST_CASE("an EXIF block that is written is read again") {
     CHECK((read.capture.maker == capture.maker && read.capture.model == capture.model &&
            read.capture.lens == capture.lens));
   }
+  for (const Location& location : {Location{48.858222, -2.2945, 35.5}, {-33.8568, 151.2153, {}}, {0.5, -0.25, -12.0}}) {
+    const io::Exif read = io::readExif(io::exifBlock(whole, location));
+    REQUIRE(read.location.has_value());
+    CHECK(read.location->latitude == Approx(location.latitude).epsilon(1e-8));
+    CHECK(read.location->longitude == Approx(location.longitude).epsilon(1e-8));
+    CHECK(read.location->altitude.has_value() == location.altitude.has_value());
+    if (location.altitude) CHECK(*read.location->altitude == Approx(*location.altitude));
+    CHECK(read.capture.iso == 400);
+  }
+  CHECK_FALSE(io::readExif(io::exifBlock(whole)).location.has_value());
   // Values that EXIF cannot state are left out.
   const io::Exif odd = io::readExif(io::exifBlock({.exposureTime = 1e9, .iso = 1e7, .focalLength = -1}));
   CHECK((odd.capture.exposureTime == 0 && odd.capture.iso == 0 && odd.capture.focalLength == 0));

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photographs from videos: frames that are sharp and far enough apart to show parallax, whatever their times. Needs
+// ibr::author, and the programs ffmpeg and ffprobe.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ibr/capture.h"
+#include "ibr/log.h"
+
+namespace ibr {
+
+struct VideoInfo {
+  int width = 0, height = 0;         // px, upright, with square pixels
+  int rotation = 0;                  // degrees that players turn the stored frames clockwise: 0, 90, 180 or 270
+  double seconds = 0;                // 0: unknown
+  double framesPerSecond = 0;        // mean
+  bool variableRate = false;         // frames are not evenly spaced in time
+  bool hdr = false;                  // PQ or HLG
+  CaptureMetadata capture;           // maker and model only
+  std::optional<Location> location;  // where the recording began
+  std::vector<std::string> ignored;  // other streams, for people: "data gpmd (GoPro MET)"
+};
+
+/// Reads a video's properties with the program ffprobe. Throws Error: io if the program or the file cannot be read,
+/// invalidInput if the file has no video.
+VideoInfo probeVideo(const std::filesystem::path& video, const std::string& ffprobe = "ffprobe");
+
+struct VideoOptions {
+  std::filesystem::path video;
+  std::filesystem::path folder;   // of the frames; created if missing
+  std::string ffmpeg = "ffmpeg";  // programs, looked up in PATH unless they contain a folder
+  std::string ffprobe = "ffprobe";
+  std::size_t frames = 0;  // number of frames to choose, about; 0: by motion, 40 to 80 a minute while the
+                           // camera moves
+};
+
+struct VideoFrames {
+  struct Frame {
+    std::string name;        // of the JPEG file in the folder: the video's stem and the frame's number
+    std::size_t number = 0;  // in the video, from 0
+    double sharpness = 0;    // 0 to 1, relative to the frames around it
+  };
+  VideoInfo info;
+  std::size_t decoded = 0;    // number of frames of the video
+  std::vector<Frame> chosen;  // ascending
+};
+
+/// Chooses frames, and writes them as JPEG files of quality 95: upright, sRGB (HDR is compressed as by readImage), with
+/// EXIF of VideoInfo::capture and location. A frame follows the one before where the points that both show have moved
+/// enough, by parallax or together; of the frames about there, the sharpest is chosen. A blurred frame is chosen only
+/// where no sharp one shows its part of the way. Frames are those that ffmpeg decodes, of constant or variable rate.
+/// A folder that holds the frames of the same file and options is left as it is. Same file and programs: same frames.
+/// Throws Error: io, invalidInput, cancelled.
+VideoFrames extractFrames(const VideoOptions& options, const ProgressCallback& progress = {},
+                          const LogCallback& log = {});
+
+}  // namespace ibr
