@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/build/build_options.h"
+#include "batch/build/build_sources.h"
 #include "batch/build/refinement_report.h"
 #include "batch/command.h"
 #include "batch/inspect/advice_report.h"
@@ -20,7 +21,9 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   BuildChoices choices;
-  std::string photographs, output;
+  std::vector<std::string> photographs;
+  std::string output;
+  int videoFrames = 0;
   bool dryRun = false;
 };
 
@@ -170,7 +173,9 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
 }
 
 ExitCode buildScene(const Options& options, const Context& context) {
-  BuildOptions build = buildOptionsOf(options.choices, options.photographs, context);
+  const auto photographs =
+      photographsOf(options.photographs, options.output, std::size_t(options.videoFrames), context);
+  BuildOptions build = buildOptionsOf(options.choices, photographs, context);
   build.output = options.output;
   build.onPrediction = [&](const BuildPrediction& prediction) {
     if (options.dryRun)
@@ -214,6 +219,8 @@ const Command kBuildCommand{
     .summary = "Builds a scene from photographs",
     .examples =
         "ibr build photographs -o scene\n"
+        "ibr build walk.mp4 -o scene\n"
+        "ibr build photographs walk.mp4 -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
         "ibr build photographs --transforms transforms.json -o scene\n"
         "ibr build photographs -o scene --draft\n"
@@ -231,6 +238,8 @@ const Command kBuildCommand{
         "program COLMAP estimates missing poses in SCENE/.poses. Photographs of distorting lenses\n"
         "are undistorted; photographs of pinholes are stored unchanged. The same input, options and\n"
         "seed give the same scene.\n\n"
+        "A video is decoded by the program ffmpeg. Frames are chosen by sharpness and by how far the\n"
+        "camera has moved, not by time, and kept in SCENE/.photographs.\n\n"
         "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
         "be deleted. After photographs are added, a build matches only what the new photographs\n"
         "change. COLMAP adds the new photographs to the poses in SCENE/.poses.",
@@ -238,9 +247,11 @@ const Command kBuildCommand{
     .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      addOption(app, "PHOTOS", options->photographs, "Folder of the photographs").required();
+      addOption(app, "PHOTOS", options->photographs, "Folder of photographs, or a video; also several").required();
       addOption(app, "-o,--output", options->output, "Scene folder; created if missing").required().type("SCENE");
       declareBuildOptions(app, options->choices);
+      addInt(app, "--video-frames", options->videoFrames, 2, 100000,
+             "About how many frames of each video to use [40 to 80 a minute while the camera moves]");
       addFlag(app, "--dry-run", options->dryRun, "Only predict time, memory and disk space; build nothing");
       return [options](const Context& context) { return buildScene(*options, context); };
     }};

@@ -22,11 +22,11 @@ struct CaptureMetadata {
 };
 
 /// Where a camera was (WGS 84), in degrees north and east, and metres above sea level.
-struct Location {
+struct GeoLocation {
   double latitude = 0, longitude = 0;
   std::optional<double> altitude;
 
-  bool operator==(const Location&) const = default;
+  bool operator==(const GeoLocation&) const = default;
 };
 
 /// Returns a photograph's exposure relative to other photographs of the same camera: exposure time × ISO / N². nullopt

@@ -115,17 +115,17 @@ double sensitivity(const Directory& exif) {
 constexpr std::uint32_t kOrientation = 0x0112, kExif = 0x8769, kGps = 0x8825;
 
 // EXIF 2.32 §4.6.6: degrees, minutes and seconds. nullopt unless both angles are stated.
-std::optional<Location> locationOf(const Directory& gps) {
+std::optional<GeoLocation> locationOf(const Directory& gps) {
   const auto angle = [&](std::uint32_t tag, const char* negative) {
     return (gps.text(tag) == negative ? -1 : 1) *
            (gps.ratio(tag + 1) + gps.ratio(tag + 1, 1) / 60 + gps.ratio(tag + 1, 2) / 3600);
   };
-  const Location location{angle(1, "S"), angle(3, "W"), std::nullopt};
+  const GeoLocation location{angle(1, "S"), angle(3, "W"), std::nullopt};
   const bool stated =
       gps.has(2) && gps.has(4) && std::abs(location.latitude) <= 90 && std::abs(location.longitude) <= 180;
   if (!stated) return std::nullopt;
   if (!gps.has(6)) return location;
-  return Location{location.latitude, location.longitude, (gps.byte(5) == 1 ? -1 : 1) * gps.ratio(6)};
+  return GeoLocation{location.latitude, location.longitude, (gps.byte(5) == 1 ? -1 : 1) * gps.ratio(6)};
 }
 
 // Returns nullopt if there is no TIFF header.
@@ -265,7 +265,7 @@ class BlockWriter {
 
 }  // namespace
 
-std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<Location>& location) {
+std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<GeoLocation>& location) {
   BlockWriter exif;
   exif.ratio(0x829a, capture.exposureTime);
   exif.ratio(0x829d, capture.fNumber);

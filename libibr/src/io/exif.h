@@ -15,7 +15,7 @@ struct Exif {
   int orientation = 1;    // 1 to 8; 1, "as stored", if absent
   bool adobeRgb = false;  // the colour space is Adobe RGB (1998): interoperability "R03"
   CaptureMetadata capture;
-  std::optional<Location> location;
+  std::optional<GeoLocation> location;
 };
 
 /// Reads an EXIF block that starts with its TIFF header ("II*" or "MM*"), or a TIFF file. Missing or damaged entries
@@ -23,7 +23,7 @@ struct Exif {
 Exif readExif(std::span<const std::byte> tiff);
 
 /// An EXIF block of what is known, with orientation 1: the inverse of readExif.
-std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<Location>& location = {});
+std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<GeoLocation>& location = {});
 
 /// True for a raw file that starts as a TIFF file: DNG, Canon CR2, and files whose first directory has a reduced image,
 /// sensor values or a compression of camera makers.

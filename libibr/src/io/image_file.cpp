@@ -148,7 +148,7 @@ void writeImage(const fs::path& path, const Image8& image, int quality) {
 }
 
 void writePhotograph(const fs::path& path, const Image8& image, int quality, const CaptureMetadata& capture,
-                     const std::optional<Location>& location) {
+                     const std::optional<GeoLocation>& location) {
   writeFile(path, io::withExif(io::encodeJpeg(image, quality, path.string()), io::exifBlock(capture, location)));
 }
 

@@ -52,7 +52,7 @@ Image8 upright(const Image8& stored, int orientation);
 
 /// Writes a JPEG with EXIF of the metadata and the location.
 void writePhotograph(const std::filesystem::path& path, const Image8& image, int quality,
-                     const CaptureMetadata& capture, const std::optional<Location>& location);
+                     const CaptureMetadata& capture, const std::optional<GeoLocation>& location);
 
 /// Writes the photograph in `from` as a JPEG, whatever the file's name; upright, or as stored. EXIF is kept, with
 /// orientation 1: all of a JPEG's, the CaptureMetadata of other formats.

@@ -160,7 +160,8 @@ TEST_CASE("an EXIF block that is written is read again") {
     CHECK((read.capture.maker == capture.maker && read.capture.model == capture.model &&
            read.capture.lens == capture.lens));
   }
-  for (const Location& location : {Location{48.858222, -2.2945, 35.5}, {-33.8568, 151.2153, {}}, {0.5, -0.25, -12.0}}) {
+  for (const GeoLocation& location :
+       {GeoLocation{48.858222, -2.2945, 35.5}, {-33.8568, 151.2153, {}}, {0.5, -0.25, -12.0}}) {
     const io::Exif read = io::readExif(io::exifBlock(whole, location));
     REQUIRE(read.location.has_value());
     CHECK(read.location->latitude == Approx(location.latitude).epsilon(1e-8));

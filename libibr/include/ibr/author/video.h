@@ -15,15 +15,15 @@
 namespace ibr {
 
 struct VideoInfo {
-  int width = 0, height = 0;         // px, upright, with square pixels
-  int rotation = 0;                  // degrees that players turn the stored frames clockwise: 0, 90, 180 or 270
-  double seconds = 0;                // 0: unknown
-  double framesPerSecond = 0;        // mean
-  bool variableRate = false;         // frames are not evenly spaced in time
-  bool hdr = false;                  // PQ or HLG
-  CaptureMetadata capture;           // maker and model only
-  std::optional<Location> location;  // where the recording began
-  std::vector<std::string> ignored;  // other streams, for people: "data gpmd (GoPro MET)"
+  int width = 0, height = 0;            // px, upright, with square pixels
+  int rotation = 0;                     // degrees that players turn the stored frames clockwise: 0, 90, 180 or 270
+  double seconds = 0;                   // 0: unknown
+  double framesPerSecond = 0;           // mean
+  bool variableRate = false;            // frames are not evenly spaced in time
+  bool hdr = false;                     // PQ or HLG
+  CaptureMetadata capture;              // maker and model only
+  std::optional<GeoLocation> location;  // where the recording began
+  std::vector<std::string> ignored;     // other streams, for people: "data gpmd (GoPro MET)"
 };
 
 /// Reads a video's properties with the program ffprobe. Throws Error: io if the program or the file cannot be read,

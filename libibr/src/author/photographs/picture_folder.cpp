@@ -182,7 +182,9 @@ std::string countText(const PhotographFolder& folder) {
         count(folder.doubles, "file beside a photograph of its name", "files beside photographs of their names"));
   if (!folder.unreadable.empty())
     left.push_back(count(folder.unreadable.size(), "unreadable file", "unreadable files"));
-  if (!folder.videos.empty()) left.push_back(count(folder.videos.size(), "video", "videos"));
+  if (!folder.videos.empty())
+    left.push_back(
+        count(folder.videos.size(), "video (name it to use its frames)", "videos (name them to use their frames)"));
   if (folder.others > 0) left.push_back(count(folder.others, "other file", "other files"));
   std::string text = count(folder.pictures.size(), "photograph", "photographs");
   if (!left.empty()) text += fmt::format("; left out: {}", fmt::join(left, ", "));

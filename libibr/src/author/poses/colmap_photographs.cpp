@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "author/photographs/masks.h"
@@ -58,6 +60,11 @@ bool isCopied(const PoseOptions& options, const ImageFileInfo& info) {
 
 bool anyCopied(const PoseOptions& options, const ColmapPhotographs& photographs) {
   return std::ranges::any_of(photographs.infos, [&](const ImageFileInfo& info) { return isCopied(options, info); });
+}
+
+std::pair<int, int> uprightSize(const PoseOptions& options, const ImageFileInfo& info) {
+  const bool swaps = isRotated(options, info) && info.orientation >= 5;
+  return swaps ? std::pair(info.height, info.width) : std::pair(info.width, info.height);
 }
 
 // Writes a JPEG below `folder`, or a link to a photograph that COLMAP reads as it is, after decoding it.
@@ -150,12 +157,25 @@ bool writeColmapMasks(const PoseOptions& options, const ColmapPhotographs& photo
 
 bool haveOneSize(const PoseOptions& options, const ColmapPhotographs& photographs,
                  std::span<const std::size_t> indices) {
-  const auto size = [&](std::size_t i) {
-    const ImageFileInfo& info = photographs.infos[i];
-    const bool swaps = isRotated(options, info) && info.orientation >= 5;
-    return swaps ? std::pair(info.height, info.width) : std::pair(info.width, info.height);
-  };
-  return std::ranges::all_of(indices, [&](std::size_t i) { return size(i) == size(indices[0]); });
+  return std::ranges::all_of(indices, [&](std::size_t i) {
+    return uprightSize(options, photographs.infos[i]) == uprightSize(options, photographs.infos[indices[0]]);
+  });
+}
+
+bool foldersHaveOneSize(const PoseOptions& options, const ColmapPhotographs& photographs,
+                        std::span<const std::size_t> indices) {
+  if (haveOneSize(options, photographs, indices)) return false;
+  std::map<fs::path, std::pair<int, int>> sizes;
+  return std::ranges::all_of(indices, [&](std::size_t i) {
+    const auto size = uprightSize(options, photographs.infos[i]);
+    return sizes.emplace(fs::path(photographs.names[i]).parent_path(), size).first->second == size;
+  });
+}
+
+std::size_t folderCount(const ColmapPhotographs& photographs) {
+  std::set<fs::path> folders;
+  for (const std::string& name : photographs.names) folders.insert(fs::path(name).parent_path());
+  return folders.size();
 }
 
 }  // namespace ibr

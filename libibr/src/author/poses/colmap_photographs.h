@@ -45,4 +45,11 @@ bool writeColmapMasks(const PoseOptions& options, const ColmapPhotographs& photo
 bool haveOneSize(const PoseOptions& options, const ColmapPhotographs& photographs,
                  std::span<const std::size_t> indices);
 
+/// True if the photographs of each folder have one size, and not all photographs: each folder may be of one lens.
+bool foldersHaveOneSize(const PoseOptions& options, const ColmapPhotographs& photographs,
+                        std::span<const std::size_t> indices);
+
+/// Number of folders that directly hold photographs.
+std::size_t folderCount(const ColmapPhotographs& photographs);
+
 }  // namespace ibr
