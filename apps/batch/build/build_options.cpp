@@ -138,10 +138,10 @@ void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
 }  // namespace
 
 void declareInputOptions(CLI::App& app, BuildChoices& choices) {
-  addOption(
-      app, "--model,--transforms,--panoramas", choices.model,
-      "Poses, in any format of the list above [COLMAP model sparse or sparse/0 in PHOTOS or in its parent folder, "
-      "else PHOTOS]")
+  addOption(app, "--model,--transforms,--panoramas", choices.model,
+            "Poses of another program; `ibr build --help-all` lists the formats [COLMAP model sparse or sparse/0 in "
+            "PHOTOS or in its parent folder, "
+            "else PHOTOS]")
       .type("FILE|DIR");
   addOption(app, "--masks", choices.build.masks,
             "Folder of masks, as in COLMAP: NAME.jpg.png or NAME.png, of the same size as the photograph; pixels with "
