@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recognises a file or folder of poses by its content, and reads it.
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -67,8 +68,20 @@ std::string_view start(std::string_view text) {
        fault.what());
 }
 
+void checkNoneMissing(const PoseSource& source, std::size_t images) {
+  constexpr std::size_t kMaxListed = 5;
+  const std::vector<std::string>& missing = source.missing;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(missing.size(), kMaxListed); ++i) names += (i > 0 ? ", " : "") + missing[i];
+  if (missing.size() > kMaxListed) names += fmt::format(" and {} more", missing.size() - kMaxListed);
+  check(missing.empty(), ErrorCode::io,
+        "{}: {} of the {} photographs are missing in {}: {}. This format holds no image sizes, so that all photographs "
+        "are needed",
+        source.path.string(), missing.size(), images, source.photographs.folder().string(), names);
+}
+
 PoseSource open(const fs::path& path, const fs::path& photographs, const LogCallback& log, Border border) {
-  PoseSource source{path, {}, {}, PhotographFinder(photographs), log, border};
+  PoseSource source{path, {}, {}, PhotographFinder(photographs), log, border, {}};
   if (fs::is_directory(path)) return source;
   source.text = readTextFile(path);
   const std::string_view content = start(source.text);
@@ -115,6 +128,7 @@ PosedModel readPoseFile(const fs::path& path, const fs::path& photographs, const
   check(format, ErrorCode::invalidInput, "{}: the content is in no known format of poses ({})", path.string(), known);
   try {
     PosedModel model = format->read(source);
+    checkNoneMissing(source, model.images.size());
     nameAndSort(model, path, source.photographs);
     return model;
   } catch (const JsonFault& fault) {

@@ -17,9 +17,10 @@ ImageSize PoseSource::sizeOf(const std::string& name) {
     photographs = PhotographFinder(beside.empty() ? "." : beside);
   }
   const auto found = photographs.find(name);
-  check(found.has_value(), ErrorCode::io,
-        "{}: photograph {} is missing in {}; this format holds no sizes, so that all photographs are needed",
-        path.string(), name, photographs.folder().string());
+  if (!found) {
+    missing.push_back(name);
+    return {64, 64};
+  }
   const ImageFileInfo info = probeImage(photographs.folder() / *found);
   return {info.width, info.height};
 }

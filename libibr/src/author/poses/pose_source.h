@@ -43,8 +43,10 @@ struct PoseSource {
   LogCallback log;
   Border border = Border::crop;
 
-  /// Size of a photograph as stored, for formats without sizes. Throws Error{io} if it is not in the folder of the
-  /// photographs; without this folder, it is sought in the file's.
+  std::vector<std::string> missing;  // photographs that sizeOf() did not find
+
+  /// Size of a photograph as stored, for formats without sizes; sought in the file's folder if that of the photographs
+  /// is not known. A missing photograph gets a small size: readPoseFile() reports all missing ones in one Error.
   ImageSize sizeOf(const std::string& name);
 
   void warn(const std::string& message) const {

@@ -583,7 +583,8 @@ TEST_CASE("CSV and XMP files of RealityScan give exact cameras") {
   CHECK_THAT(files.faultOf(replaced(text, "sub/a.png,1", "sub/a.png,x")), Contains("poses:3: sub/a.png: x \"x\""));
   CHECK_THAT(files.faultOf(replaced(text, "sub/a.png,1", "sub/a.png")), Contains("15 columns"));
   CHECK_THAT(files.faultOf(replaced(text, ",28.125,", ",-1,")), Contains("sub/a.png"));
-  CHECK_THAT(files.faultOf(replaced(text, "sub/a.png", "gone.png"), ErrorCode::io), Contains("gone.png is missing"));
+  CHECK_THAT(files.faultOf(replaced(text, "sub/a.png", "gone.png"), ErrorCode::io),
+             Contains("1 of the 3 photographs are missing") && Contains(": gone.png"));
   CHECK_THAT(files.faultOf("#name,x,y,alt,heading,pitch,roll,f\n"), Contains("no camera"));
 
   const fs::path folder = files.folder / "xmp";
