@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads "Internal/External camera parameters" of RealityScan and RealityCapture. World axes: x east, y north, z up. A
-// camera with heading, pitch and roll 0 looks down, its top to the north. Its axes (libibr's) are turned by the roll
-// about y, by the pitch about x, and clockwise by the heading about z.
+// camera with heading (yaw), pitch and roll 0 looks down, its top to the north. Its axes (libibr's) are turned by the
+// roll about y, by the pitch about x, and clockwise by the heading about z.
 #include <algorithm>
+#include <array>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 #include <map>
+#include <utility>
 
 #include "author/poses/pose_source.h"
 #include "author/poses/reality_lens.h"
@@ -45,6 +47,10 @@ std::vector<Line> linesOf(std::string_view text, std::size_t maxCount) {
 
 using Columns = std::map<std::string, std::size_t>;
 
+// Names of RealityScan 2, and those of RealityCapture.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kOtherNames{
+    {{"yaw", "heading"}, {"f_35mm", "f"}, {"px_norm", "px"}, {"py_norm", "py"}}};
+
 // Columns of a header with a camera's pose and focal length; empty if it is none.
 Columns columnsOf(const Line& header) {
   Columns columns;
@@ -53,7 +59,9 @@ Columns columnsOf(const Line& header) {
     if (name.starts_with('#')) name = name.substr(1);
     for (char& c : name)
       if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    columns.emplace(name == "yaw" ? "heading" : name, i);
+    for (const auto& [newName, oldName] : kOtherNames)
+      if (name == newName) name = oldName;
+    columns.emplace(name, i);
   }
   for (const char* required : {"name", "x", "y", "alt", "heading", "pitch", "roll", "f"})
     if (!columns.contains(required)) return {};
@@ -79,7 +87,7 @@ PosedModel readRealityCsv(PoseSource& source) {
   const std::size_t header = headerOf(lines);
   const Columns columns = columnsOf(lines[header]);
   PosedModel model;
-  bool onlyK1 = false;
+  std::size_t divisions = 0;
   for (std::size_t i = header + 1; i < lines.size(); ++i) {
     const Line& line = lines[i];
     if (line.cells[0].starts_with('#')) continue;
@@ -104,19 +112,25 @@ PosedModel readRealityCsv(PoseSource& source) {
     const glm::dquat pitch = glm::angleAxis(glm::radians(value("pitch")), glm::dvec3(1, 0, 0));
     const glm::dquat roll = glm::angleAxis(glm::radians(value("roll")), glm::dvec3(0, 1, 0));
     image.camera.pose = {{value("x"), value("y"), value("alt")}, glm::normalize(heading * pitch * roll)};
-    const RealityLens lens{value("f"),
-                           value("px"),
-                           value("py"),
-                           {value("k1"), value("k2"), value("k3"), value("k4"), value("t1"), value("t2")}};
-    onlyK1 = onlyK1 || (lens.terms[0] != 0 &&
-                        std::all_of(lens.terms.begin() + 1, lens.terms.end(), [](double term) { return term == 0; }));
+    RealityLens lens{value("f"),
+                     value("px"),
+                     value("py"),
+                     {value("k1"), value("k2"), value("k3"), value("k4"), value("t1"), value("t2")}};
+    const bool onlyK1 = std::all_of(lens.terms.begin() + 1, lens.terms.end(), [](double term) { return term == 0; });
+    if (onlyK1 && lens.terms[0] != 0) {  // of RealityScan's models, only the division model has one term
+      std::swap(lens.division, lens.terms[0]);
+      ++divisions;
+    }
     setRealityLens(image, source.sizeOf(image.name), lens, source.border, fault);
     model.images.push_back(std::move(image));
   }
   if (model.images.empty())
     fail(ErrorCode::invalidInput, "{}:{}: no camera follows the header", source.path.string(), lines[header].number);
-  if (onlyK1)
-    source.warn("only k1 is set, which is read as Brown's; of the Division model, which CSV does not name, export XMP");
+  if (divisions > 0)
+    source.warn(
+        fmt::format("{} cameras have only k1, which is read as the division model; CSV does not name the model, XMP "
+                    "files do",
+                    divisions));
   return model;
 }
 

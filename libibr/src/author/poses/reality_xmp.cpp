@@ -61,8 +61,8 @@ double numberOr(const XmlFile& xml, pugi::xml_node description, const char* name
 }
 
 RealityLens lensOf(const XmlFile& xml, pugi::xml_node description) {
-  constexpr std::array<std::string_view, 6> kModels{"perspective", "brown3",   "brown4",
-                                                    "brown3t2",    "brown4t2", "division"};
+  constexpr std::array<std::string_view, 7> kModels{"none",     "perspective", "brown3",  "brown4",
+                                                    "brown3t2", "brown4t2",    "division"};
   RealityLens lens{numbers(xml, description, "FocalLength35mm", 1)[0],
                    numberOr(xml, description, "PrincipalPointU", 0),
                    numberOr(xml, description, "PrincipalPointV", 0),
@@ -77,12 +77,14 @@ RealityLens lensOf(const XmlFile& xml, pugi::xml_node description) {
     xml.fault(description, "xcr:DistortionModel \"" + model.substr(0, 40) + "\" is not known", ErrorCode::unsupported);
   if (!find(description, "DistortionCoeficients")) return lens;
   const std::vector<double> terms = numbers(xml, description, "DistortionCoeficients", 6);
-  std::ranges::copy(terms, lens.terms.begin());
-  const bool isZero = std::ranges::all_of(terms, [](double term) { return term == 0; });
-  if ((model == "division" || model == "perspective") && !isZero)
-    xml.fault(description,
-              "xcr:DistortionCoeficients of the model " + model + " are not 0; no lens of libibr has this model",
+  const std::size_t ownTerms = model == "division" ? 1 : model.starts_with("brown") ? 6 : 0;
+  if (std::any_of(terms.begin() + std::ptrdiff_t(ownTerms), terms.end(), [](double term) { return term != 0; }))
+    xml.fault(description, "xcr:DistortionCoeficients has values that are not 0, which the model " + model + " lacks",
               ErrorCode::unsupported);
+  if (model == "division")
+    lens.division = terms[0];
+  else
+    std::ranges::copy(terms, lens.terms.begin());
   return lens;
 }
 

@@ -244,16 +244,17 @@ std::string realityCsv(const Cameras& cameras) {
   for (const ExactCamera& c : cameras) {
     const double pitch = std::asin(-c.r(1, 2)), heading = std::atan2(-c.r(1, 0), -c.r(1, 1));
     const double roll = std::atan2(-c.r(0, 2), -c.r(2, 2)), side = std::max(c.width, c.height);
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},0,{},{}\n", c.name, c.centre.x, c.centre.y, c.centre.z,
-                        heading / kDegree, pitch / kDegree, roll / kDegree, c.fx * 36 / side,
-                        (c.cx - 0.5 * c.width) / side, (c.cy - 0.5 * c.height) / side, c.k1, c.k2, c.k3, c.p2, c.p1);
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},0,{},{}\n", c.name, c.centre.x, c.centre.y, c.centre.z,
+                    heading / kDegree, pitch / kDegree, roll / kDegree, c.fx * 36 / side, (c.cx - 0.5 * c.width) / side,
+                    (c.cy - 0.5 * c.height) / side, c.k1 + c.division, c.k2, c.k3, c.p2, c.p1);
   }
   return text;
 }
 
 std::string xmp(const ExactCamera& c, const std::string& model, bool attributes) {
   const double side = std::max(c.width, c.height);
-  const std::string terms = fmt::format("{} {} {} 0 {} {}", c.k1, c.k2, c.k3, c.p2, c.p1);
+  const std::string terms = fmt::format("{} {} {} 0 {} {}", c.k1 + c.division, c.k2, c.k3, c.p2, c.p1);
   return fmt::format(
       "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
       "<rdf:Description xcr:Version=\"3\" xcr:PosePrior=\"locked\" xcr:Coordinates=\"absolute\"\n"
@@ -607,7 +608,8 @@ TEST_CASE("CSV and XMP files of RealityScan give exact cameras") {
       CHECK_THAT(e.what(), Contains("b.xmp:") && Contains(field));
     }
   };
-  fault("brown3t2", "division", "division", ErrorCode::unsupported);
+  fault("brown3t2", "division", "model division", ErrorCode::unsupported);
+  fault("brown3t2", "perspective", "model perspective", ErrorCode::unsupported);
   fault("brown3t2", "magic", "magic", ErrorCode::unsupported);
   fault(" 0 ", " 0.2 ", "k4", ErrorCode::unsupported);
   fault("Skew=\"0\"", "Skew=\"1\"", "xcr:Skew", ErrorCode::unsupported);
@@ -617,6 +619,32 @@ TEST_CASE("CSV and XMP files of RealityScan give exact cameras") {
   fault("<xcr:Rotation>", "<xcr:Rotation>9 ", "xcr:Rotation", ErrorCode::invalidInput);
   fault("<xcr:Position>", "<xcr:Position>nan ", "xcr:Position", ErrorCode::invalidInput);
   fault("</x:xmpmeta>", "", "not valid XML", ErrorCode::invalidInput);
+}
+
+TEST_CASE("RealityScan's division model is exact, in XMP files and as the only term of CSV files") {
+  for (const double division : {0.12, -0.15}) {
+    const Cameras cameras = with(exactCameras(), [&](ExactCamera& c) { c.division = division, c.cx += 7.25; });
+    Files files(cameras);
+    const std::string text = realityCsv(cameras);
+    checkExact(files.read(text), cameras, false);
+    CHECK_THAT(files.messages.at(0), Contains("3 cameras have only k1"));
+    const std::string renamed =
+        replaced(text, "heading,pitch,roll,f,px,py", "yaw,pitch,roll,f_35mm,px_norm,py_norm");  // RealityScan 2
+    checkExact(files.read(renamed), cameras, false);
+    CHECK(poseFormatOf(files.file) == PoseFormat::realityCsv);
+    for (const ExactCamera& c : cameras) {
+      fs::create_directories((files.folder / "xmp" / c.name).parent_path());
+      writeFile((files.folder / "xmp" / c.name).replace_extension(".xmp"), xmp(c, "division", true));
+    }
+    checkExact(readPoseFile(files.folder / "xmp", files.photographs), cameras, false);
+  }
+  const Cameras plain = exactCameras();
+  Files files(plain);
+  for (const ExactCamera& c : plain) {
+    fs::create_directories((files.folder / "xmp" / c.name).parent_path());
+    writeFile((files.folder / "xmp" / c.name).replace_extension(".xmp"), xmp(c, "none", true));
+  }
+  checkExact(readPoseFile(files.folder / "xmp", files.photographs), plain, false);
 }
 
 TEST_CASE("a file of poses is recognised by its content, not by its name") {

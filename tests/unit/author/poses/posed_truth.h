@@ -32,6 +32,7 @@ struct ExactCamera {
   double fx = 500, fy = 500, cx = 320, cy = 240;
   enum { perspective, fisheye, spherical } kind = perspective;
   double k1 = 0, k2 = 0, k3 = 0, k4 = 0, p1 = 0, p2 = 0, s1 = 0, s2 = 0;
+  double division = 0;  // radial term of the division model
 
   glm::dvec3 translation() const { return -(toCamera * centre); }
   /// Row i, column j of R.
@@ -52,7 +53,7 @@ struct ExactCamera {
     const double across = std::hypot(p.x, p.y);
     const double scale = kind == perspective ? 1 / p.z : std::atan2(across, p.z) / across;
     const double x = scale * p.x, y = scale * p.y, rr = x * x + y * y;
-    const double radial = 1 + rr * (k1 + rr * (k2 + rr * (k3 + rr * k4)));
+    const double radial = (1 + rr * (k1 + rr * (k2 + rr * (k3 + rr * k4)))) / (1 + division * rr);
     return {fx * (x * radial + 2 * p1 * x * y + p2 * (rr + 2 * x * x) + s1 * rr) + cx,
             fy * (y * radial + p1 * (rr + 2 * y * y) + 2 * p2 * x * y + s2 * rr) + cy};
   }
