@@ -6,7 +6,7 @@
 # device that needs no graphics card.
 IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
   libjpeg-dev libpng-dev libtiff-dev liblcms2-dev libopenexr-dev libheif-dev libraw-dev libwebp-dev pkg-config
-  libopencv-dev libcgal-dev libceres-dev libcli11-dev libssl-dev libglfw3-dev libimgui-dev libopenxr-dev mesa-vulkan-drivers"
+  libopencv-dev libcgal-dev libceres-dev libpugixml-dev libcli11-dev libssl-dev libglfw3-dev libimgui-dev libopenxr-dev mesa-vulkan-drivers"
 # Programs for the demo's contact sheets and videos, and for pose estimation of your own photographs.
 IBR_PACKAGES_DEMO="ffmpeg colmap"
 # Packages to build the Python packages ibr and ibr.author, and to use them.
@@ -14,10 +14,11 @@ IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
 # Packages to build and run the tests. nodejs runs the Khronos glTF validator (npm package gltf-validator, not in
 # Debian) if tests/run.sh finds it. python3-jsonschema checks scenes against our schema. xdotool drives the viewer in an
 # Xvfb display that openbox manages; libx11 reads the viewer's window. mypy checks the types of the Python packages, and
-# python3-matplotlib draws the plot of their example. libheif-examples, libavif-bin and webp encode photographs.
+# python3-matplotlib draws the plot of their example. libheif-examples, libavif-bin and webp encode photographs,
+# ffmpeg videos; colmap converts models.
 IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
   openbox libx11-dev libvulkan-volk-dev mypy
-  python3-matplotlib libheif-examples libavif-bin webp"
+  python3-matplotlib libheif-examples libavif-bin webp ffmpeg colmap"
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.

@@ -20,7 +20,7 @@ import sys
 PAGE = "libibr/ARCHITECTURE.md"
 INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "libibr/python", "apps", "shaders")  # in the order of the search
 GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui", "pybind11",
-           "libheif", "libraw", "webp")
+           "libheif", "libraw", "webp", "pugixml")
 SINGLE_ROOM_LIBRARY = "<CGAL>"  # only one room may include it: binaries that link CGAL are under the GPL
 PROGRAM_ROOMS = ("ibr", "ibr/author", "base", "base/vulkan", "io", "shaders")  # library rooms that programs may include
 PYTHON_ROOMS = ("ibr", "ibr/author")  # library rooms that the Python packages may include
@@ -60,7 +60,7 @@ def guarded(include):
     """Returns the guarded library of a system header, or None."""
     name = include.removeprefix("backends/")
     for library in GUARDED:
-        if name.startswith(library + "/") or library == "imgui" and name.startswith("imgui"):
+        if name.startswith(library + "/") or library in ("imgui", "pugixml") and name.startswith(library):
             return f"<{library}>"
     return None
 

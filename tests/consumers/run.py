@@ -22,7 +22,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 # The runtime must not need these. OpenCV and CGAL are the author's, JSON has header files alone.
-AUTHOR_LIBRARIES = re.compile(r"opencv|cgal|gmp|mpfr|ceres|jpeg|png|tiff|lcms|openexr", re.I)
+AUTHOR_LIBRARIES = re.compile(r"opencv|cgal|gmp|mpfr|ceres|jpeg|png|tiff|lcms|openexr|pugixml", re.I)
 
 
 def run(*command, env=None, cwd=None):
@@ -71,7 +71,7 @@ def check_runtime_library(prefix):
         fail("libibr.so.0 has no SONAME libibr.so.0")
     for header in prefix.glob("include/ibr/*.h"):
         for include in re.findall(r"#include <([^>]+)>", header.read_text(encoding="utf-8")):
-            if re.match(r"opencv2|CGAL|nlohmann|ceres|fmt", include):
+            if re.match(r"opencv2|CGAL|nlohmann|ceres|fmt|pugixml", include):
                 fail(f"{header.name} includes {include}")
     return library
 

@@ -138,17 +138,11 @@ void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
 }  // namespace
 
 void declareInputOptions(CLI::App& app, BuildChoices& choices) {
-  addOption(app, "--model", choices.model,
-            "COLMAP model folder [sparse or sparse/0 in PHOTOS or in its parent folder, else PHOTOS]")
-      .type("DIR");
-  addOption(app, "--transforms", choices.transforms,
-            "transforms.json of nerfstudio or instant-ngp with the poses, instead of a model")
-      .type("FILE")
-      .excludes("--model");
-  addOption(app, "--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
-      .type("FILE")
-      .excludes("--model")
-      .excludes("--transforms");
+  addOption(app, "--model,--transforms,--panoramas", choices.model,
+            "Poses of another program; `ibr build --help-all` lists the formats [COLMAP model sparse or sparse/0 in "
+            "PHOTOS or in its parent folder, "
+            "else PHOTOS]")
+      .type("FILE|DIR");
   addOption(app, "--masks", choices.build.masks,
             "Folder of masks, as in COLMAP: NAME.jpg.png or NAME.png, of the same size as the photograph; pixels with "
             "value 0 are neither matched nor shown")
@@ -166,11 +160,7 @@ BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photogr
   check(fs::is_directory(photographs), ErrorCode::io, "{}: is not a folder of photographs", photographs.string());
   BuildOptions build = choices.build;
   build.photographs = photographs;
-  build.panoramas = choices.panoramas;
-  build.transforms = choices.transforms;
-  build.model = choices.model;
-  if (choices.model.empty() && choices.transforms.empty() && choices.panoramas.empty())
-    build.model = findModel(photographs, context);
+  build.model = choices.model.empty() ? findModel(photographs, context) : fs::path(choices.model);
   build.seed = context.options().seed;
   build.threads = context.options().threads;
   if (!choices.optimise.empty()) build.postProcess = optimiser(parsedMethod("--optimise", choices.optimise), context);

@@ -13,12 +13,12 @@
 namespace ibr::app {
 
 struct BuildChoices {
-  BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are set by buildOptionsOf
-  std::string model, transforms, panoramas, excludeFrom;
+  BuildOptions build;  // photographs, model, output, seed and threads are set by buildOptionsOf
+  std::string model, excludeFrom;
   std::string optimise;  // method of the optimiser; empty: cells are not optimised
 };
 
-/// Declares the options for input beside the photographs: --model, --transforms or --panoramas, and --masks.
+/// Declares the options for input beside the photographs: --model (or --transforms, --panoramas), and --masks.
 void declareInputOptions(CLI::App& app, BuildChoices& choices);
 
 /// Declares all options, the input options included, but not the photographs' and scene's folders. Returns them.

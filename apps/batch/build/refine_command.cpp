@@ -40,9 +40,9 @@ ExitCode refine(const Options& options, const Context& context) {
   }
   std::optional<PosedModel> truth;
   if (!options.truth.empty()) {
-    check(!build.model.empty() || !build.transforms.empty(), ErrorCode::invalidInput,
-          "{}: no poses to compare with --truth; give a COLMAP model (--model) or --transforms", options.photographs);
-    truth = readColmapModel(options.truth, context.log());
+    check(!build.model.empty(), ErrorCode::invalidInput, "{}: no poses to compare with --truth; give them with --model",
+          options.photographs);
+    truth = readPoseFile(options.truth, build.photographs, context.log());
   }
   RefinedModel refined;
   {
@@ -95,10 +95,10 @@ const Command kRefineCommand{
       addOption(app, "-o,--output", options->output, "Folder of the refined model; created if missing")
           .required()
           .type("MODEL");
-      addOption(
-          app, "--truth", options->truth,
-          "COLMAP model with exact poses, to report the pose errors before and after refinement, after alignment by "
-          "a similarity")
+      addOption(app, "--truth", options->truth,
+                "Exact poses, in any format of --model, to report the pose errors before and after refinement, after "
+                "alignment by "
+                "a similarity")
           .type("DIR");
       declareBuildOptions(app, options->choices);
       return [options](const Context& context) { return refine(*options, context); };

@@ -14,14 +14,13 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   SplitOptions split;
-  std::string input, model, panoramas, output;
+  std::string input, model, output;
 };
 
 ExitCode split(Options options, const Context& context) {
   SplitOptions& split = options.split;
   split.input = options.input;
   split.model = options.model;
-  split.panoramas = options.panoramas;
   split.output = options.output;
   split.threads = context.options().threads;
   SplitReport report;
@@ -59,9 +58,9 @@ const Command kSplitCommand{
         "ibr split panorama.jpg -o faces --views 8 --poles --fov 90 --size 1024\n"
         "ibr split hall --panoramas hall/panoramas.json -o faces",
     .details =
-        "PANORAMA is an equirectangular image, whose camera is placed at the origin. With --model\n"
-        "or --panoramas, PANORAMA is the folder that the names of posed panoramas are relative\n"
-        "to. Then all panoramas are split, and their shared points are kept. The images are\n"
+        "PANORAMA is an equirectangular image, whose camera is placed at the origin. With --model,\n"
+        "PANORAMA is the folder that the names of posed panoramas are relative to. Then all\n"
+        "panoramas are split, and their shared points are kept. The images are\n"
         "images/NAME_FACE below DIR, in JPEG for JPEG panoramas. The model is in sparse/, so that\n"
         "`ibr build DIR/images` finds the model.\n"
         "Above 90 degrees, the faces of a cube overlap. By default, faces are as sharp as the\n"
@@ -98,10 +97,10 @@ const Command kSplitCommand{
           app, "--format", options->split.format,
           {{"source", ImageFileFormat::asSource}, {"jpg", ImageFileFormat::jpeg}, {"png", ImageFileFormat::png}},
           "File format of the images; source: that of the panorama, PNG unless it is a JPEG [source]");
-      addOption(app, "--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras").type("DIR");
-      addOption(app, "--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
-          .type("FILE")
-          .excludes("--model");
+      addOption(
+          app, "--model,--panoramas", options->model,
+          "Poses of panoramas, in any format of ibr build --model: a COLMAP model with EQUIRECTANGULAR cameras, …")
+          .type("FILE|DIR");
       return [options](const Context& context) { return split(*options, context); };
     }};
 

@@ -45,10 +45,9 @@ void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
 }
 
 ExitCode examine(const std::string& path, const BuildChoices& choices, const Context& context) {
-  const bool beside = !choices.model.empty() || !choices.transforms.empty() || !choices.panoramas.empty() ||
-                      !choices.build.masks.empty();
+  const bool beside = !choices.model.empty() || !choices.build.masks.empty();
   check(!beside || (!path.empty() && !assetKind(path)), ErrorCode::invalidInput,
-        "--model, --transforms, --panoramas and --masks need a folder of photographs");
+        "--model and --masks need a folder of photographs");
   Findings findings;
   std::error_code ignored;
   if (path.empty()) {
@@ -83,7 +82,7 @@ const Command kDoctorCommand{
         "photographs and scenes; 5 without a usable Vulkan device; 2 for a full disk or a missing\n"
         "folder. --device takes the number of a Vulkan device, or part of its name.",
     .afterInterrupt = "",
-    .mainOptions = "model transforms panoramas masks json",
+    .mainOptions = "model masks json",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto path = std::make_shared<std::string>();
       addOption(app, "FOLDER_OR_SCENE", *path, "Folder of photographs, or scene [this machine]");

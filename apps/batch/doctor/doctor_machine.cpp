@@ -160,10 +160,10 @@ void examineColmap(Findings& findings) {
   if (!colmap.there)
     findings.add({"colmap", Severity::warning,
                   "The program COLMAP is not installed: photographs without poses cannot be built.",
-                  "Install COLMAP (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
+                  "Install COLMAP (Debian: apt-get install colmap), or give poses (--model)."});
   else if (!colmap.trouble.empty())
-    findings.add({"colmap", Severity::warning, brokenText("COLMAP", colmap),
-                  "Reinstall COLMAP, or give poses (--model, --transforms)."});
+    findings.add(
+        {"colmap", Severity::warning, brokenText("COLMAP", colmap), "Reinstall COLMAP, or give poses (--model)."});
   else
     findings.fact(fmt::format("poses: {}", colmap.version));
   int major = 0, minor = 0;

@@ -208,7 +208,7 @@ void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
              Findings& findings, const Context& context) {
   try {
     const BuildOptions build = buildOptionsOf(choices, folder, context);
-    const fs::path file = posesFile(build);
+    const fs::path file = build.model;
     if (file.empty()) {
       findings.fact("no poses near the photographs: ibr build estimates poses with the program COLMAP");
       return;

@@ -136,7 +136,7 @@ class LeaveOneOut {
     fs::remove_all(build.output);
     const BuildReport report = ibr::build(build, [&](const Progress&) { return progress.show(place); });
     refined_ = !report.refinement.poseChanges.empty();
-    if (refined_) build.model = build.output / ".refined", build.transforms.clear(), build.panoramas.clear();
+    if (refined_) build.model = build.output / ".refined";
     for (const auto& cell : report.cells) ++(cell.cached ? counts_.shared : counts_.matched);
     const Scene scene = loadScene(build.output);
     check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without this photograph");
@@ -171,12 +171,8 @@ class LeaveOneOut {
 ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choices,
                      const EvaluationOptions& evaluation, const Context& context) {
   BuildOptions build = buildOptionsOf(choices, options.photographs, context);
-  const fs::path poses = !build.panoramas.empty()    ? build.panoramas
-                         : !build.transforms.empty() ? build.transforms
-                                                     : build.model;
-  check(!poses.empty(), ErrorCode::invalidInput,
-        "{}: --leave-one-out needs poses of all photographs; give a COLMAP model with --model, or --transforms",
-        options.photographs);
+  check(!build.model.empty(), ErrorCode::invalidInput,
+        "{}: --leave-one-out needs poses of all photographs; give them with --model", options.photographs);
   const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // placeholder: the key is not known yet
   build.output = options.work.empty() ? anywhere : fs::path(options.work);
   const std::uint64_t key = keyOf(options, build, PosedPhotographs(build, context.log()), context);
@@ -214,7 +210,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   Json about{{"device", run.device()},
              {"settings", settingsJson(evaluation.settings, evaluation.gpuScene)},
              {"photographs", options.photographs},
-             {"model", poses.string()},
+             {"model", build.model.string()},
              {"cellsMatched", run.counts().matched},
              {"cellsShared", run.counts().shared},
              {"posesRefined", run.counts().refined}};

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/check.h"
@@ -14,7 +13,6 @@
 #include "ibr/author/poses.h"
 #include "io/image_file.h"
 #include "shared/draw/picture_record.h"
-#include "shared/json/json_text.h"
 
 namespace fs = std::filesystem;
 
@@ -66,12 +64,6 @@ std::optional<fs::path> otherEye(const fs::path& picture) {
   return std::nullopt;
 }
 
-// True for the format of nerfstudio and instant-ngp: an object with "frames".
-bool isTransforms(const fs::path& file) {
-  const nlohmann::ordered_json json = jsonOrDiscarded(readTextFile(file));
-  return json.is_object() && json.contains("frames");
-}
-
 }  // namespace
 
 bool holdsColmapModel(const fs::path& folder) {
@@ -81,7 +73,7 @@ bool holdsColmapModel(const fs::path& folder) {
 
 bool isWalk(const fs::path& poses) {
   std::error_code ignored;
-  return !fs::is_directory(poses, ignored) && (isImageFile(poses) || !isTransforms(poses));
+  return !fs::is_directory(poses, ignored) && (isImageFile(poses) || !poseFormatOf(poses));
 }
 
 std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCallback& log, bool stereo) {
@@ -92,7 +84,7 @@ std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCa
     if (const auto other = stereo ? otherEye(poses) : std::nullopt) views.push_back(viewIn(*other, size));
     return views;
   }
-  if (!folder && !isTransforms(poses)) {
+  if (!folder && !poseFormatOf(poses)) {
     CameraPath path = readCameraPath(poses);
     if (size.width > 0) {
       path.width = size.width;
@@ -101,7 +93,7 @@ std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCa
     return frames(path);
   }
   std::vector<View> views;
-  for (PosedImage& image : (folder ? readColmapModel(poses, log) : readTransforms(poses)).images) {
+  for (PosedImage& image : readPoseFile(poses, {}, log).images) {
     if (size.width > 0) image.camera.intrinsics = withSize(image.camera.intrinsics, size);
     views.push_back({std::move(image.name), image.camera});
   }

@@ -13,8 +13,8 @@
 
 namespace ibr::app {
 
-/// Reads views from a COLMAP model's folder, transforms.json, a camera path, or an image with a record, which names
-/// the view. With `stereo`, an image NAME_l or NAME_r comes with the other eye's, which must be in the same folder.
+/// Reads views from poses in any format of readPoseFile, a camera path, or an image with a record, which names the
+/// view. With `stereo`, an image NAME_l or NAME_r comes with the other eye's, which must be in the same folder.
 /// Distorted cameras give the views of the undistorted photographs. A size other than 0 replaces the poses' size: the
 /// vertical field of view is kept and pixels keep their shape. Throws Error.
 std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log,

@@ -5,7 +5,7 @@ namespace ibr::app {
 
 void declareRenderedViews(CLI::App& app, RenderedViews& views) {
   const Option poses =
-      addOption(app, "--poses", views.poses, "COLMAP model's folder, transforms.json, camera path or image")
+      addOption(app, "--poses", views.poses, "Poses in any format of ibr build --model, camera path or image")
           .type("FILE|DIR");
   poses.excludes(addAutoPath(app, views.autoFrames));
   addOption(app, "-o,--output", views.output, "Folder for the images; created if missing").required().type("DIR");

@@ -17,7 +17,7 @@ const Command kHtmRenderCommand{
         "ibr htm render sequence --poses path.json --smooth 0.2 -o pictures\n"
         "ibr htm render sequence --path auto:90 --time 1.5 -o pictures",
     .details =
-        "--poses takes a COLMAP model's folder, transforms.json, a camera path, or an image that\n"
+        "--poses takes poses in any format of ibr build --model, a camera path, or an image that\n"
         "ibr has written (see ibr render --help). Images are named after the poses, and\n"
         "transparent outside the object.\n"
         "For 3D video, the times of a path select the frames; after the last frame, the video\n"

@@ -170,7 +170,7 @@ const Command kRenderCommand{
         "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures\n"
         "ibr render model --path auto:90 -o pictures",
     .details =
-        "--poses takes a COLMAP model's folder, transforms.json, or a camera path:\n"
+        "--poses takes poses in any format of ibr build --model, or a camera path:\n"
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
         "Cameras look along -z, y up. Images are named after the poses.\n"

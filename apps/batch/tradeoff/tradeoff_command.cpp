@@ -31,8 +31,7 @@ void declareViews(CLI::App& app, const SharedOptions& options) {
   addInt(app, "--shrink", options->shrink, 1, 64, "Factor by which the truth's images are reduced: means of N × N px")
       .needs(truth);
   addOption(app, "--poses,--views", options->poses,
-            "File or folder of further views: COLMAP model, "
-            "transforms.json or camera path")
+            "File or folder of further views: poses in any format of ibr build --model, or camera path")
       .type("FILE");
   addAutoPath(app, options->autoViews);
   addSize(app, "--size", options->size,

@@ -33,7 +33,7 @@ Words posesIn(const fs::path& folder) {
   for (const char* model : {"sparse/0", "sparse"})
     for (const char* images : {"images.bin", "images.txt"})
       if (fs::exists(folder / model / images)) return {"--model", (folder / model).string()};
-  if (fs::exists(folder / "transforms.json")) return {"--transforms", (folder / "transforms.json").string()};
+  if (fs::exists(folder / "transforms.json")) return {"--model", (folder / "transforms.json").string()};
   return {};
 }
 

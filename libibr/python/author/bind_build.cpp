@@ -51,14 +51,10 @@ RefinedModel refined(const BuildOptions& options, const py::object& progress) {
 
 void bindOptions(py::module_& module) {
   using O = BuildOptions;
-  Record<O>(module, "BuildOptions",
-            "Options of a build. At most one of model, transforms and panoramas may be set; without any, the program "
-            "COLMAP estimates the poses.")
+  Record<O>(module, "BuildOptions", "Options of a build. Without a model, the program COLMAP estimates the poses.")
       .field("photographs", &O::photographs, "Folder that the model's image names are relative to")
       .field("output", &O::output, "Scene folder, created if missing")
-      .field("model", &O::model, "COLMAP model folder, or None")
-      .field("transforms", &O::transforms, "transforms.json, or None")
-      .field("panoramas", &O::panoramas, "File of read_panoramas(), or None")
+      .field("model", &O::model, "Poses, for read_pose_file(), or None")
       .field("colmap", &O::colmap, "Program that estimates missing poses")
       .field("exclude", &O::exclude, "Names of images to leave out")
       .field("orientation", &O::orientation, "Orientation")

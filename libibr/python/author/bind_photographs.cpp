@@ -22,9 +22,8 @@ std::size_t indexOf(const PosedPhotographs& photographs, std::size_t image) {
 void bindPanoramas(py::module_& module) {
   using O = SplitOptions;
   Record<O>(module, "SplitOptions", "Options of split_panoramas().")
-      .field("input", &O::input, "A panorama at the origin; with model or panoramas: folder of their images")
-      .field("model", &O::model, "COLMAP model folder, or None")
-      .field("panoramas", &O::panoramas, "File of read_panoramas(), or None")
+      .field("input", &O::input, "A panorama at the origin; with model: folder of its images")
+      .field("model", &O::model, "Poses, for read_pose_file(), or None")
       .field("output", &O::output, "Created if missing; gets images/ and sparse/")
       .field("views", &O::views, "Number of views around the horizon; 0: cube faces")
       .field("poles", &O::poles, "Adds the faces up and down to views around the horizon")

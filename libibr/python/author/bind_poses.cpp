@@ -67,6 +67,13 @@ void bindPoses(py::module_& module) {
 
   const auto released = py::call_guard<py::gil_scoped_release>();
   module.def(
+      "read_pose_file",
+      [](const fs::path& path, const std::optional<fs::path>& photographs) {
+        return readPoseFile(path, photographs.value_or(fs::path()), logToPython());
+      },
+      py::arg("path"), py::arg("photographs") = py::none(), released,
+      "Reads poses in any format, recognised by content. Names are paths below `photographs`, else the file's.");
+  module.def(
       "read_colmap_model", [](const fs::path& folder) { return readColmapModel(folder, logToPython()); },
       py::arg("folder"), released, "Reads a COLMAP model (text or binary) from a folder.");
   module.def(

@@ -80,12 +80,9 @@ struct BuildPrediction {
                                        // earlier build takes
 };
 
-/// At most one of model, transforms and panoramas may be set. If none is, estimatePoses provides the model.
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that the model's image names are relative to
-  std::filesystem::path model;        // COLMAP model folder
-  std::filesystem::path transforms;   // file for readTransforms
-  std::filesystem::path panoramas;    // file for readPanoramas
+  std::filesystem::path model;        // poses, for readPoseFile; empty: estimatePoses provides them
   std::string colmap = "colmap";      // program that estimatePoses runs
   std::filesystem::path output;       // scene folder, created if missing
   std::vector<std::string> exclude;   // names of images to leave out, e.g. held out for evaluation; may include
@@ -169,10 +166,7 @@ struct BuildReport {
   double memory = 0;  // peak of the process, bytes
 };
 
-/// Returns the file or folder of the poses. Throws Error{invalidInput} if the options name several.
-std::filesystem::path posesFile(const BuildOptions& options);
-
-/// Reads the poses from posesFile(options), of any kind. Throws Error.
+/// Reads the poses of BuildOptions::model with readPoseFile. Throws Error.
 PosedModel readPoses(const BuildOptions& options, const LogCallback& log);
 
 /// Builds a scene folder. Each depth map, cell and mesh is cached once finished: a stopped build that is called again

@@ -122,8 +122,8 @@ HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> pho
 
 struct HtmBuildOptions {
   std::filesystem::path mesh;        // PLY, OBJ or glTF, in the model's world
-  std::filesystem::path model;       // COLMAP model folder
-  std::filesystem::path images;      // folder that the COLMAP model's image names are relative to
+  std::filesystem::path model;       // poses, for readPoseFile
+  std::filesystem::path images;      // folder that the poses' image names are relative to
   std::filesystem::path masks;       // folder with a mask for each image (of a.jpg: a.jpg.png or a.png); empty: none
   std::filesystem::path output;      // folder of the harmonised model; created if missing
   std::vector<std::string> exclude;  // names of images to leave out

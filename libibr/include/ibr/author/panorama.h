@@ -58,14 +58,13 @@ int faceSize(int panoramaWidth, double fovRadians);
 enum class ImageFileFormat : std::uint8_t { asSource, jpeg, png };  // asSource: JPEG for a JPEG, else PNG
 
 struct SplitOptions {
-  std::filesystem::path input;      // a panorama, placed at the origin; with model or panoramas: folder of their images
-  std::filesystem::path model;      // COLMAP model folder
-  std::filesystem::path panoramas;  // file for readPanoramas (ibr/author/poses.h), instead of model
-  std::filesystem::path output;     // created if missing; gets images/ and sparse/
-  int views = 0;                    // number of views around the horizon; 0: cube faces
-  bool poles = false;               // adds the faces up and down to views around the horizon
-  double fovDegrees = 105;          // of a face, in x and in y; above 90, cube faces overlap
-  int size = 0;                     // of a face, px; 0: faceSize()
+  std::filesystem::path input;   // a panorama, placed at the origin; with model: folder of its images
+  std::filesystem::path model;   // poses, for readPoseFile (ibr/author/poses.h)
+  std::filesystem::path output;  // created if missing; gets images/ and sparse/
+  int views = 0;                 // number of views around the horizon; 0: cube faces
+  bool poles = false;            // adds the faces up and down to views around the horizon
+  double fovDegrees = 105;       // of a face, in x and in y; above 90, cube faces overlap
+  int size = 0;                  // of a face, px; 0: faceSize()
   ImageFileFormat format = ImageFileFormat::asSource;
   int threads = 0;  // maximum; 0: all cores; the images do not depend on it
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera poses and sparse points: read from files, or estimated by the program COLMAP. Needs ibr::author.
+// Camera poses and sparse points: read from the files of many programs, or estimated by the program COLMAP. Needs
+// ibr::author.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +36,33 @@ struct PosedModel {
   std::vector<Track> tracks;
 };
 
+/// Formats of poses, recognised by content. Conventions and supported lenses of each: docs/poses.md.
+enum class PoseFormat : std::uint8_t {
+  colmap,      // folder for readColmapModel
+  transforms,  // file for readTransforms
+  panoramas,   // file for readPanoramas
+  bundler,     // bundle.out, with the names in list.txt beside it
+  nvm,         // NVM_V3 of VisualSFM
+  openMvg,     // sfm_data.json
+  openSfm,     // reconstruction.json of OpenSfM and ODM, with tracks.csv beside it
+  metashape,   // cameras as XML
+  realityCsv,  // "Internal/External camera parameters" of RealityScan and RealityCapture
+  realityXmp,  // folder of their XMP sidecars
+};
+const char* poseFormatName(PoseFormat format);
+
+/// Format of a file or folder; nullopt if it is in none. Throws Error{io} if it cannot be read.
+std::optional<PoseFormat> poseFormatOf(const std::filesystem::path& path);
+
+/// Reads poses in any PoseFormat. Names become those of the photographs in the folder `photographs`: the longest end of
+/// the file's path that exists there, with or without extension; else the only photograph with the path's file name, or
+/// with its stem. Images without a photograph keep their name in the file. Bundler, NVM and RealityScan files hold no
+/// sizes: their photographs are required, in `photographs` or else in the file's folder. Distorted cameras become
+/// pinholes, as in readColmapModel; a term that no LensModel has exactly throws Error{unsupported}. Throws Error (io,
+/// invalidInput) that names file and field.
+PosedModel readPoseFile(const std::filesystem::path& path, const std::filesystem::path& photographs = {},
+                        const LogCallback& log = {}, Border border = Border::crop);
+
 /// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. Supports all camera models of COLMAP
 /// 3.8, and EQUIRECTANGULAR (number 17 in binary files; parameters width and height, optional in text files). Other
 /// models throw Error{unsupported} that names the camera. A distorted camera becomes the pinhole of its undistorted
@@ -62,10 +90,9 @@ PosedModel readPanoramas(const std::filesystem::path& file);
 /// Reads transforms.json of nerfstudio or instant-ngp: frames with file_path and transform_matrix (camera to world; x
 /// right, y up, looking along −z). Intrinsics are in the frame or, for all frames, at the top level: w, h, fl_x, fl_y,
 /// cx, cy, camera_angle_x, camera_angle_y, k1 … k4, p1, p2, camera_model (OPENCV, the default; OPENCV_FISHEYE, PINHOLE,
-/// EQUIRECTANGULAR). An image's name is its path below `photographs`; file_path, with or without extension, is relative
-/// to this folder or the file's, and w and h are optional. Without `photographs`, the name is file_path. Distorted
-/// cameras become pinholes, as in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with the JSON
-/// pointer of the fault. Faults include missing photographs, and matrices that scale or shear by more than 1e-3.
+/// EQUIRECTANGULAR). Names are those of readPoseFile. w and h are optional if the photograph is in `photographs`.
+/// Distorted cameras become pinholes, as in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with
+/// the JSON pointer of the fault. Faults include matrices that scale or shear by more than 1e-3.
 PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
                           Border border = Border::crop);
 

@@ -35,8 +35,6 @@ class BuildOptions:
     photographs: Final[pathlib.Path | None]
     output: Final[pathlib.Path | None]
     model: Final[pathlib.Path | None]
-    transforms: Final[pathlib.Path | None]
-    panoramas: Final[pathlib.Path | None]
     colmap: Final[str]
     exclude: Final[tuple[str, ...]]
     orientation: Final[Orientation]
@@ -63,7 +61,7 @@ class BuildOptions:
     seed: Final[int]
     def __init__(
         self, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
-        transforms: _StrPath | None = ..., panoramas: _StrPath | None = ..., colmap: str = ...,
+        colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
         mask_moving_objects: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
@@ -73,7 +71,7 @@ class BuildOptions:
     ) -> None: ...
     def replace(
         self, *, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
-        transforms: _StrPath | None = ..., panoramas: _StrPath | None = ..., colmap: str = ...,
+        colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
         mask_moving_objects: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
@@ -164,7 +162,6 @@ class SplitOptions:
     __match_args__: ClassVar[tuple[str, ...]]
     input: Final[pathlib.Path | None]
     model: Final[pathlib.Path | None]
-    panoramas: Final[pathlib.Path | None]
     output: Final[pathlib.Path | None]
     views: Final[int]
     poles: Final[bool]
@@ -189,6 +186,7 @@ def build(
 ) -> BuildReport: ...
 def refine_model_poses(options: BuildOptions, *, progress: _Progress | None = ...) -> RefinedModel: ...
 def read_poses(options: BuildOptions) -> PosedModel: ...
+def read_pose_file(path: _StrPath, photographs: _StrPath | None = ...) -> PosedModel: ...
 def read_colmap_model(folder: _StrPath) -> PosedModel: ...
 def read_transforms(file: _StrPath, photographs: _StrPath | None = ...) -> PosedModel: ...
 def read_panoramas(file: _StrPath) -> PosedModel: ...

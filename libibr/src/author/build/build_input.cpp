@@ -194,7 +194,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   input.model = readPoses(options, log);
   input.unknown = photographsNotInModel(input.model, options);
   removeImages(input.model, excludedNames(input.model, options));
-  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", posesFile(options).string());
+  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", options.model.string());
   findPhotographs(input, options);
   resolveOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);

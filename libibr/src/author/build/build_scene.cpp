@@ -48,7 +48,7 @@ class Builder {
   BuildReport run() {
     jobs_.step("reading the model", 0, 1);
     input_ = readInput(options_, log_);
-    report_.poses = posesFile(options_);
+    report_.poses = options_.model;
     const SingleThreadedOpenCv quiet;
     if (!predict()) return std::move(report_);
     scene_.nodes = storePhotographs(input_, options_, jobs_);
@@ -111,7 +111,7 @@ class Builder {
   void refineByCells() {
     const fs::path folder = options_.output / ".refined";
     std::error_code ignored;
-    if (!fs::equivalent(folder, posesFile(options_), ignored)) fs::remove_all(folder, ignored);  // of an earlier build
+    if (!fs::equivalent(folder, options_.model, ignored)) fs::remove_all(folder, ignored);  // of an earlier build
     if (!input_.refine) return;
     makeCells({});
     refine();
@@ -301,7 +301,7 @@ class Builder {
 
 // Adds estimated poses to options without poses.
 BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const LogCallback& log) {
-  if (!posesFile(options).empty()) return options;
+  if (!options.model.empty()) return options;
   options.model = estimatePoses({.photographs = options.photographs,
                                  .folder = options.output / ".poses",
                                  .program = options.colmap,
@@ -337,7 +337,7 @@ BuildReport build(const BuildOptions& requested, const ProgressCallback& progres
     log(LogLevel::info, fmt::format("{}: {}", options.photographs.string(), countText(folder)));
   }
   const double before = cpuSeconds();
-  if (posesFile(options).empty() && options.onPrediction) {
+  if (options.model.empty() && options.onPrediction) {
     const SingleThreadedOpenCv quiet;
     BuildReport cancelled;
     cancelled.prediction = predictWithoutPoses(options);

@@ -48,7 +48,7 @@ Image8 loadObjectMask(Photograph photograph, const fs::path& file) {
 }
 
 PosedModel chosenModel(const HtmBuildOptions& options, const LogCallback& log) {
-  PosedModel model = readColmapModel(options.model, log);
+  PosedModel model = readPoseFile(options.model, options.images, log);
   std::set<std::string> unknown(options.exclude.begin(), options.exclude.end());
   std::erase_if(model.images, [&](const PosedImage& image) {
     unknown.erase(image.name);

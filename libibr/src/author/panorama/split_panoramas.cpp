@@ -84,9 +84,9 @@ class Splitter {
   }
 
   void readInput() {
-    if (options_.model.empty() && options_.panoramas.empty()) {
+    if (options_.model.empty()) {
       check(!fs::is_directory(options_.input), ErrorCode::invalidInput,
-            "{}: is a folder; to split all panoramas in it, give their poses as a COLMAP model or a file of panoramas",
+            "{}: is a folder; to split all panoramas in it, give their poses with the option model",
             options_.input.string());
       const ImageFileInfo info = probeImage(options_.input);
       Camera camera;
@@ -96,7 +96,7 @@ class Splitter {
       return;
     }
     check(fs::is_directory(options_.input), ErrorCode::io, "{}: is not a folder of panoramas", options_.input.string());
-    input_ = options_.panoramas.empty() ? readColmapModel(options_.model, log_) : readPanoramas(options_.panoramas);
+    input_ = readPoseFile(options_.model, options_.input, log_);
     folder_ = options_.input;
     std::vector<std::optional<std::uint32_t>> now(input_.images.size());
     std::vector<PosedImage> panoramas;
@@ -109,8 +109,7 @@ class Splitter {
       }
     }
     input_.images = std::move(panoramas);
-    check(!input_.images.empty(), ErrorCode::invalidInput, "{}: has no panorama",
-          (options_.panoramas.empty() ? options_.model : options_.panoramas).string());
+    check(!input_.images.empty(), ErrorCode::invalidInput, "{}: has no panorama", options_.model.string());
     for (Track& track : input_.tracks) {
       std::erase_if(track.observations, [&](const TrackObservation& o) { return !now[o.image]; });
       for (TrackObservation& o : track.observations) o.image = *now[o.image];

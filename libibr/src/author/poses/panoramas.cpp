@@ -11,10 +11,8 @@
 #include <string>
 
 #include "author/geometry/world_to_camera.h"
+#include "author/poses/pose_source.h"
 #include "base/check.h"
-#include "base/file.h"
-#include "ibr/author/poses.h"
-#include "scene/json_check.h"
 
 namespace ibr {
 namespace {
@@ -69,12 +67,14 @@ Pose poseOf(const JsonValue& entry) {
   return pose;
 }
 
-PosedModel modelOf(const JsonValue& json) {
+}  // namespace
+
+PosedModel readPanoramas(PoseSource& source) {
+  const JsonValue json(source.json);
   Intrinsics intrinsics;
   intrinsics.model = CameraModel::equirectangular;
-  constexpr int kMaxSizePx = 1 << 16;
-  intrinsics.width = int(json["width"].integer(1, kMaxSizePx));
-  intrinsics.height = int(json["height"].integer(1, kMaxSizePx));
+  intrinsics.width = int(json["width"].integer(1, kMaxPoseImageSide));
+  intrinsics.height = int(json["height"].integer(1, kMaxPoseImageSide));
   const JsonValue list = json["panoramas"];
   if (list.size() == 0) list.fault("has no panorama");
   PosedModel model;
@@ -94,21 +94,7 @@ PosedModel modelOf(const JsonValue& json) {
       for (std::size_t k = 0; k < 3; ++k) triangles.at(t).at(k).index(list.size());
     }
   }
-  std::ranges::sort(model.images, {}, &PosedImage::name);
   return model;
-}
-
-}  // namespace
-
-PosedModel readPanoramas(const std::filesystem::path& file) {
-  const std::string text = readTextFile(file);
-  try {
-    const nlohmann::json document = parseJson(text);
-    return modelOf(JsonValue(document));
-  } catch (const JsonFault& fault) {
-    fail(ErrorCode::invalidInput, "{}: {}{}{}", file.string(), fault.pointer(), fault.pointer().empty() ? "" : ": ",
-         fault.what());
-  }
 }
 
 }  // namespace ibr

@@ -10,18 +10,14 @@
 #include <set>
 #include <string>
 
+#include "author/poses/pose_source.h"
 #include "base/check.h"
-#include "base/file.h"
-#include "ibr/author/poses.h"
 #include "io/image_file.h"
-#include "scene/json_check.h"
 
 namespace ibr {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr double kRounding = 1e-3;  // tolerance for rotations
-constexpr int kMaxSizePx = 1 << 16;
 
 Pose poseOf(const JsonValue& matrix) {
   if (matrix.size() != 4 && matrix.size() != 3) matrix.fault(fmt::format("has {} rows, not 4", matrix.size()));
@@ -73,8 +69,8 @@ std::optional<int> sizeOf(const Fields& fields, const char* key) {
   const auto value = fields.find(key);
   if (!value) return std::nullopt;
   const double size = value->number();
-  if (!(size >= 1 && size <= kMaxSizePx && size == std::floor(size)))
-    value->fault(fmt::format("{} is not a whole number from 1 to {}", size, kMaxSizePx));
+  if (!(size >= 1 && size <= kMaxPoseImageSide && size == std::floor(size)))
+    value->fault(fmt::format("{} is not a whole number from 1 to {}", size, kMaxPoseImageSide));
   return int(size);
 }
 
@@ -134,36 +130,16 @@ void setCamera(PosedImage& image, const Fields& fields, int width, int height, B
                     model));
   }
   try {
-    const Lens lens(lensModel, width, height, parameters);
-    if (!lens.distorts()) return;
-    k = undistorted(lens, border);
-    image.lens = lens;
+    setLens(image, lensModel, width, height, parameters, border);
   } catch (const Error& e) {
     fields.frame().fault(e.what());
   }
 }
 
-// Returns the image's name below the photographs' folder. Its path is relative to that folder or, more often, to the
-// file's own folder, and may lack its extension.
-std::optional<std::string> nameBelow(const fs::path& photographs, const fs::path& folder, const fs::path& path) {
-  const fs::path root = fs::weakly_canonical(photographs);
-  for (const fs::path& start : {folder / path, photographs / path, photographs / path.filename()})
-    for (const char* extension : {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG", ".tif", ".tiff"}) {
-      const fs::path candidate = start.string() + extension;
-      std::error_code ignored;
-      if (!fs::is_regular_file(candidate, ignored)) continue;
-      const fs::path below = fs::weakly_canonical(candidate).lexically_relative(root);
-      if (!below.empty() && *below.begin() != "..") return below.generic_string();
-    }
-  return std::nullopt;
-}
+}  // namespace
 
-std::string plainName(const fs::path& path) {
-  const fs::path normal = path.lexically_normal();
-  return (normal.is_absolute() || *normal.begin() == ".." ? normal.filename() : normal).generic_string();
-}
-
-PosedModel modelOf(const JsonValue& json, const fs::path& file, const fs::path& photographs, Border border) {
+PosedModel readTransforms(PoseSource& source) {
+  const JsonValue json(source.json);
   const JsonValue frames = json["frames"];
   if (frames.size() == 0) frames.fault("has no frame");
   PosedModel model;
@@ -174,40 +150,24 @@ PosedModel modelOf(const JsonValue& json, const fs::path& file, const fs::path& 
     const JsonValue path = frame["file_path"];
     if (path.string().empty()) path.fault("is empty");
     PosedImage image;
-    if (photographs.empty()) {
-      image.name = plainName(path.string());
-    } else {
-      const auto name = nameBelow(photographs, file.parent_path(), path.string());
-      if (!name) path.fault(fmt::format("\"{}\": no such photograph in {}", path.string(), photographs.string()));
-      image.name = *name;
-    }
-    if (!names.insert(image.name).second) path.fault(fmt::format("\"{}\" appears twice", image.name));
+    image.name = path.string();
+    if (!names.insert(plainName(image.name)).second) path.fault(fmt::format("\"{}\" appears twice", image.name));
     auto width = sizeOf(fields, "w"), height = sizeOf(fields, "h");
-    if ((!width || !height) && !photographs.empty()) {
-      const ImageFileInfo info = probeImage(photographs / image.name);
+    if ((!width || !height) && !source.photographs.folder().empty()) {
+      const auto name = source.photographs.find(image.name);
+      if (!name)
+        path.fault(
+            fmt::format("\"{}\": no such photograph in {}", path.string(), source.photographs.folder().string()));
+      const ImageFileInfo info = probeImage(source.photographs.folder() / *name);
       width = width.value_or(info.width);
       height = height.value_or(info.height);
     }
     if (!width || !height) frame.fault("has no size: set w and h in the frame or in the file");
     image.camera.pose = poseOf(frame["transform_matrix"]);
-    setCamera(image, fields, *width, *height, border);
+    setCamera(image, fields, *width, *height, source.border);
     model.images.push_back(std::move(image));
   }
-  std::ranges::sort(model.images, {}, &PosedImage::name);
   return model;
-}
-
-}  // namespace
-
-PosedModel readTransforms(const fs::path& file, const fs::path& photographs, Border border) {
-  const std::string text = readTextFile(file);
-  try {
-    const nlohmann::json document = parseJson(text);
-    return modelOf(JsonValue(document), file, photographs, border);
-  } catch (const JsonFault& fault) {
-    fail(ErrorCode::invalidInput, "{}: {}{}{}", file.string(), fault.pointer(), fault.pointer().empty() ? "" : ": ",
-         fault.what());
-  }
 }
 
 }  // namespace ibr

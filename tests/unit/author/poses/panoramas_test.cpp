@@ -204,7 +204,7 @@ TEST_CASE("build finds the images of panoramas and makes one cell of three") {
     {"name": "images/c.png", "position": [0.4, 0, 0.8], "q_world_to_camera_wxyz": [1, 0, 0, 0]}]})");
   BuildOptions options;
   options.photographs = folder.path();
-  options.panoramas = folder / "panoramas.json";
+  options.model = folder / "panoramas.json";
   options.output = folder / "scene";
   const auto codeAndMessage = [&] {
     try {
@@ -220,7 +220,7 @@ TEST_CASE("build finds the images of panoramas and makes one cell of three") {
   SyntheticOptions room;
   room.planes = roomPlanes({-3, -2, -3}, {4, 2, 4}, 0.5);
   room.surfaceStep = 2;
-  const PosedModel model = readPanoramas(options.panoramas);
+  const PosedModel model = readPanoramas(options.model);
   for (const PosedImage& image : model.images) room.cameras.push_back(image.camera);
   const SyntheticScene truth = makeScene(room);
   fs::create_directories(folder / "images");
