@@ -173,8 +173,10 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
 }
 
 ExitCode buildScene(const Options& options, const Context& context) {
-  const auto photographs =
-      photographsOf(options.photographs, options.output, std::size_t(options.videoFrames), context);
+  VideoOptions video;
+  video.frames = std::size_t(options.videoFrames);
+  video.keepMetadata = !options.choices.build.stripMetadata;
+  const std::filesystem::path photographs = photographsOf(options.photographs, options.output, video, context);
   BuildOptions build = buildOptionsOf(options.choices, photographs, context);
   build.output = options.output;
   build.onPrediction = [&](const BuildPrediction& prediction) {

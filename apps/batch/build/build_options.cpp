@@ -72,6 +72,9 @@ void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
       "points [auto]");
   addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
                   "auto: first refine poses where points confirm the refinement, as ibr refine does [off]");
+  addFlag(
+      app, "--strip-metadata", choices.build.stripMetadata,
+      "Store photographs without metadata such as location, time and camera; colour profile and orientation are kept");
   addFlag(app, "--keep-border", choices.build.keepBorder,
           "Keep all pixels of photographs with lens distortion; pixels without content are black and in no mesh "
           "[crop to the largest full rectangle]");

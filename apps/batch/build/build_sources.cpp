@@ -34,11 +34,9 @@ void linkTo(const fs::path& folder, const fs::path& link) {
   check(!error, ErrorCode::io, "{}: the link cannot be made: {}", link.string(), error.message());
 }
 
-void extract(const fs::path& video, const fs::path& folder, std::size_t frames, const Context& context) {
-  VideoOptions options;
+void extract(VideoOptions options, const fs::path& video, const fs::path& folder, const Context& context) {
   options.video = video;
   options.folder = folder;
-  options.frames = frames;
   ProgressLine progress(context);
   const VideoFrames found = extractFrames(options, progress.callback(), context.log());
   std::size_t blurred = 0;
@@ -49,7 +47,7 @@ void extract(const fs::path& video, const fs::path& folder, std::size_t frames, 
 
 }  // namespace
 
-fs::path photographsOf(const std::vector<std::string>& sources, const fs::path& scene, std::size_t frames,
+fs::path photographsOf(const std::vector<std::string>& sources, const fs::path& scene, const VideoOptions& options,
                        const Context& context) {
   check(!sources.empty(), ErrorCode::invalidInput, "no folder of photographs and no video is given");
   for (const std::string& source : sources)
@@ -64,7 +62,7 @@ fs::path photographsOf(const std::vector<std::string>& sources, const fs::path& 
     if (fs::is_directory(source))
       linkTo(source, all / name);
     else
-      extract(source, all / name, frames, context);
+      extract(options, source, all / name, context);
   }
   for (const auto& entry : fs::directory_iterator(all))  // of an earlier build of other sources
     if (!used.contains(entry.path().filename().string())) fs::remove_all(entry.path());

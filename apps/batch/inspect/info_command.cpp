@@ -12,6 +12,7 @@
 #include "batch/command.h"
 #include "batch/inspect/advice_report.h"
 #include "batch/inspect/depth_pictures.h"
+#include "batch/inspect/metadata_report.h"
 #include "batch/inspect/model_info.h"
 #include "batch/inspect/unused_photographs.h"
 #include "batch/pictures/picture_info.h"
@@ -269,6 +270,9 @@ ExitCode showScene(const Options& options, const Context& context) {
   };
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);
+  const MetadataReport metadata = metadataReport(scene);
+  context.print("{}", metadata.text);
+  report["metadata"] = metadata.json;
   if (const double kept = folderBytes(scene.folder / ".build"); kept > 0) {
     context.print("cache        {} in .build for further builds; may be deleted\n", bytesText(kept));
     report["cacheBytes"] = kept;

@@ -65,6 +65,7 @@ void bindOptions(py::module_& module) {
       .field("refine_poses", &O::refinePoses, "Poses are refined where points confirm it")
       .field("mask_moving_objects", &O::maskMovingObjects,
              "Moving objects are masked where another photograph shows more")
+      .field("strip_metadata", &O::stripMetadata, "Stored photographs keep only their colour profile and orientation")
       .field("keep_border", &O::keepBorder, "Undistorted photographs keep all photographed pixels")
       .field("dimension", &O::dimension, "Of the cells at most: 1 lines, 2 triangles, 3 tetrahedra; 0: as cameras span")
       .field("max_size", &O::maxSize, "Longest side of stored photographs, px; 0: unchanged")

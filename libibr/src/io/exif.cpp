@@ -44,6 +44,19 @@ class Directory {
   }
 
   bool has(std::uint32_t tag) const { return find(tag).has_value(); }
+
+  std::vector<std::uint16_t> numbers() const {
+    std::vector<std::uint16_t> all;
+    for (std::uint32_t i = 0; i < entries_; ++i) {
+      const auto number = fields_.read(at_ + 2 + 12 * std::size_t(i), 2);
+      if (!number) break;
+      all.push_back(std::uint16_t(*number));
+    }
+    return all;
+  }
+  // Offset of the next directory.
+  std::optional<std::uint32_t> next() const { return fields_.read(at_ + 2 + 12 * std::size_t(entries_), 4); }
+
   std::uint32_t byte(std::uint32_t tag) const {
     const auto entry = find(tag);
     return entry ? fields_.read(*entry + 8, 1).value_or(0) : 0;
@@ -137,6 +150,20 @@ std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
 }
 
 }  // namespace
+
+std::vector<ExifTag> exifTags(std::span<const std::byte> tiff) {
+  std::vector<ExifTag> tags;
+  const auto fields = fieldsOf(tiff);
+  if (!fields) return tags;
+  const auto add = [&](const Directory& directory, bool preview) {
+    for (const std::uint16_t number : directory.numbers()) tags.push_back({number, preview});
+  };
+  const Directory first(*fields, *fields->read(4, 4));
+  add(first, false);
+  if (const auto at = first.integer(kExif)) add(Directory(*fields, *at), false);
+  if (const auto at = first.next(); at.value_or(0) > 0) add(Directory(*fields, *at), true);
+  return tags;
+}
 
 bool isRawTiff(std::span<const std::byte> file) {
   const auto fields = fieldsOf(file);

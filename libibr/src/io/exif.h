@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,6 +22,13 @@ struct Exif {
 /// Reads an EXIF block that starts with its TIFF header ("II*" or "MM*"), or a TIFF file. Missing or damaged entries
 /// are ignored: metadata never make a photograph unreadable.
 Exif readExif(std::span<const std::byte> tiff);
+
+struct ExifTag {
+  std::uint16_t number = 0;
+  bool preview = false;  // of the directory that describes the preview image
+};
+/// Tags of the first directory, the Exif directory and the preview's directory, in this order.
+std::vector<ExifTag> exifTags(std::span<const std::byte> tiff);
 
 /// An EXIF block of what is known, with orientation 1: the inverse of readExif.
 std::vector<std::byte> exifBlock(const CaptureMetadata& capture, const std::optional<GeoLocation>& location = {});

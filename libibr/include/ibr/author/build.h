@@ -96,6 +96,8 @@ struct BuildOptions {
   bool refinePoses = false;     // poses are refined where points confirm it (PoseRefinement); the refined model is
                                 // written to ".refined" in the output
   bool maskMovingObjects = false;  // moving objects are masked where another photograph shows the background
+  bool stripMetadata = false;  // stored photographs keep only their colour profile and orientation, and the scene no
+                               // capture metadata
   bool keepBorder = false;  // undistorted photographs keep all photographed pixels (Border::keep); meshes leave out the
                             // black border
   int dimension = 0;        // maximum of the cells: 1 lines, 2 triangles, 3 tetrahedra; 0: what the cameras span

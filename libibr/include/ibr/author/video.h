@@ -35,8 +35,9 @@ struct VideoOptions {
   std::filesystem::path folder;   // of the frames; created if missing
   std::string ffmpeg = "ffmpeg";  // programs, looked up in PATH unless they contain a folder
   std::string ffprobe = "ffprobe";
-  std::size_t frames = 0;  // number of frames to choose, about; 0: by motion, 40 to 80 a minute while the
-                           // camera moves
+  bool keepMetadata = true;  // frames get EXIF of the camera and the location
+  std::size_t frames = 0;    // number of frames to choose, about; 0: by motion, 40 to 80 a minute while the
+                             // camera moves
 };
 
 struct VideoFrames {

@@ -44,6 +44,7 @@ class BuildOptions:
     fit_vignetting: Final[bool]
     refine_poses: Final[bool]
     mask_moving_objects: Final[bool]
+    strip_metadata: Final[bool]
     keep_border: Final[bool]
     dimension: Final[int]
     max_size: Final[int]
@@ -64,7 +65,7 @@ class BuildOptions:
         colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
-        mask_moving_objects: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
+        mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,
         draft: bool = ..., backdrop_spacing: int = ..., cache_folder: _StrPath | None = ..., matcher: MatchMethod = ...,
         triangle_filter: TriangleFilter = ..., threads: int = ..., memory: float = ..., seed: int = ...
@@ -74,7 +75,7 @@ class BuildOptions:
         colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
-        mask_moving_objects: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
+        mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,
         draft: bool = ..., backdrop_spacing: int = ..., cache_folder: _StrPath | None = ..., matcher: MatchMethod = ...,
         triangle_filter: TriangleFilter = ..., threads: int = ..., memory: float = ..., seed: int = ...

@@ -197,6 +197,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", options.model.string());
   findPhotographs(input, options);
   resolveOrientations(input.model, options, input.photographs, log);
+  for (Photograph& photo : input.photographs) photo.stripped = options.stripMetadata;
   checkStoredNames(input.photographs);
   findMasks(input.photographs, options, log);
   input.tracksOf = tracksOfImages(input.model);

@@ -66,7 +66,8 @@ std::vector<Node> storePhotographs(BuildInput& input, const BuildOptions& option
   checkReadable(std::move(faults));
   std::vector<Node> nodes;
   for (const Photograph& photo : input.photographs)
-    nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile, photo.capture});
+    nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile,
+                     photo.stripped ? CaptureMetadata() : photo.capture});
   for (std::size_t n = 0; n < nodes.size(); ++n)
     if (const Photograph& photo = input.photographs[n]; !photo.storedMask.empty())
       nodes[n].maskFile = storedMaskFile(photo.name);

@@ -15,6 +15,7 @@
 #include "ibr/author/photographs.h"
 #include "ibr/texture.h"
 #include "io/image_file.h"
+#include "io/metadata.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -171,10 +172,11 @@ Image8 storePicture(const Photograph& photo, const fs::path& folder) {
   checkNotOverwritten(photo, folder);
   makeFolders(image.parent_path());
   Image8 picture = loadPhotograph(photo);
-  if (photo.copied)
-    writeFile(image, readFile(photo.source));
-  else
-    writeImage(image, picture, kJpegQuality);
+  if (photo.copied) {
+    const std::vector<std::byte> file = readFile(photo.source);
+    writeFile(image, photo.stripped ? withoutMetadata(file, photo.source.string()) : file);
+  }
+  if (!photo.copied) writeImage(image, picture, kJpegQuality);
   return picture;
 }
 

@@ -27,6 +27,7 @@ struct Photograph {
   double sourceBytes = 0;                        // additional memory while it is read
   std::optional<Lens> lens;                      // distortion to remove before storing, if any
   bool copied = false;                           // stored byte by byte
+  bool stripped = false;                         // copied without its metadata
   CaptureMetadata capture;                       // from the file's metadata
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size

@@ -26,8 +26,8 @@ constexpr const char* kIndexName = ".video.json";
 
 std::string keyOf(const VideoOptions& options) {
   const auto time = fs::last_write_time(options.video).time_since_epoch().count();
-  return fmt::format("{} {} {} {} {}", kVersion, fs::weakly_canonical(options.video).string(),
-                     fs::file_size(options.video), time, options.frames);
+  return fmt::format("{} {} {} {} {} {}", kVersion, fs::weakly_canonical(options.video).string(),
+                     fs::file_size(options.video), time, options.frames, options.keepMetadata);
 }
 
 std::string frameName(const fs::path& video, std::size_t number) {
@@ -105,7 +105,10 @@ VideoFrames extractFrames(const VideoOptions& options, const ProgressCallback& p
   std::size_t done = 0;
   file.colourFrames(numbers, [&](std::size_t number, const Image8& picture) {
     const std::string name = frameName(options.video, number);
-    writePhotograph(options.folder / name, picture, kJpegQuality, stream.info.capture, stream.info.location);
+    if (options.keepMetadata)
+      writePhotograph(options.folder / name, picture, kJpegQuality, stream.info.capture, stream.info.location);
+    else
+      writeImage(options.folder / name, picture, kJpegQuality);
     frames.chosen.push_back({name, number, sharpness[number]});
     return !progress || progress({"writing frames of the video", ++done, numbers.size()});
   });
