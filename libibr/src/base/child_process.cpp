@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxReads = 32;  // reads of 4096 bytes, twice a pipe's capacity, between shouldContinue calls
 constexpr std::size_t kMaxLineBytes = 64 * 1024;  // longer lines are passed on in pieces
+constexpr std::size_t kLastBytes = 2000;          // of a failed program's output, for the error
 
 class Descriptor {
  public:
@@ -35,6 +37,7 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
   ~Descriptor() { close(); }
   int get() const { return descriptor_; }
+  int release() { return std::exchange(descriptor_, -1); }
   void close() {
     if (descriptor_ >= 0) ::close(descriptor_);
     descriptor_ = -1;
@@ -67,12 +70,16 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 // A running program, leader of its own process group. The destructor ends the program.
 class Child {
  public:
-  Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int output) {
+  /// `input`: descriptor for stdin; −1: stdin is empty.
+  Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int output, int input = -1) {
     std::vector<std::string> copy = arguments;
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (input >= 0)
+      ::posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    else
+      ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
     ::posix_spawnattr_init(&attributes);
@@ -158,6 +165,78 @@ ChildResult runChild(const std::vector<std::string>& arguments,
   }
   if (!rest.empty()) line(rest);
   return {child.status(), false};
+}
+
+struct ChildWriter::State {
+  std::string name;
+  Descriptor input, output;
+  std::unique_ptr<Child> child;
+  std::string last;        // end of the program's output
+  bool outputOpen = true;  // the program may close its output and run on
+
+  void readOutput() {
+    char buffer[4096];
+    while (outputOpen) {
+      const ssize_t got = ::read(output.get(), buffer, sizeof(buffer));
+      if (got < 0) return;
+      outputOpen = got > 0;
+      last.append(buffer, std::size_t(got));
+      if (last.size() > kLastBytes) last.erase(0, last.size() - kLastBytes);
+    }
+  }
+  // Waits at most 100 ms for output, and for room in the input if `writes`.
+  void wait(bool writes) {
+    pollfd ends[2]{{writes ? input.get() : -1, POLLOUT, 0}, {outputOpen ? output.get() : -1, POLLIN, 0}};
+    ::poll(ends, 2, writes || outputOpen ? 100 : 20);
+    readOutput();
+  }
+  [[noreturn]] void failed() {
+    input.close();
+    for (const auto until = Clock::now() + 1s; Clock::now() < until && !child->ended();) wait(false);
+    if (!child->ended()) child->end();
+    readOutput();
+    const auto end = last.find_last_not_of("\r\n");
+    fail(ErrorCode::io, "{} failed with exit status {}: {}", name, child->status(),
+         end == last.npos ? "no message" : last.substr(0, end + 1));
+  }
+};
+
+ChildWriter::ChildWriter(const std::vector<std::string>& arguments) {
+  int inputs[2], outputs[2];
+  // A socket, because a write to a pipe without a reader sends SIGPIPE.
+  check(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, inputs) == 0, ErrorCode::io, "{}: cannot be run: {}",
+        arguments[0], std::strerror(errno));
+  Descriptor theirInput(inputs[0]), ourInput(inputs[1]);
+  check(::pipe2(outputs, O_CLOEXEC) == 0, ErrorCode::io, "{}: cannot be run: {}", arguments[0], std::strerror(errno));
+  Descriptor ourOutput(outputs[0]), theirOutput(outputs[1]);
+  auto child = std::make_unique<Child>(arguments, environmentWith({}), theirOutput.get(), theirInput.get());
+  ::fcntl(inputs[1], F_SETFL, O_NONBLOCK);
+  ::fcntl(outputs[0], F_SETFL, O_NONBLOCK);
+  state_.reset(new State{
+      arguments[0], Descriptor(ourInput.release()), Descriptor(ourOutput.release()), std::move(child), {}, true});
+}
+
+ChildWriter::~ChildWriter() = default;
+
+bool ChildWriter::write(std::span<const std::byte> bytes, const std::function<bool()>& shouldContinue) {
+  while (!bytes.empty()) {
+    if (!shouldContinue()) return false;
+    state_->wait(true);
+    const ssize_t sent = ::send(state_->input.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent > 0) bytes = bytes.subspan(std::size_t(sent));
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) state_->failed();
+  }
+  return true;
+}
+
+bool ChildWriter::finish(const std::function<bool()>& shouldContinue) {
+  state_->input.close();
+  while (!state_->child->ended()) {
+    if (!shouldContinue()) return false;
+    state_->wait(false);
+  }
+  if (state_->child->status() != 0) state_->failed();
+  return true;
 }
 
 }  // namespace ibr
