@@ -408,8 +408,8 @@ void checkWalkVideoOptions(const WalkVideoOptions& options) {
 ExitCode synthesiseWalk(const WalkVideoOptions& options, const Context& context) {
   checkFolderWritable(options.output);
   WalkWriter writer(options, context);
-  writer.writeTruth();
   writer.writeVideo();
+  writer.writeTruth();
   writer.writeFacts();
   const auto [sharp, blurred] = writer.medianSmears();
   context.print(
