@@ -19,6 +19,7 @@
 #include "lab/synth/synth_grid.h"
 #include "lab/synth/synth_moving.h"
 #include "lab/synth/synth_noise.h"
+#include "lab/synth/synth_walk.h"
 #include "shared/camera/camera_path.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
@@ -31,12 +32,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-enum class Kind { planes, roomPano, roomMixed, grid, moving, court, noise };
+enum class Kind { planes, roomPano, roomMixed, grid, moving, court, walk, noise };
 
 struct Options {
   Kind kind = Kind::planes;
   std::string output;
   int members = 3, views = 8, side = 10, frames = 8, photographs = 50;
+  WalkVideoOptions walk;
   NoiseOptions noise;
   PictureSize size;
   TextureFormat texture = TextureFormat::rgba8;
@@ -121,6 +123,7 @@ ExitCode synthesise(const Options& options, const Context& context) {
     return synthesiseMoving({options.output, options.frames, options.views, options.size}, context);
   if (options.kind == Kind::court)
     return synthesiseCourt({options.output, options.photographs, options.views, options.size}, context);
+  if (options.kind == Kind::walk) return synthesiseWalk(options.walk, context);
   if (options.kind == Kind::noise) {
     NoiseOptions noise = options.noise;
     noise.output = options.output;
@@ -187,6 +190,7 @@ const Command kSynthCommand{
         "ibr-lab synth grid -o grid --side 100 --size 512x512 --texture bc1\n"
         "ibr-lab synth moving -o figure --frames 25\n"
         "ibr-lab synth court -o court --photographs 300 && ibr build court/images -o scene\n"
+        "ibr-lab synth walk -o walk --seconds 20\n"
         "ibr-lab synth noise --model colmap/sparse/0 --pixels 1 --track-pixels 0.5 -o noisy\n"
         "ibr eval room --truth room/truth -o compared",
     .details =
@@ -201,6 +205,10 @@ const Command kSynthCommand{
         "    truth, as input of `ibr htm build`\n"
         "  court: photographs to build a scene from, along a walk around a court, and their COLMAP\n"
         "    model with tracks. The distance between photographs does not depend on their number\n"
+        "  walk: walk.mp4, the hand-held video of a walk through a hall. Its speed varies; it stops,\n"
+        "    and turns on the spot. Jolts blur a quarter of the frames. transforms.json has the exact\n"
+        "    pose of each frame; walk.json lists blurred frames, and times, smears and speeds of all\n"
+        "    frames. Needs the program ffmpeg\n"
         "  noise: a COLMAP model with random pose errors, to measure ibr refine\n"
         "SCENE/truth gets views with their images, as input of ibr eval. Views are inside the\n"
         "cell, and every third view is slightly outside. The same seed gives the same scene.",
@@ -214,15 +222,21 @@ const Command kSynthCommand{
                        {"grid", Kind::grid},
                        {"moving", Kind::moving},
                        {"court", Kind::court},
+                       {"walk", Kind::walk},
                        {"noise", Kind::noise}},
                       "Kind of scene to generate")
           .required();
       addOption(app, "-o,--output", options->output, "Scene folder; created if missing").required().type("SCENE");
       addInt(app, "--members", options->members, 2, 4, "Number of photographs, all of one cell");
-      addInt(app, "--views", options->views, 0, 10000, "Number of views in the truth");
+      const Option views = addInt(app, "--views", options->views, 0, 10000, "Number of views in the truth; walk 20");
       addInt(app, "--frames", options->frames, 1, 10000, "moving: number of frames of one period");
       addInt(app, "--photographs", options->photographs, 2, 10000, "court: number of photographs along the walk");
       addInt(app, "--side", options->side, 2, 1000, "grid: number of photographs along each side");
+      WalkVideoOptions& walk = options->walk;
+      addDouble(app, "--seconds", walk.seconds, 0.1, 3600, "walk: duration of the video, s");
+      addDouble(app, "--fps", walk.fps, 1, 240, "walk: frames a second");
+      addDouble(app, "--shutter", walk.shutter, 1e-5, 1, "walk: exposure of a frame, s");
+      addFlag(app, "--variable-rate", walk.variableRate, "walk: times between frames vary by a quarter");
       const Option model =
           addOption(app, "--model", options->noise.model, "noise: COLMAP model to add errors to").type("DIR");
       for (const Option& option :
@@ -241,8 +255,16 @@ const Command kSynthCommand{
                 "noise: leave out the model's points")})
         option.needs(model);
       declareTextureFormat(app, options->texture);
-      addSize(app, "--size", options->size, "Size of the photographs [640x480; panoramas 1024x512; moving 512x512]");
-      afterParsing(app, [options] {
+      addSize(app, "--size", options->size,
+              "Size of the photographs [640x480; panoramas 1024x512; moving 512x512; "
+              "walk 640x360]");
+      afterParsing(app, [options, views] {
+        if (options->kind == Kind::walk) {
+          if (views.isSet()) options->walk.views = options->views;
+          options->walk.output = options->output;
+          options->walk.size = options->size;
+          checkWalkVideoOptions(options->walk);
+        }
         if ((options->kind == Kind::noise) == options->noise.model.empty())
           refuseOption("--model",
                        options->noise.model.empty() ? "is required for KIND noise" : "is only valid for KIND noise");

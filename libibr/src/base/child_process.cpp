@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -30,6 +31,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxReads = 32;  // reads of 4096 bytes, twice a pipe's capacity, between shouldContinue calls
 constexpr std::size_t kMaxLineBytes = 64 * 1024;  // longer lines are passed on in pieces
+constexpr std::size_t kLastBytes = 2000;          // of a failed program's output, for the error
 
 class Descriptor {
  public:
@@ -244,6 +246,75 @@ ChildOutput readChild(const std::vector<std::string>& arguments, std::span<const
   }
   result.status = child.status();
   return result;
+}
+
+struct ChildWriter::State {
+  std::string name;
+  Descriptor input, output;
+  std::unique_ptr<Child> child;
+  std::string last;        // end of the program's output
+  bool outputOpen = true;  // the program may close its output and run on
+
+  void readOutput() {
+    char buffer[4096];
+    while (outputOpen) {
+      const ssize_t got = ::read(output.get(), buffer, sizeof(buffer));
+      if (got < 0) return;
+      outputOpen = got > 0;
+      last.append(buffer, std::size_t(got));
+      if (last.size() > kLastBytes) last.erase(0, last.size() - kLastBytes);
+    }
+  }
+  // Waits at most 100 ms for output, and for room in the input if `writes`.
+  void wait(bool writes) {
+    pollfd ends[2]{{writes ? input.get() : -1, POLLOUT, 0}, {outputOpen ? output.get() : -1, POLLIN, 0}};
+    ::poll(ends, 2, writes || outputOpen ? 100 : 20);
+    readOutput();
+  }
+  [[noreturn]] void failed() {
+    input.close();
+    for (const auto until = Clock::now() + 1s; Clock::now() < until && !child->ended();) wait(false);
+    if (!child->ended()) child->end();
+    readOutput();
+    const auto end = last.find_last_not_of("\r\n");
+    fail(ErrorCode::io, "{} failed with exit status {}: {}", name, child->status(),
+         end == last.npos ? "no message" : last.substr(0, end + 1));
+  }
+};
+
+ChildWriter::ChildWriter(const std::vector<std::string>& arguments) {
+  int inputs[2];
+  // A socket, because a write to a pipe without a reader sends SIGPIPE.
+  check(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, inputs) == 0, ErrorCode::io, "{}: cannot be run: {}",
+        arguments[0], std::strerror(errno));
+  Descriptor theirs(inputs[0]), ours(inputs[1]);
+  ::fcntl(ours.get(), F_SETFL, O_NONBLOCK);
+  Pipe output(arguments[0]);
+  auto child = std::make_unique<Child>(arguments, environmentWith({}), theirs.get(), output.in.get(), output.in.get());
+  state_.reset(new State{arguments[0], std::move(ours), std::move(output.out), std::move(child), {}, true});
+}
+
+ChildWriter::~ChildWriter() = default;
+
+bool ChildWriter::write(std::span<const std::byte> bytes, const std::function<bool()>& shouldContinue) {
+  while (!bytes.empty()) {
+    if (!shouldContinue()) return false;
+    state_->wait(true);
+    const ssize_t sent = ::send(state_->input.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent > 0) bytes = bytes.subspan(std::size_t(sent));
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) state_->failed();
+  }
+  return true;
+}
+
+bool ChildWriter::finish(const std::function<bool()>& shouldContinue) {
+  state_->input.close();
+  while (!state_->child->ended()) {
+    if (!shouldContinue()) return false;
+    state_->wait(false);
+  }
+  if (state_->child->status() != 0) state_->failed();
+  return true;
 }
 
 }  // namespace ibr
