@@ -70,8 +70,11 @@ void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
       "Source of points that photographs share: the model, own features, or own features where the model has few "
       "points [auto]");
-  addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
-                  "auto: first refine poses where points confirm the refinement, as ibr refine does [off]");
+  addChoice<RefinePoses>(
+      app, "--refine-poses", choices.build.refinePoses,
+      {{"auto", RefinePoses::automatic}, {"on", RefinePoses::on}, {"off", RefinePoses::off}},
+      "on: first refine poses where points confirm the refinement, as ibr refine does; auto: only poses without points "
+      "that a phone wrote, or whose photographs are a phone's by EXIF [auto]");
   addFlag(app, "--keep-border", choices.build.keepBorder,
           "Keep all pixels of photographs with lens distortion; pixels without content are black and in no mesh "
           "[crop to the largest full rectangle]");
