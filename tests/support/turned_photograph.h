@@ -28,60 +28,20 @@ inline Image8 storedAs(int orientation, const Image8& upright) {
   return stored;
 }
 
-/// Writes a JPEG of best quality with this EXIF orientation; the camera's maker is "Ab".
-inline void writeTurned(const std::filesystem::path& file, const Image8& stored, int orientation) {
+/// Writes a JPEG of best quality with this EXIF orientation and maker of the camera. Precondition: the maker has at
+/// most three letters, which EXIF stores inside the entry.
+inline void writeTurned(const std::filesystem::path& file, const Image8& stored, int orientation,
+                        const std::string& maker = "Ab") {
   std::filesystem::create_directories(file.parent_path());
   writeImage(file, stored, 100);
   std::string bytes = readTextFile(file);
-  const char exif[] = {'\xff',
-                       '\xe1',
-                       0,
-                       46,
-                       'E',
-                       'x',
-                       'i',
-                       'f',
-                       0,
-                       0,
-                       'I',
-                       'I',
-                       42,
-                       0,
-                       8,
-                       0,
-                       0,
-                       0,
-                       2,
-                       0,
-                       15,
-                       1,
-                       2,
-                       0,
-                       3,
-                       0,
-                       0,
-                       0,
-                       'A',
-                       'b',
-                       0,
-                       0,
-                       18,
-                       1,
-                       3,
-                       0,
-                       1,
-                       0,
-                       0,
-                       0,
-                       char(orientation),
-                       0,
-                       0,
-                       0,
-                       0,
-                       0,
-                       0,
-                       0};
-  bytes.insert(2, std::string(exif, sizeof exif));
+  std::string inside = maker;
+  inside.resize(4);
+  using namespace std::string_literals;
+  const std::string exif = "\xff\xe1\0\x2e"s + "Exif\0\0"s + "II\x2a\0\x08\0\0\0"s + "\x02\0"s +  // two entries
+                           "\x0f\x01\x02\0"s + char(maker.size() + 1) + "\0\0\0"s + inside +      // Make
+                           "\x12\x01\x03\0\x01\0\0\0"s + char(orientation) + "\0\0\0\0\0\0\0"s;   // Orientation
+  bytes.insert(2, exif);
   std::ofstream(file, std::ios::binary) << bytes;
 }
 

@@ -231,7 +231,7 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --memory 8G --threads 4\n"
         "ibr build photographs -o scene --masks masks\n"
         "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
-        "ibr build photographs -o scene --refine-poses auto\n"
+        "ibr build photographs -o scene --refine-poses on\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
         "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG; CR2,\n"

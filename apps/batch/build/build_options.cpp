@@ -70,8 +70,11 @@ void declareBuildSettings(CLI::App& app, BuildChoices& choices) {
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
       "Source of points that photographs share: the model, own features, or own features where the model has few "
       "points [auto]");
-  addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
-                  "auto: first refine poses where points confirm the refinement, as ibr refine does [off]");
+  addChoice<RefinePoses>(
+      app, "--refine-poses", choices.build.refinePoses,
+      {{"auto", RefinePoses::automatic}, {"on", RefinePoses::on}, {"off", RefinePoses::off}},
+      "on: first refine poses where points confirm the refinement, as ibr refine does; auto: only poses without points "
+      "that a phone wrote, or whose photographs are a phone's by EXIF [auto]");
   addFlag(
       app, "--strip-metadata", choices.build.stripMetadata,
       "Store photographs without metadata such as location, time and camera; colour profile and orientation are kept");

@@ -81,7 +81,7 @@ const Command kRefineCommand{
         "half of the points must improve the other half by 3 standard errors. Both the points of\n"
         "cells and the points of the model must improve. Accurate poses are mostly kept, and the\n"
         "report states this.\n"
-        "ibr build --refine-poses auto runs the same refinement first. Use ibr refine if several\n"
+        "ibr build --refine-poses on runs the same refinement first. Use ibr refine if several\n"
         "commands share the poses. A refinement takes about as long as a build. The options are\n"
         "those of ibr build; options that only change the stored scene have no effect.\n\n"
         "MODEL is a COLMAP model in text. Intrinsics of distorting lenses stay fixed. Poses stay\n"

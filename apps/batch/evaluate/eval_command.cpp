@@ -106,7 +106,7 @@ const Command kEvalCommand{
         "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out\n"
         "builds a scene without each photograph and renders its view; options of ibr build apply.\n"
         "Depth that does not depend on the held-out photograph is matched once for all views, if\n"
-        "points come from the model. --refine-poses auto refines poses without the held-out\n"
+        "points come from the model. --refine-poses on refines poses without the held-out\n"
         "photograph. The baseline for comparison is --refine-poses off --resect.\n"
         "PSNR is computed on 8-bit values. Holes count as black in PSNR, SSIM and FLIP, and are\n"
         "left out of the 'covered' columns. Pixels that a mask of the truth covers (--masks) are\n"

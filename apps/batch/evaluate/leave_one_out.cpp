@@ -217,7 +217,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   reportOutcomes(outcomes, evaluation, std::move(about), context);
   context.print("{} cells were matched, {} were reused from another view's build\n", run.counts().matched,
                 run.counts().shared);
-  if (build.refinePoses)
+  if (build.refinePoses == RefinePoses::on || run.counts().refined > 0)
     context.print("poses were refined for {} of {} views, and are unchanged for the others\n", run.counts().refined,
                   views.size());
   fs::remove_all(work / ".scene-without-one");

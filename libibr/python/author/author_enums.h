@@ -21,6 +21,13 @@ struct EnumTraits<TrackSource> : AuthorEnum {
 };
 
 template <>
+struct EnumTraits<RefinePoses> : AuthorEnum {
+  static constexpr auto label = pybind11::detail::const_name("RefinePoses");
+  static constexpr EnumMember members[] = {
+      {"AUTOMATIC", int(RefinePoses::automatic)}, {"ON", int(RefinePoses::on)}, {"OFF", int(RefinePoses::off)}};
+};
+
+template <>
 struct EnumTraits<MatchMethod> : AuthorEnum {
   static constexpr auto label = pybind11::detail::const_name("MatchMethod");
   static constexpr EnumMember members[] = {{"AUTOMATIC", int(MatchMethod::automatic)},

@@ -62,7 +62,7 @@ void bindOptions(py::module_& module) {
       .field("masks", &O::masks, "Folder of masks; pixels with mask 0 are neither matched nor shown")
       .field("match_exposures", &O::matchExposures, "Photographs get gains, measured where they overlap")
       .field("fit_vignetting", &O::fitVignetting, "Vignetting is measured and removed")
-      .field("refine_poses", &O::refinePoses, "Poses are refined where points confirm it")
+      .field("refine_poses", &O::refinePoses, "RefinePoses")
       .field("mask_moving_objects", &O::maskMovingObjects,
              "Moving objects are masked where another photograph shows more")
       .field("strip_metadata", &O::stripMetadata, "Stored photographs keep only their colour profile and orientation")

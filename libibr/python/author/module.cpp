@@ -13,6 +13,8 @@ PYBIND11_MODULE(_author, module) {
       module,
       "Source of points that photographs share. AUTOMATIC: the model, and own features where the "
       "model has few points.");
+  defineEnum<ibr::RefinePoses>(module,
+                               "Refinement of poses. AUTOMATIC: ON for poses without tracks that come from a phone.");
   defineEnum<ibr::MatchMethod>(
       module, "Method that matches a cell. AUTOMATIC: SWEEP where poses reproject within 1 px, else FLOW.");
   defineEnum<ibr::DepthSearch>(module, "Depth search in photographs, from the fastest to the most accurate.");

@@ -75,8 +75,7 @@ TEST_CASE("ibr refine and build --refine-poses remove noise from poses") {
   CHECK_FALSE(std::filesystem::exists(folder / "refined/images"));
   CHECK_FALSE(std::filesystem::exists(folder / "refined/.build"));
 
-  const json built =
-      reportOf(runProgram(wall.line({"build", wall.photographs, "-o", scene, "--refine-poses", "auto"})));
+  const json built = reportOf(runProgram(wall.line({"build", wall.photographs, "-o", scene, "--refine-poses", "on"})));
   CHECK(built["refinement"] == report["refinement"]);
   for (const auto& entry : std::filesystem::directory_iterator(scene)) {
     const std::string name = entry.path().filename().string();
@@ -92,7 +91,7 @@ TEST_CASE("ibr refine and build --refine-poses remove noise from poses") {
   CHECK_FALSE(off.contains("refinement"));
   CHECK(off["cells"][0]["ecc"] != built["cells"][0]["ecc"]);
   const json same = reportOf(runProgram(
-      {"build", wall.photographs, "--model", wall.exact, "-o", scene, "--refine-poses", "auto", "--json", "-"}));
+      {"build", wall.photographs, "--model", wall.exact, "-o", scene, "--refine-poses", "on", "--json", "-"}));
   CHECK_FALSE(same.contains("refinement"));  // exact poses are not marked as estimates
 }
 
@@ -104,13 +103,13 @@ TEST_CASE("a left-out photograph takes no part in pose refinement and is resecte
     return reportOf(runProgram(wall.line({"eval", "--leave-one-out", wall.photographs, "--refine-poses", refine,
                                           "--resect", "--no-backdrops", "--every", "3", "--work", folder / refine})));
   };
-  const json off = leftOut("off"), refined = leftOut("auto");
+  const json off = leftOut("off"), refined = leftOut("on");
   CHECK(off["posesRefined"] == 0);
   CHECK(refined["views"].size() == 2);
   CHECK(refined["posesRefined"] == 2);
   CHECK(refined["mean"]["psnrCovered"] > off["mean"]["psnrCovered"].get<double>() + 3);
-  CHECK(leftOut("auto")["mean"] == refined["mean"]);  // cached result of the previous run
-  CHECK(leftOut("auto")["posesRefined"] == 2);
+  CHECK(leftOut("on")["mean"] == refined["mean"]);  // cached result of the previous run
+  CHECK(leftOut("on")["posesRefined"] == 2);
 }
 
 TEST_CASE("poses that points confirm are kept, and so are the matched cells") {
@@ -120,8 +119,8 @@ TEST_CASE("poses that points confirm are kept, and so are the matched cells") {
   REQUIRE(
       runLab({"synth", "noise", "--model", wall.exact, "--pixels", "0", "--track-pixels", "0.3", "-o", loose}).code ==
       0);
-  std::vector<std::string> line{"build",          wall.photographs, "--model", loose, "-o",       scene,
-                                "--refine-poses", "auto",           "--json",  "-",   "--exclude"};
+  std::vector<std::string> line{"build", wall.photographs, "--model", loose,      "-o", scene, "--refine-poses",
+                                "on",    "--json",         "-",       "--exclude"};
   for (int i = 4; i < 16; ++i) line.push_back(fmt::format("photo{:04}.jpg", i));
   const json report = reportOf(runProgram(line));
   CHECK(report["refinement"]["posesKept"] == true);
@@ -141,7 +140,7 @@ TEST_CASE("refine overwrites no model and respects masks and excluded photograph
     CHECK_THAT(refused.err, Catch::Contains(other) && Catch::Contains("-o "));
   }
   const json built =
-      reportOf(runProgram(wall.line({"build", wall.photographs, "-o", folder / "scene", "--refine-poses", "auto"})));
+      reportOf(runProgram(wall.line({"build", wall.photographs, "-o", folder / "scene", "--refine-poses", "on"})));
   CHECK(built["unused"].empty());
   // Masks half of each photograph.
   std::filesystem::create_directories(folder / "masks");

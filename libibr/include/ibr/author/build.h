@@ -25,6 +25,13 @@ enum class TrackSource : std::uint8_t {
   own,  // SIFT features, matched along the epipolar lines of the poses
 };
 
+/// Refinement of poses before a build (PoseRefinement). On: poses are refined where points confirm it.
+enum class RefinePoses : std::uint8_t {
+  automatic,  // on for poses without tracks that a phone app wrote, or whose photographs are mostly a phone's by EXIF
+  on,
+  off,
+};
+
 /// Method that matches the members of a cell.
 enum class MatchMethod : std::uint8_t {
   automatic,    // sweep where the cell's tracks reproject within 1 px (median), else flow
@@ -93,8 +100,7 @@ struct BuildOptions {
                                 // with mask 0 are neither matched nor shown; empty: none
   bool matchExposures = true;   // photographs get gains (Node::gain), measured where photographs overlap
   bool fitVignetting = false;   // vignetting is measured as well, and removed from the stored photographs
-  bool refinePoses = false;     // poses are refined where points confirm it (PoseRefinement); the refined model is
-                                // written to ".refined" in the output
+  RefinePoses refinePoses = RefinePoses::automatic;  // the refined model is written to ".refined" in the output
   bool maskMovingObjects = false;  // moving objects are masked where another photograph shows the background
   bool stripMetadata = false;  // stored photographs keep only their colour profile and orientation, and the scene no
                                // capture metadata

@@ -42,7 +42,7 @@ class BuildOptions:
     masks: Final[pathlib.Path | None]
     match_exposures: Final[bool]
     fit_vignetting: Final[bool]
-    refine_poses: Final[bool]
+    refine_poses: Final[RefinePoses]
     mask_moving_objects: Final[bool]
     strip_metadata: Final[bool]
     keep_border: Final[bool]
@@ -64,7 +64,7 @@ class BuildOptions:
         self, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
         colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
-        masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
+        masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: RefinePoses = ...,
         mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,
         draft: bool = ..., backdrop_spacing: int = ..., cache_folder: _StrPath | None = ..., matcher: MatchMethod = ...,
@@ -74,7 +74,7 @@ class BuildOptions:
         self, *, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
         colmap: str = ...,
         exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
-        masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: bool = ...,
+        masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: RefinePoses = ...,
         mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,
         draft: bool = ..., backdrop_spacing: int = ..., cache_folder: _StrPath | None = ..., matcher: MatchMethod = ...,

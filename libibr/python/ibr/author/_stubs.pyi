@@ -11,6 +11,11 @@ class TrackSource(enum.Enum):
     MODEL = 1
     OWN = 2
 
+class RefinePoses(enum.Enum):
+    AUTOMATIC = 0
+    ON = 1
+    OFF = 2
+
 class MatchMethod(enum.Enum):
     AUTOMATIC = 0
     SWEEP = 1

@@ -15,6 +15,7 @@
 #include "author/geometry/posed_model.h"
 #include "author/graph/cells.h"
 #include "author/photographs/masks.h"
+#include "author/poses/phone_poses.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/author/build.h"
@@ -171,6 +172,14 @@ std::vector<std::string> excludedNames(const PosedModel& model, const BuildOptio
   return names;
 }
 
+bool decideRefinement(const BuildInput& input, const BuildOptions& options) {
+  if (options.refinePoses != RefinePoses::automatic) return options.refinePoses == RefinePoses::on;
+  if (!input.model.tracks.empty()) return false;
+  const auto ofPhones = std::ranges::count_if(
+      input.photographs, [](const Photograph& photo) { return isPhoneMaker(photo.capture.maker); });
+  return 2 * std::size_t(ofPhones) > input.photographs.size() || isPhoneAppFile(options.model);
+}
+
 }  // namespace
 
 void checkOptions(const BuildOptions& options) {
@@ -202,6 +211,9 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   findMasks(input.photographs, options, log);
   input.tracksOf = tracksOfImages(input.model);
   input.refine = reprojectionError(input.model) > kExactPx;
+  input.refinesPoses = decideRefinement(input, options);
+  if (log && input.refinesPoses && options.refinePoses == RefinePoses::automatic)
+    log(LogLevel::info, "the poses are a phone's, and are refined; --refine-poses off keeps them");
   return input;
 }
 

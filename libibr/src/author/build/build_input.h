@@ -19,6 +19,7 @@ struct BuildInput {
   std::vector<Photograph> photographs;               // in the order of model.images
   std::vector<std::uint64_t> hashes;                 // of the photographs' files, set once they are stored
   bool refine = false;                               // poses are estimates: matches are refined beyond them
+  bool refinesPoses = false;                         // BuildOptions::refinePoses, decided
   std::vector<UnusedPhotograph> unknown;             // files that are not in the model
 };
 

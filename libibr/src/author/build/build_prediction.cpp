@@ -189,7 +189,7 @@ class Predictor {
 
   // Exact poses are not refined.
   void countRefinement() {
-    if (!options_.refinePoses || !input_.refine) return;
+    if (!input_.refinesPoses || !input_.refine) return;
     work_.refinementObservations = kObservationsPerPhotograph * double(input_.photographs.size());
     for (const Track& track : input_.model.tracks) work_.refinementObservations += double(track.observations.size());
   }

@@ -62,7 +62,7 @@ class Builder {
       warnOfEmptyPlan();
     }
     describe();
-    if (options_.refinePoses) refineByCells();
+    if (input_.refinesPoses) refineByCells();
     std::vector<PhotographDepth> depths = findDepths(input_, options_.depth, options_, jobs_);
     makeCells(depths);
     useDepths(std::move(depths));
@@ -160,7 +160,7 @@ class Builder {
         {"triangleFilter", options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous"},
         {"matchExposures", options_.matchExposures},
         {"vignetting", options_.fitVignetting},
-        {"refinePoses", options_.refinePoses},
+        {"refinePoses", input_.refinesPoses},
         {"removeMovers", options_.maskMovingObjects},
         {"draft",
          options_.draft}}.dump();
@@ -320,7 +320,8 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
 BuildOptions draftOptions(BuildOptions options) {
   check(options.backdrops, ErrorCode::invalidInput, "a draft needs backdrops, because it has no cells");
   options.depth = DepthSearch::fast;
-  options.refinePoses = options.maskMovingObjects = options.fitVignetting = false;
+  options.refinePoses = RefinePoses::off;
+  options.maskMovingObjects = options.fitVignetting = false;
   options.postProcess = nullptr;
   return options;
 }

@@ -48,7 +48,7 @@ class CellMaker {
 
  private:
   // False: cells take the depth of their members.
-  bool sweepsCells() const { return options_.refinePoses && input_.refine; }
+  bool sweepsCells() const { return input_.refinesPoses && input_.refine; }
 
   const BuildInput& input_;
   const BuildOptions& options_;

@@ -74,7 +74,7 @@ TEST_CASE("pose refinement is predicted on one thread, and not for exact poses")
   const test::CourtPhotographs set = court(4);
   for (const bool refines : {false, true}) {
     BuildOptions options = set.options;
-    options.refinePoses = refines;
+    options.refinePoses = refines ? RefinePoses::on : RefinePoses::off;
     bool refinementPredicted = true;
     options.onPrediction = [&](const BuildPrediction& p) {
       refinementPredicted =

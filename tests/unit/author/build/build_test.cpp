@@ -810,7 +810,8 @@ TEST_CASE("a draft has depth and no cells, and does not change the next build") 
   const Set set;
   BuildOptions draft = set.options("scene"), whole = draft, alone = set.options("alone");
   draft.draft = true;
-  draft.maskMovingObjects = draft.refinePoses = true;  // a draft skips both
+  draft.maskMovingObjects = true;       // a draft skips this
+  draft.refinePoses = RefinePoses::on;  // and this
   draft.postProcess = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) {
     FAIL("post-processed a draft");
   };

@@ -93,8 +93,8 @@ TEST_CASE("a cell of panoramas is predicted by its six faces, at the size at whi
 
 TEST_CASE("cells of panoramas whose poses are refined are predicted with a sweep") {
   BuildInput input = panoramas(1024, 3);
-  BuildOptions refined = options();
-  refined.refinePoses = true;
+  const BuildOptions refined = options();
+  input.refinesPoses = true;
   CHECK(CellMaker(input, refined).work({0, 1, 2}).levels == 0);  // the poses are exact
   input.refine = true;
   const CellWork swept = CellMaker(input, refined).work({0, 1, 2});
