@@ -59,7 +59,7 @@ void writeIndex(const VideoOptions& options, const VideoFrames& frames) {
 std::vector<FrameMeasure> measured(const VideoFile& file, const VideoInfo& info, int width, int height,
                                    const ProgressCallback& progress) {
   const auto expected = std::size_t(std::lround(info.seconds * info.framesPerSecond));
-  FrameMeasurer measurer;
+  FrameMeasurer measurer(info.framesPerSecond);
   std::vector<FrameMeasure> measures;
   file.greyFrames(width, height, [&](std::size_t number, const Image8& frame) {
     measures.push_back(measurer.measure(frame));

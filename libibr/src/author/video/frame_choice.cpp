@@ -58,6 +58,7 @@ class Choice {
     std::vector<std::pair<std::size_t, double>> away;  // frames and their distances in spacings
     std::size_t to = from + 1;
     for (double farthest = 0; to < count() && farthest < kFarthest; ++to) {
+      if (video_.frames[to].points.empty()) continue;  // blurred
       const auto d = distance(from, to);
       if (!d) break;
       away.emplace_back(to, *d / spacing);
@@ -107,19 +108,26 @@ std::vector<std::size_t> chooseFrames(const MeasuredVideo& video, std::span<cons
   if (video.frames.empty()) return {};
   Choice choice(video, sharpness);
   const double minutes = double(video.frames.size()) / std::max(1.0, video.framesPerSecond) / 60;
-  const double least = wanted > 0 ? double(wanted) : std::max(3.0, kPerMinuteLeast * minutes);
-  const double most = wanted > 0 ? double(wanted) : std::max(8.0, kPerMinuteMost * minutes);
+  double least = wanted > 0 ? double(wanted) : std::max(3.0, kPerMinuteLeast * minutes);
+  double most = wanted > 0 ? double(wanted) : std::max(8.0, kPerMinuteMost * minutes);
+  const auto fits = [&](const std::vector<std::size_t>& frames) {
+    return double(frames.size()) >= least && double(frames.size()) <= most;
+  };
   std::vector<std::size_t> chosen = choice.with(1);
-  if (double(chosen.size()) >= least && double(chosen.size()) <= most) return chosen;
-  // More frames as the spacing falls: bisects its logarithm. A camera that hardly moves gives fewer frames.
+  if (fits(chosen)) return chosen;
+  // More frames as the spacing falls: bisects its logarithm, for a number near the limit that spacing 1 misses. A camera
+  // that hardly moves gives fewer frames.
   constexpr int kRounds = 10;
-  constexpr double kSmallest = 0.15, kLargest = 20;
+  constexpr double kSmallest = 0.15, kLargest = 20, kNearLimit = 0.8;
   const bool tooFew = double(chosen.size()) < least;
+  if (tooFew)
+    most = std::min(most, least / kNearLimit);
+  else
+    least = std::max(least, most * kNearLimit);
   double near = tooFew ? kSmallest : 1, far = tooFew ? 1 : kLargest;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kRounds && !fits(chosen); ++round) {
     const double spacing = std::sqrt(near * far);
     chosen = choice.with(spacing);
-    if (double(chosen.size()) >= least && double(chosen.size()) <= most) return chosen;
     (double(chosen.size()) < least ? far : near) = spacing;
   }
   return chosen;

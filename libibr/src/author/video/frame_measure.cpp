@@ -2,6 +2,7 @@
 #include "author/video/frame_measure.h"
 
 #include <algorithm>
+#include <deque>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <utility>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr int kMaxPoints = 400, kWindow = 21, kLevels = 4;
 constexpr double kMinDistance = 0.03;  // between points, of the longer side
+constexpr float kBlurred = 0.6f;       // sharpness below which a frame is blurred
 constexpr float kReturnPx = 0.7f;      // a point that is tracked back to where it came from is kept
 
 std::array<float, 4> detailOf(const cv::Mat& grey) {
@@ -32,10 +34,23 @@ std::array<float, 4> detailOf(const cv::Mat& grey) {
 }  // namespace
 
 struct FrameMeasurer::State {
-  std::vector<cv::Mat> before;  // pyramid of the frame before
+  std::size_t reach = 2;                     // number of frames in half a second
+  std::deque<std::array<float, 4>> details;  // of the last frames
+  std::vector<cv::Mat> before;  // pyramid of the last sharp frame
   std::vector<cv::Point2f> points;
   std::vector<std::uint32_t> ids;
   std::uint32_t next = 0;
+
+  bool isBlurred(const std::array<float, 4>& detail) {
+    std::array<float, 4> most{};
+    for (const std::array<float, 4>& other : details)
+      for (std::size_t d = 0; d < 4; ++d) most[d] = std::max(most[d], other[d]);
+    details.push_back(detail);
+    if (details.size() > reach) details.pop_front();
+    for (std::size_t d = 0; d < 4; ++d)
+      if (detail[d] < kBlurred * kBlurred * most[d]) return true;
+    return false;
+  }
 
   void track(const std::vector<cv::Mat>& now) {
     if (before.empty() || points.empty()) return;
@@ -73,11 +88,15 @@ struct FrameMeasurer::State {
   }
 };
 
-FrameMeasurer::FrameMeasurer() : state_(std::make_unique<State>()) {}
+FrameMeasurer::FrameMeasurer(double framesPerSecond) : state_(std::make_unique<State>()) {
+  state_->reach = std::max<std::size_t>(2, std::size_t(0.5 * framesPerSecond));
+}
 FrameMeasurer::~FrameMeasurer() = default;
 
 FrameMeasure FrameMeasurer::measure(const Image8& frame) {
   const cv::Mat grey = cvView(frame);
+  FrameMeasure measure{detailOf(grey), {}};
+  if (state_->isBlurred(measure.detail)) return measure;
   std::vector<cv::Mat> pyramid;
   constexpr bool kCopies = false;  // else the first level would refer to the caller's rows
   cv::buildOpticalFlowPyramid(grey, pyramid, cv::Size(kWindow, kWindow), kLevels - 1, true, cv::BORDER_REFLECT_101,
@@ -85,7 +104,6 @@ FrameMeasure FrameMeasurer::measure(const Image8& frame) {
   state_->track(pyramid);
   state_->add(grey);
   state_->before = std::move(pyramid);
-  FrameMeasure measure{detailOf(grey), {}};
   for (std::size_t i = 0; i < state_->points.size(); ++i)
     measure.points.push_back({state_->ids[i], state_->points[i].x, state_->points[i].y});
   return measure;

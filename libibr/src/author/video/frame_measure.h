@@ -19,13 +19,14 @@ struct TrackedPoint {
 
 struct FrameMeasure {
   std::array<float, 4> detail{};     // mean squared difference of neighbours: along x, y and both diagonals
-  std::vector<TrackedPoint> points;  // ascending ids
+  std::vector<TrackedPoint> points;  // ascending ids; none in a blurred frame
 };
 
-/// Tracks points from frame to frame (Lucas, Kanade 1981; corners by Shi, Tomasi 1994).
+/// Tracks points from one sharp frame to the next (Lucas, Kanade 1981; corners by Shi, Tomasi 1994). A frame with much
+/// less detail than the frames of the last half second is blurred: points would be lost there.
 class FrameMeasurer {
  public:
-  FrameMeasurer();
+  explicit FrameMeasurer(double framesPerSecond);
   ~FrameMeasurer();
 
   /// Measures the next frame: grey, of one size.

@@ -202,7 +202,7 @@ std::size_t VideoFile::greyFrames(int width, int height,
 
 void VideoFile::colourFrames(std::span<const std::size_t> numbers,
                              const std::function<bool(std::size_t, const Image8&)>& frame) const {
-  constexpr std::size_t kBatch = 400;  // ffmpeg evaluates the numbers of a filter one after another
+  constexpr std::size_t kBatch = 64;  // ffmpeg's expressions have at most 100 terms
   const int width = stream_.info.width, height = stream_.info.height;
   const std::size_t values = std::size_t(width) * std::size_t(height) * 3;
   for (std::size_t begin = 0; begin < numbers.size(); begin += kBatch) {
