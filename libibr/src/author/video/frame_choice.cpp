@@ -108,27 +108,26 @@ std::vector<std::size_t> chooseFrames(const MeasuredVideo& video, std::span<cons
   if (video.frames.empty()) return {};
   Choice choice(video, sharpness);
   const double minutes = double(video.frames.size()) / std::max(1.0, video.framesPerSecond) / 60;
-  double least = wanted > 0 ? double(wanted) : std::max(3.0, kPerMinuteLeast * minutes);
-  double most = wanted > 0 ? double(wanted) : std::max(8.0, kPerMinuteMost * minutes);
-  const auto fits = [&](const std::vector<std::size_t>& frames) {
-    return double(frames.size()) >= least && double(frames.size()) <= most;
-  };
+  double least = wanted > 0 ? 0.95 * double(wanted) : std::max(3.0, kPerMinuteLeast * minutes);
+  double most = wanted > 0 ? 1.05 * double(wanted) : std::max(8.0, kPerMinuteMost * minutes);
   std::vector<std::size_t> chosen = choice.with(1);
-  if (fits(chosen)) return chosen;
-  // More frames as the spacing falls: bisects its logarithm, for a number near the limit that spacing 1 misses. A camera
-  // that hardly moves gives fewer frames.
-  constexpr int kRounds = 10;
-  constexpr double kSmallest = 0.15, kLargest = 20, kNearLimit = 0.8;
   const bool tooFew = double(chosen.size()) < least;
+  if (!tooFew && double(chosen.size()) <= most) return chosen;
+  // More frames as the spacing falls: bisects its logarithm, for a number near the limit that spacing 1 misses, and
+  // keeps the nearest. A camera that hardly moves gives fewer frames.
+  constexpr int kRounds = 10;
+  constexpr double kSmallest = 0.05, kLargest = 20, kNearLimit = 0.8;
   if (tooFew)
     most = std::min(most, least / kNearLimit);
   else
     least = std::max(least, most * kNearLimit);
+  const auto miss = [&](double count) { return count < least ? least / count : std::max(1.0, count / most); };
   double near = tooFew ? kSmallest : 1, far = tooFew ? 1 : kLargest;
-  for (int round = 0; round < kRounds && !fits(chosen); ++round) {
+  for (int round = 0; round < kRounds && miss(double(chosen.size())) > 1; ++round) {
     const double spacing = std::sqrt(near * far);
-    chosen = choice.with(spacing);
-    (double(chosen.size()) < least ? far : near) = spacing;
+    std::vector<std::size_t> tried = choice.with(spacing);
+    (double(tried.size()) < least ? far : near) = spacing;
+    if (miss(double(tried.size())) < miss(double(chosen.size()))) chosen = std::move(tried);
   }
   return chosen;
 }

@@ -36,7 +36,7 @@ std::array<float, 4> detailOf(const cv::Mat& grey) {
 struct FrameMeasurer::State {
   std::size_t reach = 2;                     // number of frames in half a second
   std::deque<std::array<float, 4>> details;  // of the last frames
-  std::vector<cv::Mat> before;  // pyramid of the last sharp frame
+  std::vector<cv::Mat> before;               // pyramid of the last sharp frame
   std::vector<cv::Point2f> points;
   std::vector<std::uint32_t> ids;
   std::uint32_t next = 0;

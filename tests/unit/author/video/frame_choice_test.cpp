@@ -74,7 +74,7 @@ TEST_CASE("rotation has no parallax, and movement has") {
   };
   CHECK(motion(1).parallax < 1e-4);
   CHECK(motion(1).shift == Approx(0.85 * std::tan(0.1)).epsilon(0.2));
-  CHECK(motion(2).parallax > 0.008);
+  CHECK(motion(2).parallax > 0.003);
   CHECK(motion(3).parallax == Approx(motion(2).parallax).epsilon(0.2));
   CHECK(motion(0).shift == 0);
   CHECK(motion(0).shared == 1);
@@ -113,7 +113,8 @@ TEST_CASE("a stated number of frames is met about") {
   const std::vector<FrameMeasure> frames = measuresOf(walk());
   for (const std::size_t wanted : {12u, 30u, 150u}) {
     const double count = double(choose(frames, wanted).size());
-    CHECK((count >= 0.7 * double(wanted) && count <= 1.4 * double(wanted)));
+    INFO(wanted << " wanted, " << count << " chosen");
+    CHECK((count >= 0.8 * double(wanted) && count <= 1.25 * double(wanted)));
   }
 }
 
