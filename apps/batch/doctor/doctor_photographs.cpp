@@ -41,7 +41,7 @@ void videos(const std::vector<std::string>& names, Findings& findings) {
   if (!names.empty())
     findings.add({"format", Severity::warning,
                   fmt::format("{}: {}.", someOf(names), names.size() == 1 ? "is a video" : "are videos"),
-                  "Extract photographs from a video: ffmpeg -i VIDEO -vf fps=2 %04d.png."});
+                  "ibr build uses frames of videos that are named: ibr build PHOTOS VIDEO -o SCENE."});
 }
 
 // Reports files that a build skips. A reason has the form "problem: remedy", or only names the problem.

@@ -23,7 +23,7 @@ struct VideoInfo {
   bool hdr = false;                     // PQ or HLG
   CaptureMetadata capture;              // maker and model only
   std::optional<GeoLocation> location;  // where the recording began
-  std::vector<std::string> ignored;     // other streams, for people: "data gpmd (GoPro MET)"
+  std::vector<std::string> ignored;     // other streams but sound, for people: "data gpmd (GoPro MET)"
 };
 
 /// Reads a video's properties with the program ffprobe. Throws Error: io if the program or the file cannot be read,

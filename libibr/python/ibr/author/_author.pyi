@@ -171,12 +171,12 @@ class SplitOptions:
     format: Final[ImageFileFormat]
     threads: Final[int]
     def __init__(
-        self, input: _StrPath | None = ..., model: _StrPath | None = ..., panoramas: _StrPath | None = ...,
+        self, input: _StrPath | None = ..., model: _StrPath | None = ...,
         output: _StrPath | None = ..., views: int = ..., poles: bool = ..., fov_degrees: float = ..., size: int = ...,
         format: ImageFileFormat = ..., threads: int = ...
     ) -> None: ...
     def replace(
-        self, *, input: _StrPath | None = ..., model: _StrPath | None = ..., panoramas: _StrPath | None = ...,
+        self, *, input: _StrPath | None = ..., model: _StrPath | None = ...,
         output: _StrPath | None = ..., views: int = ..., poles: bool = ..., fov_degrees: float = ..., size: int = ...,
         format: ImageFileFormat = ..., threads: int = ...
     ) -> SplitOptions: ...

@@ -83,7 +83,8 @@ int primariesOf(const std::string& name) {
 
 std::string describe(const Json& stream) {
   const std::string kind = textOf(stream, "codec_type"), tag = textOf(stream, "codec_tag_string");
-  const std::string handler = tagOf(memberOf(stream, "tags"), {"handler_name"});
+  std::string handler = tagOf(memberOf(stream, "tags"), {"handler_name"});
+  std::erase_if(handler, [](char c) { return c >= 0 && c < ' '; });
   return fmt::format("{}{}{}", kind.empty() ? "stream" : kind, tag.starts_with('[') || tag.empty() ? "" : ' ' + tag,
                      handler.empty() ? "" : " (" + handler + ')');
 }
@@ -104,7 +105,7 @@ VideoStream streamOf(const std::string& probed, const std::string& name) {
   for (const Json& stream : streams) {
     if (!video && textOf(stream, "codec_type") == "video" && !isPicture(stream))
       video = &stream;
-    else
+    else if (textOf(stream, "codec_type") != "audio")
       info.ignored.push_back(describe(stream));
   }
   check(video != nullptr, ErrorCode::invalidInput, "{}: has no video stream", name);
