@@ -234,10 +234,10 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --refine-poses on\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG; CR2,\n"
-        "CR3, NEF, ARW and others are untested with real files). Subfolders are searched, and links\n"
-        "are followed. A video is decoded by the program ffmpeg: its frames are chosen by sharpness\n"
-        "and by how far the camera has moved, not by time, and kept in SCENE/.photographs.\n\n"
+        "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG, CR2,\n"
+        "CR3, NEF, ARW and others: untested with a camera's file). Subfolders are searched, and\n"
+        "links are followed. A video is decoded by the program ffmpeg: its frames are chosen by\n"
+        "sharpness and by how far the camera has moved, not by time, and kept in SCENE/.photographs.\n\n"
         "--model takes the poses of the photographs in any of these formats, recognised by content:\n"
         "  COLMAP model (folder; text or binary; EQUIRECTANGULAR cameras for panoramas)\n"
         "  transforms.json of nerfstudio and instant-ngp; panoramas.json\n"

@@ -84,7 +84,7 @@ TEST_CASE("doctor finds no problem in a good folder, and only the planted proble
     CHECK(foreign.code == 0);
     CHECK(foreign.subjects == Subjects{"file", "format"});
     CHECK_THAT(foreign.text,
-               Contains("IMG_1.gif") && Contains("convert") && Contains("walk.mp4") && Contains("ibr build"));
+               Contains("IMG_1.gif") && Contains("Convert") && Contains("walk.mp4") && Contains("ibr build"));
   }
   SECTION("damaged files of formats that other libraries decode") {
     writeFile(photographs / "IMG_1.HEIC", std::string_view("\0\0\0\x18"

@@ -73,7 +73,7 @@ std::optional<std::string> PhotographFinder::find(const std::string& path) {
   return std::nullopt;
 }
 
-void nameAndSort(PosedModel& model, const fs::path& file, PhotographFinder& photographs) {
+void nameAndSort(PosedModel& model, const fs::path& file, PhotographFinder& photographs, bool namesAreRelative) {
   std::map<std::string, std::string> given;  // the file's name of each photograph
   const auto take = [&](PosedImage& image, const std::string& name) {
     const auto [other, isNew] = given.emplace(name, image.name);
@@ -89,7 +89,10 @@ void nameAndSort(PosedModel& model, const fs::path& file, PhotographFinder& phot
   const std::map<std::string, std::string> exact = given;
   for (PosedImage* image : others) {
     const auto found = photographs.find(image->name);
-    take(*image, found && !exact.contains(*found) ? *found : plainName(image->name));
+    if (found && !exact.contains(*found))
+      take(*image, *found);
+    else
+      take(*image, namesAreRelative ? image->name : plainName(image->name));
   }
   std::vector<std::uint32_t> order(model.images.size()), now(model.images.size());
   std::iota(order.begin(), order.end(), 0U);

@@ -129,7 +129,7 @@ PosedModel readPoseFile(const fs::path& path, const fs::path& photographs, const
   try {
     PosedModel model = format->read(source);
     checkNoneMissing(source, model.images.size());
-    nameAndSort(model, path, source.photographs);
+    nameAndSort(model, path, source.photographs, format->format == PoseFormat::colmap);
     return model;
   } catch (const JsonFault& fault) {
     failAt(path, fault);
