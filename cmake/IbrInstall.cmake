@@ -12,7 +12,7 @@ include(GNUInstallDirs)
 # Libraries that the runtime links. A room's target lists them, too.
 set(ibr_runtime_links fmt::fmt Threads::Threads ${CMAKE_DL_LIBS})
 set(ibr_author_links opencv_calib3d opencv_core opencv_features2d opencv_imgproc opencv_video Ceres::ceres gmp mpfr
-    JPEG::JPEG OpenEXR::OpenEXR PNG::PNG TIFF::TIFF lcms2 pugixml::pugixml)
+    JPEG::JPEG OpenEXR::OpenEXR PNG::PNG TIFF::TIFF ZLIB::ZLIB lcms2 pugixml::pugixml)
 
 # _ibr_rooms(variable target …): the static libraries of rooms that the targets link, directly or not.
 function(_ibr_rooms variable)
@@ -74,7 +74,7 @@ else()
 endif()
 
 if(IBR_BUILD_AUTHOR)
-  foreach(package Ceres JPEG OpenCV OpenEXR PNG TIFF pugixml)
+  foreach(package Ceres JPEG OpenCV OpenEXR PNG TIFF ZLIB pugixml)
     find_package(${package} REQUIRED)
   endforeach()
   _ibr_rooms(author ibr_author)

@@ -5,7 +5,7 @@
 # Packages to build the library and its programs, and to run them on any machine: mesa-vulkan-drivers has a Vulkan
 # device that needs no graphics card.
 IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
-  libjpeg-dev libpng-dev libtiff-dev liblcms2-dev libopenexr-dev libheif-dev libraw-dev libwebp-dev pkg-config
+  libjpeg-dev libpng-dev libtiff-dev zlib1g-dev liblcms2-dev libopenexr-dev libheif-dev libraw-dev libwebp-dev pkg-config
   libopencv-dev libcgal-dev libceres-dev libpugixml-dev libcli11-dev libssl-dev libglfw3-dev libimgui-dev libopenxr-dev mesa-vulkan-drivers"
 # Programs for the demo's contact sheets and videos, and for pose estimation of your own photographs.
 IBR_PACKAGES_DEMO="ffmpeg colmap"
