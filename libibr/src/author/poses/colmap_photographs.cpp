@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "author/photographs/masks.h"
@@ -170,12 +169,6 @@ bool foldersHaveOneSize(const PoseOptions& options, const ColmapPhotographs& pho
     const auto size = uprightSize(options, photographs.infos[i]);
     return sizes.emplace(fs::path(photographs.names[i]).parent_path(), size).first->second == size;
   });
-}
-
-std::size_t folderCount(const ColmapPhotographs& photographs) {
-  std::set<fs::path> folders;
-  for (const std::string& name : photographs.names) folders.insert(fs::path(name).parent_path());
-  return folders.size();
 }
 
 }  // namespace ibr

@@ -49,7 +49,4 @@ bool haveOneSize(const PoseOptions& options, const ColmapPhotographs& photograph
 bool foldersHaveOneSize(const PoseOptions& options, const ColmapPhotographs& photographs,
                         std::span<const std::size_t> indices);
 
-/// Number of folders that directly hold photographs.
-std::size_t folderCount(const ColmapPhotographs& photographs);
-
 }  // namespace ibr

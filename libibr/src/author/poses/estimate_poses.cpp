@@ -17,9 +17,8 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMaxExhaustive = 60;          // maximum number of photographs for exhaustive matching
-constexpr std::size_t kMaxExhaustiveFolders = 160;  // of several folders, which no order of names connects
-constexpr std::size_t kBlocks = 8;                  // number of blocks of photographs that are matched pair by pair
+constexpr std::size_t kMaxExhaustive = 60;  // maximum number of photographs for exhaustive matching
+constexpr std::size_t kBlocks = 8;          // number of blocks of photographs that are matched pair by pair
 constexpr const char* kFeaturesStage = "finding features with COLMAP";
 constexpr const char* kMatchingStage = "matching features with COLMAP";
 constexpr const char* kMappingStage = "estimating poses with COLMAP";
@@ -92,7 +91,7 @@ void matchFeatures(const Estimate& e, const ColmapProgram::OptionNames& option) 
     return step(e, "matches_importer", kMatchingStage, arguments);
   }
   const std::size_t count = e.photographs.names.size();
-  const bool all = count <= (folderCount(e.photographs) > 1 ? kMaxExhaustiveFolders : kMaxExhaustive);
+  const bool all = count <= kMaxExhaustive;
   // COLMAP reports and stores matches block by block: a single block shows no progress, and is lost when stopped.
   if (all) {
     const std::size_t side = std::max<std::size_t>(2, (count + kBlocks - 1) / kBlocks);

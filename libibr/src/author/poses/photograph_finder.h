@@ -40,9 +40,9 @@ class PhotographFinder {
 std::string plainName(const std::string& path);
 
 /// Gives all images the names of their photographs, sorts the images, and removes points without observations. An image
-/// gets no photograph that another one names exactly; without a photograph, it gets its plainName(), or keeps a name that
-/// is relative to the folder of the photographs. Throws
-/// Error{invalidInput} if two images share a name or a photograph.
+/// gets no photograph that another one names exactly; without a photograph, it gets its plainName(), or keeps a name
+/// that is relative to the folder of the photographs. Throws Error{invalidInput} if two images share a name or a
+/// photograph.
 void nameAndSort(PosedModel& model, const std::filesystem::path& file, PhotographFinder& photographs,
                  bool namesAreRelative = false);
 
