@@ -54,13 +54,14 @@ struct SurfaceRenderer::Visible {
   ImageF inverseDepth;
 };
 
-SurfaceRenderer::SurfaceRenderer(std::vector<Surface> surfaces, double density, int threads)
+SurfaceRenderer::SurfaceRenderer(std::vector<Surface> surfaces, double density, int threads,
+                                 const std::function<bool(std::size_t)>& report)
     : surfaces_(std::move(surfaces)), density_(density) {
   check(surfaces_.size() < 65535, ErrorCode::invalidInput, "{} surfaces are too many", surfaces_.size());
   std::vector<std::optional<SurfaceTexture>> made(surfaces_.size());
-  runJobs(
-      made.size(), threads, [&](std::size_t i) { made[i].emplace(surfaces_[i], density); },
-      [](std::size_t) { return true; });
+  const bool whole = runJobs(
+      made.size(), threads, [&](std::size_t i) { made[i].emplace(surfaces_[i], density); }, report);
+  check(whole, ErrorCode::cancelled, "stopped");
   for (auto& texture : made) textures_.push_back(std::move(*texture));
 }
 

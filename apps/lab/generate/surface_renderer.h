@@ -3,7 +3,7 @@
 // offsets of samples within the pixel, or with poses during an exposure.
 #pragma once
 
-#include <span>
+#include <functional>
 #include <vector>
 
 #include "ibr/camera.h"
@@ -14,8 +14,11 @@ namespace ibr {
 
 class SurfaceRenderer {
  public:
-  /// Generates the textures on `threads` threads. `density`: texels per metre.
-  SurfaceRenderer(std::vector<Surface> surfaces, double density, int threads);
+  /// Generates the textures on `threads` threads. `density`: texels per metre. `report` gets the number of finished
+  /// surfaces. Throws ErrorCode::cancelled when report returns false.
+  SurfaceRenderer(
+      std::vector<Surface> surfaces, double density, int threads,
+      const std::function<bool(std::size_t done)>& report = [](std::size_t) { return true; });
 
   /// Adds linear RGB of a pinhole's samples, at `offset` (px) from the upper left corner of each pixel, to `sum`. Adds
   /// nothing where no surface is seen.

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "base/check.h"
 #include "base/child_process.h"
@@ -276,8 +277,11 @@ class WalkWriter {
         hall_(makeWalkHall(context.options().seed)),
         walk_({options.seconds, options.fps, options.shutter, options.variableRate,
                2 * std::atan(0.5 * size_.width / intrinsics_.fx), context.options().seed}),
-        renderer_(hall_.surfaces, std::min(kMaxDensity, intrinsics_.fx / kSharpDistance), threads_),
-        progress_(context) {}
+        progress_(context),
+        renderer_(hall_.surfaces, std::min(kMaxDensity, intrinsics_.fx / kSharpDistance), threads_,
+                  [this](std::size_t done) {
+                    return progress_.show({"generating textures", done, hall_.surfaces.size()});
+                  }) {}
 
   void writeVideo() {
     makeFolders(folder_);
@@ -387,8 +391,8 @@ class WalkWriter {
   int threads_;
   WalkHall hall_;
   HandHeldWalk walk_;
-  SurfaceRenderer renderer_;
   ProgressLine progress_;
+  SurfaceRenderer renderer_;
   std::vector<double> smears_;  // by frame, px
   std::vector<std::size_t> subFrames_;
   std::vector<TruthView> views_;

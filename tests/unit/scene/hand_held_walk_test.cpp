@@ -115,6 +115,22 @@ TEST_CASE("a rendered surface has exact depth and the colour of its texture, and
   CHECK(near > 0.85 * 64 * 48);
 }
 
+TEST_CASE("a renderer reports finished textures, and stops when it is told to") {
+  const WalkHall hall = makeWalkHall(2);
+  std::size_t last = 0;
+  const SurfaceRenderer renderer(hall.surfaces, 2, 2, [&](std::size_t done) {
+    last = done;
+    return true;
+  });
+  CHECK(last == hall.surfaces.size());
+  try {
+    const SurfaceRenderer stopped(hall.surfaces, 2, 2, [](std::size_t) { return false; });
+    FAIL("was not stopped");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::cancelled);
+  }
+}
+
 TEST_CASE("the hall is closed: every pixel of every view shows a surface") {
   const WalkHall hall = makeWalkHall(2);
   const SurfaceRenderer renderer(hall.surfaces, 2, 2);
