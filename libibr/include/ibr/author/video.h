@@ -55,7 +55,8 @@ struct VideoFrames {
 /// EXIF of VideoInfo::capture and location. A frame follows the one before where the points that both show have moved
 /// enough, by parallax or together; of the frames about there, the sharpest is chosen. A blurred frame is chosen only
 /// where no sharp one shows its part of the way. Frames are those that ffmpeg decodes, of constant or variable rate.
-/// A folder that holds the frames of the same file and options is left as it is. Same file and programs: same frames.
+/// A folder that holds the frames of the same file and options is left as it is; frames of another choice are removed
+/// from it by their names, other files are kept. Same file and programs: same frames.
 /// Throws Error: io, invalidInput, cancelled.
 VideoFrames extractFrames(const VideoOptions& options, const ProgressCallback& progress = {},
                           const LogCallback& log = {});

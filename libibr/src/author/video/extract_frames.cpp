@@ -49,6 +49,19 @@ bool isFinished(const VideoOptions& options, VideoFrames& frames) {
   return !frames.chosen.empty();
 }
 
+// Removes the index and frames of an earlier choice, by their names: the folder may hold other files.
+void removeFrames(const VideoOptions& options) {
+  std::error_code ignored;
+  fs::remove(options.folder / kIndexName, ignored);
+  const std::string begin = options.video.stem().string() + '_', end = ".jpg";
+  for (const auto& entry : fs::directory_iterator(options.folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool fits = name.size() >= begin.size() + 6 + end.size() && name.starts_with(begin) && name.ends_with(end);
+    const auto number = fits ? name.substr(begin.size(), name.size() - begin.size() - end.size()) : std::string();
+    if (fits && number.find_first_not_of("0123456789") == number.npos) fs::remove(entry.path(), ignored);
+  }
+}
+
 void writeIndex(const VideoOptions& options, const VideoFrames& frames) {
   Json json{{"key", keyOf(options)}, {"decoded", frames.decoded}, {"frames", Json::array()}};
   for (const VideoFrames::Frame& frame : frames.chosen)
@@ -89,10 +102,7 @@ VideoFrames extractFrames(const VideoOptions& options, const ProgressCallback& p
   if (isFinished(options, frames)) return frames;
   frames.chosen.clear();
   makeFolders(options.folder);
-  std::error_code ignored;
-  fs::remove(options.folder / kIndexName, ignored);
-  for (const auto& entry : fs::directory_iterator(options.folder))  // of another choice
-    if (entry.path().extension() == ".jpg") fs::remove(entry.path(), ignored);
+  removeFrames(options);
   const VideoFile file(options.video, stream, options.ffmpeg);
   const double scale = std::min(1.0, double(kMeasuredSide) / std::max(stream.info.width, stream.info.height));
   const int width = std::max(16, int(std::lround(scale * stream.info.width)));

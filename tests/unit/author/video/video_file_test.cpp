@@ -120,8 +120,14 @@ TEST_CASE("frames of a pan are chosen evenly and written with EXIF; a second cal
   const VideoFrames again = extractFrames(options);
   CHECK(again.chosen.size() == frames.chosen.size());
   CHECK(std::filesystem::last_write_time(options.folder / first) == time);
+  // Another choice removes the frames of this one, and nothing else.
+  for (const char* name : {"mine.jpg", "pan_notes.jpg", "pan_999999.jpg"}) writeFile(options.folder / name, "x");
   options.frames = 12;
-  CHECK(extractFrames(options).chosen.size() > frames.chosen.size());
+  const VideoFrames more = extractFrames(options);
+  CHECK(more.chosen.size() > frames.chosen.size());
+  CHECK(std::filesystem::exists(options.folder / "mine.jpg"));
+  CHECK(std::filesystem::exists(options.folder / "pan_notes.jpg"));
+  CHECK_FALSE(std::filesystem::exists(options.folder / "pan_999999.jpg"));
 }
 
 TEST_CASE("a turned video gives upright frames, and a variable rate changes nothing") {
