@@ -21,7 +21,8 @@ std::optional<PinholeTerms> fixedCalibration(TextWords& words, const std::string
   if (header.empty()) return std::nullopt;
   const std::filesystem::path at = words.where();
   TextWords values(at, header);
-  if (values.word("FixedK") != "FixedK") words.fault("\"" + header.substr(0, 40) + "\" is no calibration FixedK");
+  if (values.word("FixedK") != "FixedK")
+    words.fault(fmt::format("\"{}\" is no calibration FixedK", header.substr(0, 40)));
   PinholeTerms pinhole{};
   pinhole.fx = values.real("FixedK fx");
   pinhole.cx = values.real("FixedK cx");
