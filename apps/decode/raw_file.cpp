@@ -33,9 +33,41 @@ std::string textOf(const char* from) {
   return text;
 }
 
+// Bytes that LibRaw asks for behind the end of the file. LibRaw takes them for zeros or noise, without an error.
+class RawBytes : public LibRaw_buffer_datastream {
+ public:
+  explicit RawBytes(std::span<const std::byte> file)
+      : LibRaw_buffer_datastream(const_cast<std::byte*>(file.data()), file.size()) {}
+
+  // Decoders read in blocks of 16 KiB, the last of which may be shorter.
+  bool lacksData() const { return missing_ > kBlock; }
+  // Reading the header may look anywhere.
+  void forgetMissing() { missing_ = 0; }
+
+  int read(void* to, size_t size, size_t count) override {
+    const INT64 left = this->size() - tell();
+    if (INT64(size * count) > left) missing_ += INT64(size * count) - left;
+    return LibRaw_buffer_datastream::read(to, size, count);
+  }
+  int seek(INT64 offset, int whence) override {
+    const INT64 start = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? tell() : size();
+    if (start + offset > size()) missing_ += start + offset - size();
+    return LibRaw_buffer_datastream::seek(offset, whence);
+  }
+  int get_char() override {
+    const int value = LibRaw_buffer_datastream::get_char();
+    missing_ += value < 0;
+    return value;
+  }
+
+ private:
+  static constexpr INT64 kBlock = 0x4000;
+  INT64 missing_ = 0;
+};
+
 class RawFile : public PictureFile {
  public:
-  explicit RawFile(std::span<const std::byte> file) {
+  explicit RawFile(std::span<const std::byte> file) : bytes_(file) {
     libraw_output_params_t& p = raw_.imgdata.params;
     p.output_bps = 16;
     p.gamm[0] = p.gamm[1] = 1;  // linear
@@ -45,7 +77,7 @@ class RawFile : public PictureFile {
     p.adjust_maximum_thr = 0;  // white is the sensor's, not the picture's
     p.user_flip = 0;           // as stored: info() has the orientation
     raw_.set_dataerror_handler([](void* damaged, const char*, int) { *static_cast<bool*>(damaged) = true; }, &damaged_);
-    checkRaw(raw_.open_buffer(const_cast<std::byte*>(file.data()), file.size()));
+    checkRaw(raw_.open_datastream(&bytes_));
     flip_ = raw_.imgdata.sizes.flip;
     LibRaw sizes;  // after this call, an object cannot decode
     sizes.imgdata.params.user_flip = 0;
@@ -88,7 +120,9 @@ class RawFile : public PictureFile {
   }
 
   Image8 decode() override {
+    bytes_.forgetMissing();
     checkRaw(raw_.unpack());
+    damaged_ |= bytes_.lacksData();
     checkRaw(raw_.dcraw_process());
     check(!damaged_, ErrorCode::invalidInput, "the raw file is damaged or incomplete");
     int error = LIBRAW_SUCCESS;
@@ -114,6 +148,7 @@ class RawFile : public PictureFile {
   }
 
  private:
+  RawBytes bytes_;  // must outlive raw_
   LibRaw raw_;
   int width_ = 0, height_ = 0, flip_ = 0;
   bool damaged_ = false;

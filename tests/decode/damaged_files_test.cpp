@@ -17,8 +17,8 @@ std::vector<std::string> seeds(const test::TemporaryFolder& folder) {
       test::withExifBlock(test::withJpegProfile(test::makeJpeg(picture, test::JpegKind::baseline), test::displayP3()),
                           test::cameraExif(6)));
   const std::string jpeg = (folder / "a.jpg").string();
-  for (const char* name : {"a.heic", "a.avif"}) test::runProgram({"heif-enc", "-o", (folder / name).string(), jpeg});
-  test::runProgram({"cwebp", "-quiet", "-metadata", "all", jpeg, "-o", (folder / "a.webp").string()});
+  for (const char* name : {"a.heic", "a.avif"}) test::runEncoder({"heif-enc", "-o", (folder / name).string(), jpeg});
+  test::runEncoder({"cwebp", "-quiet", "-metadata", "all", jpeg, "-o", (folder / "a.webp").string()});
   test::writeDng(folder / "a.dng", {{0.1, 0.2, 0.3}, {0.5, 0.4, 0.3}, {0.9, 0.8, 0.7}});
   return {"a.heic", "a.avif", "a.webp", "a.dng"};
 }

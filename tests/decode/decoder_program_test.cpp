@@ -43,7 +43,7 @@ ImageFileInfo infoOf(const io::DecodedHeader& header) {
 
 void writeWebp(const test::TemporaryFolder& folder) {
   writeImage(folder / "a.png", test::smoothPicture(24, 16));
-  test::runProgram({"cwebp", "-quiet", (folder / "a.png").string(), "-o", (folder / "a.webp").string()});
+  test::runEncoder({"cwebp", "-quiet", (folder / "a.png").string(), "-o", (folder / "a.webp").string()});
 }
 
 }  // namespace

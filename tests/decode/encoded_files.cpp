@@ -8,10 +8,11 @@
 #include <cmath>
 
 #include "base/child_process.h"
+#include "base/srgb.h"
 
 namespace ibr::test {
 
-void runProgram(const std::vector<std::string>& arguments) {
+void runEncoder(const std::vector<std::string>& arguments) {
   std::string output;
   const ChildResult result = runChild(
       arguments, {}, [&](std::string_view line) { output += std::string(line) + '\n'; }, [] { return true; });
@@ -77,7 +78,7 @@ Bytes cameraExif(int orientation) {
 
 void encodeAvif(const std::filesystem::path& avif, const std::filesystem::path& png, int primaries, int transfer,
                 int bits) {
-  runProgram({"avifenc", "-l", "-d", std::to_string(bits), "--cicp",
+  runEncoder({"avifenc", "-l", "-d", std::to_string(bits), "--cicp",
               std::to_string(primaries) + "/" + std::to_string(transfer) + "/0", png.string(), avif.string()});
 }
 
@@ -92,10 +93,12 @@ Bytes withCodePoints(Bytes heic, int primaries, int transfer) {
   return heic;
 }
 
-void writeDng(const std::filesystem::path& file, const std::vector<std::array<double, 3>>& light,
-              const DngOptions& options) {
+namespace {
+
+// `light(x, y, c)`: linear sRGB.
+template <class Light>
+void writeDng(const std::filesystem::path& file, int width, int height, const Light& light, const DngOptions& options) {
   constexpr double kBlack = 256, kWhite = 16383;
-  const int width = 16 * int(light.size()), height = 64;
   TIFF* const tiff = TIFFOpen(file.c_str(), "w");
   REQUIRE(tiff);
   const std::uint8_t version[] = {1, 4, 0, 0}, bayer[] = {0, 1, 1, 2};
@@ -130,7 +133,7 @@ void writeDng(const std::filesystem::path& file, const std::vector<std::array<do
     std::vector<std::uint16_t> row(std::size_t(width), 0);
     for (int x = 0; x < width; ++x) {
       const std::size_t c = std::size_t(y % 2 + x % 2);
-      const double value = options.exposure * options.neutral[c] * light[std::size_t(x / 16)][c];
+      const double value = options.exposure * options.neutral[c] * light(x, y, c);
       row[std::size_t(x)] = std::uint16_t(std::lround(std::min(kWhite, kBlack + (kWhite - kBlack) * value)));
     }
     TIFFWriteScanline(tiff, row.data(), std::uint32_t(y));
@@ -149,6 +152,21 @@ void writeDng(const std::filesystem::path& file, const std::vector<std::array<do
   TIFFSetField(tiff, TIFFTAG_EXIFIFD, exif);
   TIFFRewriteDirectory(tiff);
   TIFFClose(tiff);
+}
+
+}  // namespace
+
+void writeDng(const std::filesystem::path& file, const std::vector<std::array<double, 3>>& light,
+              const DngOptions& options) {
+  writeDng(
+      file, 16 * int(light.size()), 64, [&](int x, int, std::size_t c) { return light[std::size_t(x / 16)][c]; },
+      options);
+}
+
+void writeDng(const std::filesystem::path& file, const Image8& picture, const DngOptions& options) {
+  writeDng(
+      file, picture.width, picture.height,
+      [&](int x, int y, std::size_t c) { return srgbToLinear(picture.pixel(x, y)[c] / 255.0); }, options);
 }
 
 }  // namespace ibr::test

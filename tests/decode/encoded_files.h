@@ -14,7 +14,7 @@
 namespace ibr::test {
 
 /// Runs a program; fails the test with its output if the program fails.
-void runProgram(const std::vector<std::string>& arguments);
+void runEncoder(const std::vector<std::string>& arguments);
 
 /// Smooth colours, which codecs keep: every 8 bits of each channel appear.
 Image8 smoothPicture(int width, int height);
@@ -41,13 +41,15 @@ void encodeAvif(const std::filesystem::path& avif, const std::filesystem::path& 
 Bytes withCodePoints(Bytes heic, int primaries, int transfer);
 
 /// DNG of a camera with a Bayer sensor, black 256 and white 16383, whose colours are those of sRGB times `neutral`.
-/// `light`: linear sRGB, one row of flat patches of 16×16 px.
 struct DngOptions {
   std::array<double, 3> neutral{0.5, 1, 0.6};  // sensor values of white
   double exposure = 1;                         // factor of all sensor values
   int orientation = 1;
 };
+/// `light`: linear sRGB, one row of flat patches 16 px wide and 64 px high.
 void writeDng(const std::filesystem::path& file, const std::vector<std::array<double, 3>>& light,
               const DngOptions& options = {});
+/// `picture`: sRGB.
+void writeDng(const std::filesystem::path& file, const Image8& picture, const DngOptions& options = {});
 
 }  // namespace ibr::test

@@ -10,7 +10,7 @@ TEST_CASE("HEIC and AVIF files come back as the photograph that was encoded") {
   writeImage(folder / "a.png", picture);
   for (const auto& [name, format] : {std::pair("a.heic", ImageFormat::heic), {"a.avif", ImageFormat::avif}}) {
     INFO(name);
-    test::runProgram(
+    test::runEncoder(
         {"heif-enc", "-q", "95", "-p", "chroma=444", "-o", (folder / name).string(), (folder / "a.png").string()});
     const ImageFileInfo info = probeImage(folder / name);
     CHECK(info.format == format);
@@ -25,7 +25,7 @@ TEST_CASE("HEIC and AVIF files come back as the photograph that was encoded") {
 TEST_CASE("a HEIC file's content counts, whatever its name") {
   const test::TemporaryFolder folder;
   writeImage(folder / "a.png", test::smoothPicture(64, 48));
-  test::runProgram({"heif-enc", "-o", (folder / "a.heic").string(), (folder / "a.png").string()});
+  test::runEncoder({"heif-enc", "-o", (folder / "a.heic").string(), (folder / "a.png").string()});
   std::filesystem::rename(folder / "a.heic", folder / "b.jpg");
   CHECK(probeImage(folder / "b.jpg").format == ImageFormat::heic);
   CHECK(readImage(folder / "b.jpg").width == 64);
@@ -37,7 +37,7 @@ TEST_CASE("a HEIC file keeps the camera's EXIF, whose orientation does not count
   const Image8 picture = test::smoothPicture(120, 80);
   test::writeBytes(folder / "a.jpg",
                    test::withExifBlock(test::makeJpeg(picture, test::JpegKind::baseline), test::cameraExif(6)));
-  test::runProgram({"heif-enc", "-q", "95", "-o", (folder / "a.heic").string(), (folder / "a.jpg").string()});
+  test::runEncoder({"heif-enc", "-q", "95", "-o", (folder / "a.heic").string(), (folder / "a.jpg").string()});
   const ImageFileInfo info = probeImage(folder / "a.heic");
   CHECK(info.capture == CaptureMetadata{1.0 / 250, 2.8, 400, 50, 75, "Maker", "M1", ""});
   CHECK((info.orientation == 1 && info.width == 120 && info.height == 80));
@@ -51,14 +51,14 @@ TEST_CASE("rotation and mirroring of AVIF files are applied") {
   // Quarter turns to the left, and the EXIF orientation of the same turn.
   for (const auto& [turns, orientation] : {std::pair(0, 1), {1, 8}, {2, 3}, {3, 6}}) {
     INFO(turns << " quarter turns");
-    test::runProgram(
+    test::runEncoder(
         {"avifenc", "-l", "--irot", std::to_string(turns), (folder / "a.png").string(), (folder / "a.avif").string()});
     const Image8 expected = upright(picture, orientation);
     const ImageFileInfo info = probeImage(folder / "a.avif");
     CHECK((info.width == expected.width && info.height == expected.height && info.orientation == 1));
     for (const bool apply : {true, false}) CHECK(test::psnr(readImage(folder / "a.avif", apply), expected) > 45);
   }
-  test::runProgram({"avifenc", "-l", "--imir", "1", (folder / "a.png").string(), (folder / "a.avif").string()});
+  test::runEncoder({"avifenc", "-l", "--imir", "1", (folder / "a.png").string(), (folder / "a.avif").string()});
   CHECK(test::psnr(readImage(folder / "a.avif"), upright(picture, 2)) > 45);
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("ICC profiles of HEIC and AVIF files are applied") {
   REQUIRE(test::psnr(expected, picture) < 35);
   for (const char* name : {"a.heic", "a.avif"}) {
     INFO(name);
-    test::runProgram(
+    test::runEncoder(
         {"heif-enc", "-q", "99", "-p", "chroma=444", "-o", (folder / name).string(), (folder / "p3.png").string()});
     const Image8 read = readImage(folder / name);
     for (int i = 0; i < 4; ++i)
@@ -86,7 +86,7 @@ TEST_CASE("code points of HEIC and AVIF files are applied: Display P3 equals its
   test::writeBytes(folder / "p3.png", test::withPngProfile(test::readBytes(folder / "plain.png"), test::displayP3()));
   const Image8 expected = readImage(folder / "p3.png");
   test::encodeAvif(folder / "a.avif", folder / "plain.png", 12, 13);
-  test::runProgram({"heif-enc", "-q", "100", "-p", "chroma=444", "-o", (folder / "icc.heic").string(),
+  test::runEncoder({"heif-enc", "-q", "100", "-p", "chroma=444", "-o", (folder / "icc.heic").string(),
                     (folder / "p3.png").string()});
   test::writeBytes(folder / "a.heic", test::withCodePoints(test::readBytes(folder / "icc.heic"), 12, 13));
   test::writeBytes(folder / "srgb.heic", test::withCodePoints(test::readBytes(folder / "icc.heic"), 1, 13));

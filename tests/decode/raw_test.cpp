@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Raw files: linear light with the camera's white balance. DNG only; CR2, CR3, NEF and ARW need a real camera's file.
+#include <algorithm>
 #include <cmath>
 
 #include "base/srgb.h"
@@ -71,4 +72,27 @@ TEST_CASE("raw files that start as TIFF are told from pictures by their first di
   CHECK(isRaw(test::exifBlock({{0x0103, 3, {34713}}}, {}, false)));  // Nikon's compression
   CHECK_FALSE(isRaw(test::exifBlock({{0x0103, 3, {5}}}, {}, false)));
   CHECK_FALSE(isRaw({'I', 'I', 42, 0}));
+}
+
+TEST_CASE("a raw file without its sensor data is refused") {
+  const test::TemporaryFolder folder;
+  test::writeDng(folder / "a.dng", std::vector<std::array<double, 3>>(40, {0.2, 0.3, 0.4}));
+  test::Bytes bytes = test::readBytes(folder / "a.dng");
+  // Position of a value in the last directory: a tag of one SHORT (3) or LONG (4).
+  const auto value = [&](std::uint8_t tag, std::uint8_t type) {
+    const std::uint8_t entry[] = {tag, 1, type, 0, 1, 0, 0, 0};
+    const auto found = std::find_end(bytes.begin(), bytes.end(), std::begin(entry), std::end(entry));
+    REQUIRE(found != bytes.end());
+    return found + 8;
+  };
+  // The data starts behind the end of the file, as in a copy of a file's first part.
+  for (int i = 0; i < 4; ++i) value(0x11, 4)[i] = std::uint8_t((bytes.size() + 100'000) >> 8 * i);  // StripOffsets
+  for (const int compression : {1, 7}) {  // none; lossless JPEG, whose absence LibRaw does not report
+    INFO(compression);
+    value(0x03, 3)[0] = std::uint8_t(compression);
+    test::writeBytes(folder / "cut.dng", bytes);
+    const Error error = test::errorOf([&] { readImage(folder / "cut.dng"); });
+    CHECK(error.code() == ErrorCode::invalidInput);
+    CHECK_THAT(error.what(), Catch::Contains("cut.dng"));
+  }
 }

@@ -9,7 +9,7 @@ TEST_CASE("a WebP file comes back as stored, with EXIF and ICC profile applied")
   const Image8 picture = test::smoothPicture(90, 61);
   test::Bytes jpeg = test::withJpegProfile(test::makeJpeg(picture, test::JpegKind::baseline), test::displayP3());
   test::writeBytes(folder / "a.jpg", test::withExifBlock(jpeg, test::cameraExif(6)));
-  test::runProgram({"cwebp", "-quiet", "-lossless", "-exact", "-metadata", "all", (folder / "a.jpg").string(), "-o",
+  test::runEncoder({"cwebp", "-quiet", "-lossless", "-exact", "-metadata", "all", (folder / "a.jpg").string(), "-o",
                     (folder / "a.webp").string()});
   const ImageFileInfo info = probeImage(folder / "a.webp");
   CHECK(info.format == ImageFormat::webp);
@@ -25,7 +25,7 @@ TEST_CASE("an animated WebP file is not supported") {
   const test::TemporaryFolder folder;
   writeImage(folder / "a.png", test::smoothPicture(32, 16));
   writeImage(folder / "b.png", test::patches({{200, 100, 50}, {50, 180, 60}}));
-  test::runProgram(
+  test::runEncoder(
       {"img2webp", "-o", (folder / "a.webp").string(), (folder / "a.png").string(), (folder / "b.png").string()});
   const Error error = test::errorOf([&] { readImage(folder / "a.webp"); });
   CHECK(error.code() == ErrorCode::unsupported);
