@@ -42,8 +42,7 @@ bool canAdd(const PoseOptions& options, const std::vector<std::string>& names, s
   if (added == 0 || !fs::exists(options.folder / "mapper.done") || double(added) > kMaxAddedShare * double(before) ||
       added * names.size() > kMaxAddedPairs)
     return false;
-  // COLMAP reads pairs of names word by word.
-  if (std::ranges::any_of(names, [](const std::string& name) { return name.find(' ') != name.npos; })) return false;
+  if (!isReadInPairs(names)) return false;
   if (isAdditionStarted(options.folder, key)) return true;
   return colmapModels(options).size() == 1 &&
          double(largestColmapModel(options, names.size()).registered) >= (1 - kMaxUnregisteredShare) * double(before);
@@ -62,6 +61,10 @@ void startAddition(const fs::path& folder, const ColmapRun& run, const ColmapPro
 }
 
 }  // namespace
+
+bool isReadInPairs(const std::vector<std::string>& names) {
+  return std::ranges::none_of(names, [](const std::string& name) { return name.find(' ') != name.npos; });
+}
 
 ColmapRun prepareColmapRun(const PoseOptions& options, const ColmapPhotographs& photographs,
                            const ColmapProgram& colmap, const ProgressCallback& progress) {

@@ -23,6 +23,9 @@ struct ColmapRun {
   std::filesystem::path listFile;        // names of the photographs of this run, one a line
 };
 
+/// COLMAP reads pairs of names word by word: false if a name has a space.
+bool isReadInPairs(const std::vector<std::string>& names);
+
 /// Prepares options.folder for a run, or for the rest of a stopped run. Discards results of other photographs or
 /// settings, except poses to which a few photographs are only added. Checks the photographs of a new run
 /// (checkColmapPhotographs). Throws Error: invalidInput, too, if the folder has other files; io; cancelled.

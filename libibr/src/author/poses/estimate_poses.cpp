@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxExhaustive = 60;  // maximum number of photographs for exhaustive matching
+constexpr std::size_t kPairsBetween = 60;   // number of photographs of other folders that each one is paired with
 constexpr std::size_t kBlocks = 8;          // number of blocks of photographs that are matched pair by pair
 constexpr const char* kFeaturesStage = "finding features with COLMAP";
 constexpr const char* kMatchingStage = "matching features with COLMAP";
@@ -77,6 +79,34 @@ std::string addedPairs(const Estimate& e) {
   return pairs;
 }
 
+// Pairs of photographs of different folders, a pair of names a line; empty if all are in one folder. Sequential
+// matching pairs names that follow each other, and so no folder with another. Each photograph gets about kPairsBetween
+// others, spread evenly over the other folders.
+std::string pairsBetweenFolders(const std::vector<std::string>& names) {
+  std::map<std::string, std::vector<std::size_t>> folders;
+  for (std::size_t i = 0; i < names.size(); ++i) folders[fs::path(names[i]).parent_path().string()].push_back(i);
+  if (folders.size() < 2) return {};
+  const std::size_t each = std::max<std::size_t>(1, kPairsBetween / (folders.size() - 1));
+  std::set<std::pair<std::size_t, std::size_t>> pairs;
+  for (const auto& [folder, members] : folders)
+    for (std::size_t place = 0; place < members.size(); ++place)
+      for (const auto& [other, there] : folders) {
+        if (other == folder) continue;
+        const std::size_t count = std::min(each, there.size());
+        for (std::size_t k = 0; k < count; ++k)  // neighbours get others
+          pairs.insert(std::minmax(members[place], there[(k * there.size() / count + place) % there.size()]));
+      }
+  std::string lines;
+  for (const auto& [a, b] : pairs) lines += names[a] + ' ' + names[b] + '\n';
+  return lines;
+}
+
+void matchPairs(const Estimate& e, std::vector<std::string> arguments, const char* listName, const std::string& pairs) {
+  writeFile(e.file(listName), pairs);
+  arguments.insert(arguments.end(), {"--match_list_path", e.file(listName).string(), "--match_type", "pairs"});
+  step(e, "matches_importer", kMatchingStage, arguments);
+}
+
 void matchFeatures(const Estimate& e, const ColmapProgram::OptionNames& option) {
   std::vector<std::string> arguments{"--database_path",
                                      e.run.databaseFile.string(),
@@ -84,20 +114,24 @@ void matchFeatures(const Estimate& e, const ColmapProgram::OptionNames& option) 
                                      "0",
                                      option.matching + ".num_threads",
                                      e.threads()};
-  if (!e.run.added.empty()) {
-    writeFile(e.file("added-pairs.txt"), addedPairs(e));
-    arguments.insert(arguments.end(),
-                     {"--match_list_path", e.file("added-pairs.txt").string(), "--match_type", "pairs"});
-    return step(e, "matches_importer", kMatchingStage, arguments);
-  }
+  if (!e.run.added.empty()) return matchPairs(e, arguments, "added-pairs.txt", addedPairs(e));
   const std::size_t count = e.photographs.names.size();
   const bool all = count <= kMaxExhaustive;
-  // COLMAP reports and stores matches block by block: a single block shows no progress, and is lost when stopped.
-  if (all) {
-    const std::size_t side = std::max<std::size_t>(2, (count + kBlocks - 1) / kBlocks);
-    arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
+  if (!all) {
+    step(e, "sequential_matcher", kMatchingStage, arguments);
+    const std::string pairs = pairsBetweenFolders(e.photographs.names);
+    if (pairs.empty()) return;
+    if (isReadInPairs(e.photographs.names)) return matchPairs(e, arguments, "folder-pairs.txt", pairs);
+    if (e.log)
+      e.log(LogLevel::warning,
+            "photographs of different folders are not matched with each other, because COLMAP reads "
+            "no names with spaces in pairs: rename them without spaces");
+    return;
   }
-  step(e, all ? "exhaustive_matcher" : "sequential_matcher", kMatchingStage, arguments);
+  // COLMAP reports and stores matches block by block: a single block shows no progress, and is lost when stopped.
+  const std::size_t side = std::max<std::size_t>(2, (count + kBlocks - 1) / kBlocks);
+  arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
+  step(e, "exhaustive_matcher", kMatchingStage, arguments);
 }
 
 void mapOnce(const Estimate& e, const std::vector<std::string>& more) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "base/child_process.h"
 #include "base/file.h"
@@ -235,10 +236,45 @@ TEST_CASE("poses are estimated again if photographs cannot be added to the exist
 
 TEST_CASE("many photographs are matched sequentially") {
   const Place place;
+  fs::remove(place.folder / "photos/more/c.png");
   for (int i = 0; i < 60; ++i)
     fs::copy_file(place.folder / "photos/a.png", place.folder / "photos" / (std::to_string(i) + ".png"));
-  CHECK(estimatePoses(place.options()).photographs == 64);
+  CHECK(estimatePoses(place.options()).photographs == 63);
   CHECK(place.calls() == Calls{"feature_extractor", "sequential_matcher", "mapper"});
+}
+
+TEST_CASE("many photographs of several folders are also matched from folder to folder") {
+  const Place place;
+  for (const char* name : {"a.png", "b.png", "d.png", "more"}) fs::remove_all(place.folder / "photos" / name);
+  const auto add = [&](const std::string& name) {
+    fs::create_directories((place.folder / "photos" / name).parent_path());
+    writeImage(place.folder / "photos" / name, Image8(40, 30, 3, 99));
+  };
+  for (int i = 0; i < 70; ++i) add("walk/" + std::to_string(100 + i) + ".png");
+  for (int i = 0; i < 20; ++i) add("stills/" + std::to_string(i) + ".png");
+  estimatePoses(place.options());
+  CHECK(place.calls() == Calls{"feature_extractor", "sequential_matcher", "matches_importer", "mapper"});
+  std::map<std::string, int> stills, walk;  // number of pairs of each photograph with the other folder
+  std::istringstream lines(readTextFile(place.options().folder / "folder-pairs.txt"));
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (std::string a, b; lines >> a >> b;) {
+    CHECK(fs::path(a).parent_path() != fs::path(b).parent_path());
+    CHECK(pairs.insert(std::minmax(a, b)).second);
+    if (a.starts_with("stills/") && b.starts_with("walk/")) ++stills[a], ++walk[b];
+  }
+  CHECK(stills.size() == 20);
+  CHECK(walk.size() == 70);
+  for (const auto& [name, count] : stills) CHECK(count >= 20);
+  CHECK(pairs.size() < 90 * 60);
+
+  add("stills/with space.png");  // not in a list of pairs
+  std::string warnings;
+  estimatePoses(place.options(), {}, [&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::warning) warnings += text;
+  });
+  CHECK_THAT(warnings, Contains("spaces"));
+  const Calls calls = place.calls();
+  CHECK(Calls(calls.end() - 3, calls.end()) == Calls{"feature_extractor", "sequential_matcher", "mapper"});
 }
 
 TEST_CASE("COLMAP gets photographs turned upright by EXIF, unless the stored orientation is requested") {
