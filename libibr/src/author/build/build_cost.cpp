@@ -53,10 +53,11 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
                                    kComparedNs * work.comparedPixels + kComparisonNs * work.comparisonPixels);
   add("finding moving objects", comparing, threads.movers, comparing / photographs);
   double cells = 0, longest = 0;
-  for (const CellWork& cell : work.cells) {
-    cells += cellSeconds(cell);
-    longest = std::max(longest, cellSeconds(cell));
-  }
+  for (const std::vector<CellWork>* list : {&work.sweptCells, &work.cells})
+    for (const CellWork& cell : *list) {
+      cells += cellSeconds(cell);
+      longest = std::max(longest, cellSeconds(cell));
+    }
   const double each = 1 / photographs;
   const double sampling = 1e-9 * kSampleNs * work.facePixels;
   add("sampling panoramas", sampling, threads.backdrops, sampling * each);
@@ -70,7 +71,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   const auto addConfirmed = [&](double pixels) { addDepth("confirming depth", kConfirmNs, pixels); };
   addConfirmed(work.sweptPixels);
   add("matching cells", cells, threads.cells, longest);
-  add("refining poses", kObservationSeconds * work.refinementObservations, 1, 0);  // cells are made again afterwards
+  add("refining poses", kObservationSeconds * work.refinementObservations, 1, 0);
   if (work.sweptPixels == 0) addConfirmed(work.backdropPixels);
   if (work.exposures) {
     const double points = kExposurePointSeconds * double(maxOverlapPoints(work.photographs));

@@ -48,6 +48,7 @@ struct BuildWork {
   double comparedPixels = 0,
          comparisonPixels = 0;  // compared to find moving objects: of photographs, of their comparison photographs
   std::vector<CellWork> cells;
+  std::vector<CellWork> sweptCells;   // matched before that, to refine poses
   bool exposures = false;             // exposures are compared
   double refinementObservations = 0;  // observations used to refine poses; 0: not refined
   std::size_t backdrops = 0;

@@ -36,6 +36,7 @@ constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytesPerPixel = 2, kJpegBytesPerPixel = 0.8;  // bytes per pixel of an encoded image
 constexpr double kCachedFeatureBytes = 3e6;                        // bytes of a photograph's cached features
 constexpr double kCachedDepthBytesPerPixel = 5;                    // bytes per pixel of a cached depth map
+constexpr double kOwnObservationsPerPhotograph = 2000;             // of own tracks
 constexpr double kObservationsPerPhotograph = 700;                 // observations of dense tracks per photograph
 constexpr double kProgramBytes = 60e6;                             // memory of the program itself, bytes
 
@@ -187,10 +188,14 @@ class Predictor {
     }
   }
 
-  // Exact poses are not refined.
+  // Exact poses are not refined. A model without tracks gets own tracks, which tell.
   void countRefinement() {
-    if (!input_.refinesPoses || !input_.refine) return;
-    work_.refinementObservations = kObservationsPerPhotograph * double(input_.photographs.size());
+    const bool ownTracks = input_.model.tracks.empty() && options_.tracks != TrackSource::model;
+    if (!input_.refinesPoses || (!input_.refine && !ownTracks)) return;
+    work_.sweptCells = work_.cells;  // as if their depth were not known yet
+    for (CellWork& cell : work_.sweptCells) cell.levels = std::max(cell.levels, kTypicalLevels);
+    work_.refinementObservations = (kObservationsPerPhotograph + (ownTracks ? kOwnObservationsPerPhotograph : 0)) *
+                                   double(input_.photographs.size());
     for (const Track& track : input_.model.tracks) work_.refinementObservations += double(track.observations.size());
   }
 

@@ -7,6 +7,7 @@
 
 #include "author/build/build_cost.h"
 #include "ibr/author/build.h"
+#include "ibr/author/poses.h"
 #include "support/court_photographs.h"
 #include "support/error_of.h"
 
@@ -71,19 +72,35 @@ TEST_CASE("pose refinement is predicted on one thread, and not for exact poses")
   refined.refinementObservations *= 2;
   CHECK(timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses") == Approx(2 * once));
 
-  const test::CourtPhotographs set = court(4);
-  for (const bool refines : {false, true}) {
+  // Cells are matched once more before.
+  refined.sweptCells = refined.cells;
+  CHECK(timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "matching cells") ==
+        Approx(2 * timeOf(costOf(work, {}, TextureFormat::rgba8, {}), "matching cells")));
+
+  const test::CourtPhotographs set = court(8);
+  const test::TemporaryFolder folder;
+  PosedModel bare = readColmapModel(set.options.model);
+  REQUIRE(!bare.tracks.empty());
+  bare.tracks.clear();
+  writeColmapModel(bare, folder / "bare");
+  const auto isPredicted = [&](RefinePoses refine, const std::filesystem::path& model) {
     BuildOptions options = set.options;
-    options.refinePoses = refines ? RefinePoses::on : RefinePoses::off;
-    bool refinementPredicted = true;
+    options.model = model;
+    options.refinePoses = refine;
+    options.tracks = TrackSource::automatic;
+    bool predicted = true;
     options.onPrediction = [&](const BuildPrediction& p) {
-      refinementPredicted =
-          std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
+      predicted = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
       return false;
     };
     build(options);
-    CHECK_FALSE(refinementPredicted);  // the court's poses are exact, so no refinement is predicted
-  }
+    return predicted;
+  };
+  // The court's points show that its poses are exact. Without points, nothing is known of the poses.
+  for (const RefinePoses refine : {RefinePoses::off, RefinePoses::on})
+    CHECK_FALSE(isPredicted(refine, set.options.model));
+  CHECK_FALSE(isPredicted(RefinePoses::off, folder / "bare"));
+  CHECK(isPredicted(RefinePoses::on, folder / "bare"));
 }
 
 TEST_CASE("comparing exposures is predicted, unless it is disabled") {
