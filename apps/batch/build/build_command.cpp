@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -179,6 +180,9 @@ ExitCode buildScene(const Options& options, const Context& context) {
   const std::filesystem::path photographs = photographsOf(options.photographs, options.output, video, context);
   BuildOptions build = buildOptionsOf(options.choices, photographs, context);
   build.output = options.output;
+  // A model of all frames of a video has more than are chosen.
+  build.skipMissing = std::ranges::any_of(
+      options.photographs, [](const std::string& source) { return !std::filesystem::is_directory(source); });
   build.onPrediction = [&](const BuildPrediction& prediction) {
     if (options.dryRun)
       context.print("{}\n", predictionText(prediction));

@@ -340,7 +340,7 @@ class WalkWriter {
     std::vector<View> views;
     for (std::size_t i = 0; i < walk_.frameTimes().size(); ++i) {
       const double time = walk_.frameTimes()[i];
-      views.push_back({fmt::format("frame_{:06}.jpg", i), cameraOf(intrinsics_, walk_.poseAt(time)), time});
+      views.push_back({fmt::format("walk_{:06}.jpg", i), cameraOf(intrinsics_, walk_.poseAt(time)), time});
     }
     writeFile(folder_ / "transforms.json", transformsOf(intrinsics_, views).dump(1));
     Json parts = Json::array(), truth = Json::array(), blurred = Json::array(), speeds = Json::array();

@@ -57,6 +57,7 @@ void bindOptions(py::module_& module) {
       .field("model", &O::model, "Poses, for read_pose_file(), or None")
       .field("colmap", &O::colmap, "Program that estimates missing poses")
       .field("exclude", &O::exclude, "Names of images to leave out")
+      .field("skip_missing", &O::skipMissing, "Images of the model without a photograph are left out")
       .field("orientation", &O::orientation, "Orientation")
       .field("tracks", &O::tracks, "TrackSource")
       .field("masks", &O::masks, "Folder of masks; pixels with mask 0 are neither matched nor shown")

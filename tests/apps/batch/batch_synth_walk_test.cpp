@@ -127,7 +127,7 @@ TEST_CASE("a walk's video has the frames, times and poses that its files say") {
   CHECK(facts.at("fps") == 15);
   for (const char* list : {"times", "smears", "speeds", "subFrames"}) CHECK(facts.at(list).size() == 60);
   REQUIRE(transforms.at("frames").size() == 60);
-  CHECK(transforms.at("frames").at(7).at("file_path") == "frame_000007.jpg");
+  CHECK(transforms.at("frames").at(7).at("file_path") == "walk_000007.jpg");
   std::size_t compared = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (facts.at("smears").at(i) > 0.7) continue;

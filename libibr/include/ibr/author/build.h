@@ -94,6 +94,8 @@ struct BuildOptions {
   std::filesystem::path output;       // scene folder, created if missing
   std::vector<std::string> exclude;   // names of images to leave out, e.g. held out for evaluation; may include
                                       // photographs that the model lacks
+  bool skipMissing = false;  // images of the model without a photograph are left out, such as frames of a video that
+                             // were not chosen; false: they are an error
   Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
   std::filesystem::path masks;  // folder of 8-bit masks of the photographs' size (of a.jpg: a.jpg.png or a.png): pixels

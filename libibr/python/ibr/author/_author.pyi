@@ -37,6 +37,7 @@ class BuildOptions:
     model: Final[pathlib.Path | None]
     colmap: Final[str]
     exclude: Final[tuple[str, ...]]
+    skip_missing: Final[bool]
     orientation: Final[Orientation]
     tracks: Final[TrackSource]
     masks: Final[pathlib.Path | None]
@@ -63,7 +64,7 @@ class BuildOptions:
     def __init__(
         self, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
         colmap: str = ...,
-        exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
+        exclude: Sequence[str] = ..., skip_missing: bool = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: RefinePoses = ...,
         mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,
@@ -73,7 +74,7 @@ class BuildOptions:
     def replace(
         self, *, photographs: _StrPath | None = ..., output: _StrPath | None = ..., model: _StrPath | None = ...,
         colmap: str = ...,
-        exclude: Sequence[str] = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
+        exclude: Sequence[str] = ..., skip_missing: bool = ..., orientation: Orientation = ..., tracks: TrackSource = ...,
         masks: _StrPath | None = ..., match_exposures: bool = ..., fit_vignetting: bool = ..., refine_poses: RefinePoses = ...,
         mask_moving_objects: bool = ..., strip_metadata: bool = ..., keep_border: bool = ..., dimension: int = ..., max_size: int = ...,
         texture: TextureFormat = ..., theta_degrees: float = ..., backdrops: bool = ..., depth: DepthSearch = ...,

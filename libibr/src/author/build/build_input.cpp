@@ -172,6 +172,20 @@ std::vector<std::string> excludedNames(const PosedModel& model, const BuildOptio
   return names;
 }
 
+// Leaves out images of the model that have no photograph.
+void skipMissing(PosedModel& model, const BuildOptions& options, const LogCallback& log) {
+  std::vector<std::string> missing;
+  for (const PosedImage& image : model.images) {
+    std::error_code ignored;
+    if (!fs::exists(pathBelow(options.photographs, image.name), ignored)) missing.push_back(image.name);
+  }
+  if (missing.size() == model.images.size()) return;  // an error below, which names some
+  if (log && !missing.empty())
+    log(LogLevel::info, fmt::format("{} of the model's {} images have no photograph and are left out", missing.size(),
+                                    model.images.size()));
+  removeImages(model, missing);
+}
+
 bool decideRefinement(const BuildInput& input, const BuildOptions& options) {
   if (options.refinePoses != RefinePoses::automatic) return options.refinePoses == RefinePoses::on;
   if (!input.model.tracks.empty()) return false;
@@ -204,6 +218,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   input.unknown = photographsNotInModel(input.model, options);
   removeImages(input.model, excludedNames(input.model, options));
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", options.model.string());
+  if (options.skipMissing) skipMissing(input.model, options, log);
   findPhotographs(input, options);
   resolveOrientations(input.model, options, input.photographs, log);
   for (Photograph& photo : input.photographs) photo.stripped = options.stripMetadata;
