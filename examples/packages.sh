@@ -15,10 +15,10 @@ IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
 # Debian) if tests/run.sh finds it. python3-jsonschema checks scenes against our schema. xdotool drives the viewer in an
 # Xvfb display that openbox manages; libx11 reads the viewer's window. mypy checks the types of the Python packages, and
 # python3-matplotlib draws the plot of their example. libheif-examples, libavif-bin and webp encode photographs,
-# ffmpeg videos; colmap converts models.
+# ffmpeg videos; colmap converts models. doxygen makes the documentation, and groff checks man pages.
 IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
   openbox libx11-dev libvulkan-volk-dev mypy
-  python3-matplotlib libheif-examples libavif-bin webp ffmpeg colmap"
+  python3-matplotlib libheif-examples libavif-bin webp ffmpeg colmap doxygen groff-base"
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.

@@ -4,16 +4,20 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "ibr/error.h"
 #include "ibr/version.h"
+#include "shared/cli/describe.h"
 #include "shared/cli/options.h"
 #include "shared/cli/signals.h"
 
 namespace ibr::app {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 // Starts with the examples, which most readers look for.
 std::string helpText(const Command& command, bool all) {
@@ -77,6 +81,26 @@ void declare(CLI::App& parent, const std::string& version, const std::string& be
   all.push_back(std::move(declared));
 }
 
+// Groups are left out: their commands have the group's name in "command".
+Json describe(const Program& program, const std::vector<Declared>& all) {
+  Json commands = Json::array();
+  for (const auto& [command, words, app, action] : all) {
+    if (!action) continue;
+    commands.push_back({{"command", words},
+                        {"summary", command->summary},
+                        {"examples", command->examples},
+                        {"details", command->details},
+                        {"afterInterrupt", command->afterInterrupt},
+                        {"mainOptions", command->mainOptions},
+                        {"options", describeOptions(*app)}});
+  }
+  return {{"program", program.name},
+          {"version", std::string(ibr::version())},
+          {"help", program.help},
+          {"commands", commands},
+          {"exitCodes", describeExitCodes()}};
+}
+
 ExitCode printHelp(const Program& program, const CLI::App& app, const Declared* command, bool all) {
   if (command) command->app->description(helpText(*command->command, all));
   std::fputs((command ? command->app->help(command->before(program.name)) : app.help()).c_str(), stdout);
@@ -98,6 +122,10 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
     return found == all.end() ? nullptr : &*found;
   };
 
+  if (argc == 2 && argv[1] == kDescribe) {
+    printDescription(describe(program, all));
+    return kExitOk;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForAllHelp&) {

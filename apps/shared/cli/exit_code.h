@@ -2,6 +2,7 @@
 // Exit codes of the programs, and the only conversion from errors to exit codes.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string_view>
 
@@ -19,6 +20,21 @@ enum ExitCode : int {
   kExitUnsupported = 5,
   kExitComparison = 6,
   kExitInterrupted = 130,
+};
+
+struct ExitCodeMeaning {
+  ExitCode code;
+  const char* meaning;
+};
+inline constexpr std::array kExitCodes{
+    ExitCodeMeaning{kExitOk, "success"},
+    ExitCodeMeaning{kExitCommandLine, "the command line is wrong"},
+    ExitCodeMeaning{kExitIo, "a file or folder cannot be read or written, or a program cannot be run"},
+    ExitCodeMeaning{kExitInvalidInput, "a file or a value is wrong; the message names file and field"},
+    ExitCodeMeaning{kExitRunTime, "memory is exhausted, the device was lost, or Vulkan failed"},
+    ExitCodeMeaning{kExitUnsupported, "this build, machine or device lacks what is asked for"},
+    ExitCodeMeaning{kExitComparison, "a comparison failed"},
+    ExitCodeMeaning{kExitInterrupted, "stopped by Ctrl-C"},
 };
 
 ExitCode exitCodeOf(ErrorCode code);

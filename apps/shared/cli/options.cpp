@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "base/parse.h"
 #include "ibr/device.h"
 #include "shared/cli/context.h"
+#include "shared/cli/describe.h"
 
 namespace ibr::app {
 namespace {
@@ -202,6 +204,14 @@ std::optional<ExitCode> parseCommandLine(const ProgramText& program, int argc, c
   CLI::App app(program.help, program.name);
   app.set_version_flag("--version", program.name + ' ' + program.version);
   declare(app);
+  if (argc == 2 && argv[1] == kDescribe) {
+    printDescription({{"program", program.name},
+                      {"version", program.version},
+                      {"help", program.help},
+                      {"options", describeOptions(app)},
+                      {"exitCodes", describeExitCodes()}});
+    return kExitOk;
+  }
   try {
     app.parse(argc, argv);
     check();

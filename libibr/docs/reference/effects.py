@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measured effects of settings: of the renderer from tradeoff.md, of other commands from measured.json (measure.py), and
+sentences of effects.json that name a page with figures. effects.json also lists the options that are inputs, outputs or
+diagnostics and have no effect to measure."""
+import json
+import pathlib
+import re
+
+from descriptions import COMMON
+
+HERE = pathlib.Path(__file__).resolve().parent
+ALL_VALUES = "[all values](tradeoff.md#what-each-knob-costs-and-gives)"
+
+
+class Missing(Exception):
+    """A setting without a measured effect, or an effect without its setting."""
+
+
+def knobs():
+    """Returns the rows of each knob in tradeoff.md: value, time, FLIP, PSNR."""
+    text = (HERE.parent / "tradeoff.md").read_text()
+    found, knob = {}, None
+    for line in text.partition("## What each knob")[2].partition("<!-- end -->")[0].splitlines():
+        fields = [field.strip() for field in line.strip("|").split("|")]
+        if len(fields) == 5 and re.fullmatch(r"[\d.]+", fields[2]):
+            knob = fields[0].strip("`") or knob
+            found.setdefault(knob, []).append((fields[1], *map(float, fields[2:])))
+    return found
+
+
+def span(values, form):
+    low, high = form.format(min(values)), form.format(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def knob_text(rows):
+    base = rows[0]
+    times, errors = [row[1] / base[1] for row in rows], [row[2] / base[2] for row in rows]
+    gains = [row[3] - base[3] for row in rows]
+    return (f"{', '.join(row[0] for row in rows[1:])} against {base[0]}: time × {span(times[1:], '{:.2f}')}, "
+            f"FLIP × {span(errors[1:], '{:.3f}')}, PSNR {span(gains[1:], '{:+.2f}')} dB ({ALL_VALUES})")
+
+
+def measured_text(rows):
+    parts = []
+    for words, figures in rows.items():
+        part = f"`{words}`: processor time × {figures['cpu']:.2f}, PSNR {figures['psnr']:+.2f} dB"
+        for name, form in (("flip", "FLIP × {:.3f}"), ("ecc", "ECC {:+.4f}"), ("ssim", "SSIM {:+.4f}")):
+            if name in figures:
+                part += ", " + form.format(figures[name])
+        parts.append(part)
+    return "; ".join(parts)
+
+
+def camel(name):
+    return re.sub("-(.)", lambda match: match[1].upper(), name.removeprefix("--"))
+
+
+def effects_of(programs):
+    """Returns pairs of a command and the effect of each of its settings by name. Throws Missing."""
+    sentences, measured = json.loads((HERE / "effects.json").read_text()), json.loads((HERE / "measured.json").read_text())
+    of_knobs = knobs()
+    commands = {command.line: command for program in programs for command in program.commands}
+    result = []
+    for line, given in sentences.items():
+        command, effects = commands[line], dict(given["effects"])
+        for option in command.options:
+            rows = measured.get(given.get("measured", line), {}).get(option.name)
+            if option.name in effects or option.name in given["inputs"] or option.name in COMMON:
+                continue
+            if given.get("knobs") and camel(option.name) in of_knobs:
+                effects[option.name] = knob_text(of_knobs[camel(option.name)])
+            elif rows:
+                effects[option.name] = measured_text(rows)
+            else:
+                raise Missing(f"{line} {option.name} has no measured effect: measure it (measure.py, tradeoff.sh), or "
+                              f"list it in {HERE.name}/effects.json")
+        names = {option.name for option in command.options}
+        unknown = [name for name in [*effects, *given["inputs"]] if name not in names]
+        if unknown:
+            raise Missing(f"{HERE.name}/effects.json: {line} has no option {', '.join(unknown)}")
+        result.append((command, effects))
+    return result
