@@ -86,28 +86,26 @@ def first_sentence(text):
 
 def fish(program):
     lines = ["# SPDX-License-Identifier: Apache-2.0", f"# Completion of {program.name} for fish."]
+    summaries = {command.line: command.summary for command in program.commands}
+
+    def complete(conditions, arguments, description):
+        line = f"complete -c {program.name}"
+        if conditions:
+            line += f" -n {quoted('; and '.join(conditions))}"
+        lines.append(f"{line} {arguments}" + (f" -d {quoted(description)}" if description else ""))
+
+    def seen(line):
+        return [f"__fish_seen_subcommand_from {word}" for word in line.split()[1:]]
+
+    for line, words in commands_of(program).items():
+        for word in words:
+            complete([*seen(line), f"not __fish_seen_subcommand_from {' '.join(words)}"], f"-f -a {word}",
+                     summaries.get(f"{line} {word}", ""))
     for command in program.commands:
-        words = command.words.split()
-        seen = [f"__fish_seen_subcommand_from {word}" for word in words]
-        if words:
-            siblings = " ".join(commands_of(program)[" ".join([program.name, *words[:-1]])])
-            condition = "; and ".join([*seen[:-1], f"not __fish_seen_subcommand_from {siblings}"])
-            lines.append(f"complete -c {program.name} -n {quoted(condition)} -f -a {words[-1]} "
-                         f"-d {quoted(command.summary)}")
-        if len(words) > 1:  # the group's name, once
-            group = (f"complete -c {program.name} -n {quoted('not ' + seen[0].replace(words[0], ' '.join(commands_of(program)[program.name])))} "
-                     f"-f -a {words[0]}")
-            if group not in lines:
-                lines.append(group)
         for option in command.options:
             if option.argument:
                 continue
-            line = f"complete -c {program.name}" + (f" -n {quoted('; and '.join(seen))}" if seen else "")
-            for name in option.names:
-                line += f" -l {name[2:]}" if name.startswith("--") else f" -s {name[1:]}"
-            if option.choices:
-                line += f" -x -a {quoted(' '.join(option.choices))}"
-            elif not option.flag:
-                line += " -r"
-            lines.append(line + f" -d {quoted(first_sentence(option.description))}")
+            names = " ".join(f"-l {name[2:]}" if name.startswith("--") else f"-s {name[1:]}" for name in option.names)
+            value = f" -x -a {quoted(' '.join(option.choices))}" if option.choices else "" if option.flag else " -r"
+            complete(seen(command.line), names + value, first_sentence(option.description))
     return "\n".join(lines) + "\n"
