@@ -12,6 +12,7 @@
 
 namespace ibr {
 
+/// Fault of a capture that advice is about.
 enum class AdviceKind : std::uint8_t {
   tooFew,     // fewer than two photographs, or no cells
   turned,     // all photographs are from one capture site
@@ -30,18 +31,20 @@ enum class AdviceKind : std::uint8_t {
 /// Returns the enumerator's name ("tooFew", "apart", …), for reports.
 IBR_API const char* adviceKindName(AdviceKind kind) noexcept;
 
+/// Effect of a fault on the scene.
 enum class Severity : std::uint8_t {
   hint,     // the scene could show more
   warning,  // image quality suffers
   serious,  // almost nothing can be shown, or not from everywhere
 };
-IBR_API const char* severityName(Severity severity) noexcept;  // "hint", "warning", "serious"
+IBR_API const char* severityName(Severity severity) noexcept;  // returns "hint", "warning" or "serious"
 
+/// A fault of the capture and its remedy.
 struct Advice {
-  AdviceKind kind;
-  Severity severity;
-  std::string problem;               // the problem
-  std::string remedy;                // the action to take; may be empty with AdviceKind::unused
+  AdviceKind kind;                   // the fault
+  Severity severity;                 // its effect
+  std::string problem;               // description of the fault, for people
+  std::string remedy;                // action to take, for people; may be empty with AdviceKind::unused
   std::vector<std::uint32_t> nodes;  // photographs concerned, indices into Scene::nodes, ascending by name
   double value;                      // by kind: number of photographs (tooFew, apart), share shown (hole, wide,
                                      // direction), stops (exposure), ratio of sharpness (blurred), share that agrees
@@ -50,12 +53,13 @@ struct Advice {
 
 /// A photograph to take.
 struct NextView {
-  Camera camera;
-  std::vector<std::uint32_t> referenceNodes;  // nodes that `where` refers to
+  Camera camera;                              // world pose, and intrinsics to photograph with
+  std::vector<std::uint32_t> referenceNodes;  // nodes that `where` refers to, indices into Scene::nodes
   double gain;        // weighted sum, over viewpoints of a walk, of what the view adds to the share shown; > 0
-  std::string where;  // "halfway between A and B, looking as they do"
+  std::string where;  // capture site and direction, for people: "halfway between A and B, looking as they do"
 };
 
+/// Result of adviseCapture().
 struct CaptureAdvice {
   std::vector<Advice> advice;    // most severe first
   std::vector<NextView> views;   // best first, given the views before
@@ -63,6 +67,7 @@ struct CaptureAdvice {
   double coverageWithViews = 1;  // the same, once `views` are photographed
 };
 
+/// Options of adviseCapture().
 struct AdviceOptions {
   std::size_t views = 10;    // maximum number of CaptureAdvice::views
   bool readTextures = true;  // read the textures in the scene's folder, for AdviceKind::blurred

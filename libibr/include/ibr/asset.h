@@ -9,7 +9,12 @@
 
 namespace ibr {
 
-enum class AssetKind { scene, htmModel, htmSequence };
+/// Kind of asset that a program can open.
+enum class AssetKind {
+  scene,       // scene.gltf, for loadScene()
+  htmModel,    // model.gltf, for loadHtmModel()
+  htmSequence  // sequence.json, for loadHtmSequence()
+};
 
 /// Returns a folder's kind by the name of the file in it, and a file's kind by its JSON content. nullopt: no such kind,
 /// or not readable. Opens no other files.

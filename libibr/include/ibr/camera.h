@@ -12,13 +12,19 @@
 
 namespace ibr {
 
-enum class CameraModel : std::uint8_t { pinhole, equirectangular };
+/// Projection of an image.
+enum class CameraModel : std::uint8_t {
+  pinhole,         // perspective projection without distortion
+  equirectangular  // panorama of all directions (ibr/conventions.h)
+};
 
+/// Projection and size of an image.
 struct Intrinsics {
-  CameraModel model = CameraModel::pinhole;
-  int width = 0;                          // px
-  int height = 0;                         // px
-  double fx = 0, fy = 0, cx = 0, cy = 0;  // px; pinhole only, 0 for equirectangular
+  CameraModel model = CameraModel::pinhole;  // projection
+  int width = 0;                             // px
+  int height = 0;                            // px
+  // In px, 0 for equirectangular. fx, fy: focal lengths; cx, cy: principal point
+  double fx = 0, fy = 0, cx = 0, cy = 0;
 
   bool operator==(const Intrinsics&) const = default;
 };
@@ -26,13 +32,14 @@ struct Intrinsics {
 /// Maps camera coordinates to world coordinates: world = position + rotation · camera.
 struct Pose {
   glm::dvec3 position{0.0};                 // camera centre, world
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit; maps camera axes to world axes
   bool operator==(const Pose&) const = default;
 };
 
+/// A camera in the world.
 struct Camera {
-  Intrinsics intrinsics;
-  Pose pose;
+  Intrinsics intrinsics;  // projection and image size
+  Pose pose;              // position and orientation
   bool operator==(const Camera&) const = default;
 };
 
@@ -56,8 +63,10 @@ IBR_API std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dve
 /// Returns the camera's viewing axis in world axes; unit if the rotation is.
 IBR_API glm::dvec3 viewAxis(const Pose& pose);
 
-/// Matrices for a renderer of the caller: the model matrix of what stands in camera axes, and the view matrix.
+/// Returns the matrix from camera to world coordinates: the model matrix of an object in camera axes.
 IBR_API glm::dmat4 worldFromCamera(const Pose& pose);
+
+/// Returns the matrix from world to camera coordinates: the view matrix.
 IBR_API glm::dmat4 cameraFromWorld(const Pose& pose);
 
 /// Returns the projection matrix of a pinhole, from camera axes to Vulkan's clip space. Pixels are those of project();
@@ -66,7 +75,7 @@ IBR_API glm::dmat4 cameraFromWorld(const Pose& pose);
 IBR_API glm::dmat4 clipFromCamera(const Intrinsics& pinhole, double nearPlane,
                                   double farPlane = std::numeric_limits<double>::infinity(), bool reversed = false);
 
-/// Angle between two rotations, radians.
+/// Returns the angle between two rotations, radians, 0 to π.
 IBR_API double angleBetween(const glm::dquat& a, const glm::dquat& b);
 
 /// Returns the intrinsics for the image scaled to width × height, in the same pixel convention. Throws

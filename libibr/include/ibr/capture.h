@@ -8,23 +8,24 @@
 
 namespace ibr {
 
-/// 0 or empty: not recorded. Other numbers are finite and positive. Texts from EXIF are printable ASCII.
+/// Capture settings of a photograph. 0 or empty: not recorded. Other numbers are finite and positive. Texts from EXIF
+/// are printable ASCII.
 struct CaptureMetadata {
-  double exposureTime = 0;   // s
+  double exposureTime = 0;   // exposure time, s
   double fNumber = 0;        // N, focal length over aperture
   double iso = 0;            // sensitivity, linear
-  double focalLength = 0;    // mm
+  double focalLength = 0;    // focal length, mm
   double focalLength35 = 0;  // mm, 35 mm equivalent: same field of view on 36 mm × 24 mm
-  std::string maker, model;  // of the camera
-  std::string lens;
+  std::string maker, model;  // names of the camera's maker and model
+  std::string lens;          // name of the lens
 
   bool operator==(const CaptureMetadata&) const = default;
 };
 
 /// Where a camera was (WGS 84), in degrees north and east, and metres above sea level.
 struct GeoLocation {
-  double latitude = 0, longitude = 0;
-  std::optional<double> altitude;
+  double latitude = 0, longitude = 0;  // latitude: degrees north; longitude: degrees east
+  std::optional<double> altitude;      // metres above sea level; nullopt: not recorded
 
   bool operator==(const GeoLocation&) const = default;
 };

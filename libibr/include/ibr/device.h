@@ -37,9 +37,13 @@ class DeviceAllocator;  // ibr/device_memory.h
 
 /// Vulkan's feature structures. Call link() on the object that is passed to Vulkan; copying does not chain the copy.
 struct DeviceFeatures {
+  /// Features of Vulkan 1.0; head of the chain.
   VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  /// Features of Vulkan 1.1.
   VkPhysicalDeviceVulkan11Features vulkan11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+  /// Features of Vulkan 1.2.
   VkPhysicalDeviceVulkan12Features vulkan12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  /// Features of Vulkan 1.3.
   VkPhysicalDeviceVulkan13Features vulkan13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
 
   /// Chains core → 1.1 → 1.2 → 1.3 → next and returns the head, for VkDeviceCreateInfo::pNext. The chain is valid while
@@ -49,20 +53,21 @@ struct DeviceFeatures {
 
 /// Requirements on an adopted device, as data to merge into the caller's own create-infos.
 struct DeviceRequirements {
-  std::uint32_t apiVersion = 0;                 // minimum, of instance and device
+  std::uint32_t apiVersion = 0;                 // minimum Vulkan version of instance and device
   std::vector<std::string> instanceExtensions;  // required
   std::vector<std::string> deviceExtensions;    // required
   DeviceFeatures features;                      // VK_TRUE: required
   DeviceFeatures optionalFeatures;              // VK_TRUE: used if the device has the feature
-  VkQueueFlags queueFlags = 0;                  // of the one queue that is used
+  VkQueueFlags queueFlags = 0;                  // capabilities of the one queue that is used
 };
 
+/// Options of Device::create().
 struct DeviceOptions {
   std::string device;       // index or part of the name; "" = IBR_DEVICE, else discrete, integrated, CPU
   bool validation = false;  // core + synchronisation validation; throws Error{unsupported} where the layer is missing
   std::vector<std::string> instanceExtensions;  // additional, such as GLFW's surface extensions
   std::vector<std::string> deviceExtensions;    // additional, such as VK_KHR_swapchain
-  LogCallback log;                              // validation messages (errors and warnings) and the choice of device
+  LogCallback log;  // gets validation messages (errors and warnings) and the choice of device
   /// File that caches compiled pipelines between runs; empty: none. A missing file is skipped; a damaged one, or one of
   /// another device or driver, is ignored and logged. If the cache has changed, ~Device replaces the file atomically;
   /// its folder must exist. Write errors go to the log, which must outlive the device.
@@ -71,7 +76,7 @@ struct DeviceOptions {
   /// Device::optionalFeatureNames(), separated by commas; "" = IBR_DISABLE_FEATURES. Throws Error{invalidInput} for an
   /// unknown name.
   std::string disabledFeatures;
-  DeviceAllocator* allocator = nullptr;  // of all device memory; null: vkAllocateMemory for each buffer and image
+  DeviceAllocator* allocator = nullptr;  // source of device memory; null: vkAllocateMemory for each buffer and image
 };
 
 /// Borrowed handles; the caller keeps ownership. The device must have been created with all of Device::requirements().
@@ -82,13 +87,13 @@ struct DeviceOptions {
 /// functions that return results of the device. Calls that only record never take the lock: Renderer::record,
 /// GpuScene::stream, ScopeTimer. The callbacks run in pairs on the calling thread. They must not throw or call libibr.
 struct DeviceHandles {
-  VkInstance instance = VK_NULL_HANDLE;
-  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
-  VkDevice device = VK_NULL_HANDLE;
-  VkQueue queue = VK_NULL_HANDLE;
-  std::uint32_t queueFamily = 0;
+  VkInstance instance = VK_NULL_HANDLE;              // instance of `physicalDevice`
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;  // physical device of `device`
+  VkDevice device = VK_NULL_HANDLE;                  // device to use
+  VkQueue queue = VK_NULL_HANDLE;                    // queue of `device`, the only one that libibr submits to
+  std::uint32_t queueFamily = 0;                     // family of `queue`, with DeviceRequirements::queueFlags
   DeviceFeatures optionalFeatures;  // VK_TRUE for those of requirements().optionalFeatures that were enabled
-  LogCallback log;
+  LogCallback log;                  // gets the name of the device
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;                  // optional; pipelines are created with it
   std::mutex* queueMutex = nullptr;                                // null and no callbacks: one thread uses the queue
   std::function<void()> lockQueue, unlockQueue;                    // both or none; not together with queueMutex
@@ -96,21 +101,23 @@ struct DeviceHandles {
   DeviceAllocator* allocator = nullptr;                            // as DeviceOptions::allocator
 };
 
+/// Returns DeviceKind::software for VK_PHYSICAL_DEVICE_TYPE_CPU, else DeviceKind::hardware.
 constexpr DeviceKind deviceKindOf(VkPhysicalDeviceType type) noexcept {
   return type == VK_PHYSICAL_DEVICE_TYPE_CPU ? DeviceKind::software : DeviceKind::hardware;
 }
 
 /// A physical device, as `ibr doctor` lists it.
 struct DeviceDescription {
-  std::string name, driver;
-  std::uint32_t apiVersion = 0;
-  VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
-  std::uint64_t memoryBytes = 0;             // device-local
+  std::string name, driver;      // name: of the device; driver: name and version of its driver; both for people
+  std::uint32_t apiVersion = 0;  // highest Vulkan version that the device supports (VK_MAKE_API_VERSION)
+  VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;  // integrated, discrete, virtual or CPU
+  std::uint64_t memoryBytes = 0;                              // sum of the device-local heaps, bytes
   std::vector<std::string> features;         // its optional features (Device::optionalFeatureNames()), disabled or not
   std::vector<std::string> missing;          // missing requirements; empty: libibr can use the device
   std::optional<std::uint32_t> queueFamily;  // first one that meets the requirements
 };
 
+/// A Vulkan device with the one queue that libibr uses. Lifetime, threads and waiting: ibr/device.h.
 class IBR_API Device {
  public:
   /// Makes libibr call the caller's Vulkan functions, as getInstanceProcAddr(instance, name) returns them. Without this
@@ -133,63 +140,70 @@ class IBR_API Device {
   /// pair of callbacks, or a mutex beside them; Error{unsupported} where Vulkan's functions cannot be loaded.
   static Device adopt(const DeviceHandles& handles);
 
+  /// Returns the requirements that a device for adopt() must meet.
   static DeviceRequirements requirements();
-  /// Empty where libibr can use no loader or driver: create() throws the reason.
+  /// Returns the physical devices in the order in which Vulkan enumerates them. Empty where libibr can use no loader or
+  /// driver: create() throws the reason.
   static std::vector<DeviceDescription> list();
-  /// describe() and featuresFor() throw Error{invalidInput} if loadFunctions() had no instance and none has been used,
-  /// Error{unsupported} where Vulkan's functions cannot be loaded.
+  /// Returns the description of a physical device. Throws Error{invalidInput} if loadFunctions() had no instance and
+  /// none has been used, Error{unsupported} where Vulkan's functions cannot be loaded.
   static DeviceDescription describe(VkPhysicalDevice device);
-  /// Features to enable on a device that lacks nothing: those required, and the optional ones that the device has and
-  /// IBR_DISABLE_FEATURES does not name.
+  /// Returns the features to enable on a device that lacks nothing: those required, and the optional ones that the
+  /// device has and IBR_DISABLE_FEATURES does not name. Throws as describe().
   static DeviceFeatures featuresFor(VkPhysicalDevice device);
-  /// The device of list() that create() takes if DeviceOptions::device is `selector`; none where create() would throw.
+  /// Returns the device of list() that create() takes if DeviceOptions::device is `selector`; none where create() would
+  /// throw.
   static std::optional<DeviceDescription> preferred(const std::string& selector = {});
 
-  /// Names of the optional features. disabledFeatures() splits a list as DeviceOptions::disabledFeatures has it, and
-  /// throws Error{invalidInput} for an unknown name.
+  /// Returns the names of the optional features.
   static std::vector<std::string> optionalFeatureNames();
+  /// Splits a list as DeviceOptions::disabledFeatures has it; "" = IBR_DISABLE_FEATURES. Throws Error{invalidInput} for
+  /// an unknown name.
   static std::vector<std::string> disabledFeatures(const std::string& list = {});
 
   Device(Device&&) noexcept;
   Device& operator=(Device&&) noexcept;
   ~Device();  // waits until an owned device is idle; an adopted device is left alone
 
-  VkInstance instance() const noexcept;
-  VkPhysicalDevice physicalDevice() const noexcept;
-  VkDevice handle() const noexcept;
-  VkQueue queue() const noexcept;
-  std::uint32_t queueFamily() const noexcept;
-  /// The lock of DeviceHandles, for the caller's own use of queue(); no effect on a device without one. Not recursive.
+  VkInstance instance() const noexcept;              // made by create(), or the caller's
+  VkPhysicalDevice physicalDevice() const noexcept;  // chosen by create(), or the caller's
+  VkDevice handle() const noexcept;                  // made by create(), or the caller's
+  VkQueue queue() const noexcept;                    // the queue that libibr submits to
+  std::uint32_t queueFamily() const noexcept;        // index of the family of queue()
+  /// Takes the lock of DeviceHandles, for the caller's own use of queue(). Not recursive. No effect on a device without
+  /// a lock.
   void lockQueue() const;
+  /// Releases the lock that lockQueue() took.
   void unlockQueue() const;
-  /// The cache that all pipelines are created with; VK_NULL_HANDLE where an adopted device came without one.
+  /// Returns the cache that all pipelines are created with; VK_NULL_HANDLE where an adopted device came without one.
   VkPipelineCache pipelineCache() const noexcept;
-  /// DeviceOptions::allocator or DeviceHandles::allocator; may be null.
+  /// Returns DeviceOptions::allocator or DeviceHandles::allocator; may be null.
   DeviceAllocator* allocator() const noexcept;
-  const VkPhysicalDeviceProperties& properties() const noexcept;
-  const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
-  /// BC1 and BC7 textures can be sampled: the optional feature textureCompressionBC.
+  const VkPhysicalDeviceProperties& properties() const noexcept;              // properties of the physical device
+  const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;  // heaps and types of its memory
+  /// Returns true if BC1 and BC7 textures can be sampled: the optional feature textureCompressionBC.
   bool supportsBlockCompression() const noexcept;
-  /// The optional feature shaderInt64; both shaderInt64 and shaderBufferInt64Atomics.
-  bool supportsInt64() const noexcept;
-  bool supportsInt64Atomics() const noexcept;
-  /// The feature multiview is enabled: one pass may draw several views. Some drivers claim it and draw wrongly.
+  bool supportsInt64() const noexcept;         // the optional feature shaderInt64
+  bool supportsInt64Atomics() const noexcept;  // both shaderInt64 and shaderBufferInt64Atomics
+  /// Returns true if the feature multiview is enabled: one pass may draw several views. Some drivers claim it and draw
+  /// wrongly.
   bool supportsMultiview() const noexcept;
-  DeviceKind kind() const noexcept;
-  std::string name() const;  // device and driver version, for people
+  DeviceKind kind() const noexcept;  // by the type of the physical device
+  std::string name() const;          // device and driver version, for people
 
-  /// True after a call has found the device lost, or after markLost(). Call markLost() if your own submission of
-  /// libibr's commands fails with VK_ERROR_DEVICE_LOST. From then on, creating objects from the device and submitting
-  /// to it throws Error{deviceLost}. Both functions may be called from any thread.
+  /// Returns true after a call has found the device lost, or after markLost(). From then on, creating objects from the
+  /// device and submitting to it throws Error{deviceLost}. May be called from any thread.
   bool isLost() const noexcept;
+  /// Marks the device as lost. Call it if your own submission of libibr's commands fails with VK_ERROR_DEVICE_LOST. May
+  /// be called from any thread.
   void markLost() const noexcept;
 
-  /// Number of messages from the validation layer (0 without validation); on an adopted device, the caller's count.
-  /// Tests require 0.
+  /// Returns the number of messages from the validation layer (0 without validation); on an adopted device, the
+  /// caller's count. Tests require 0.
   std::uint64_t validationMessages() const noexcept;
 
-  /// Incremented whenever a ShaderReloader (ibr/shader_reload.h) replaces or restores shaders. Objects made before keep
-  /// their pipelines; objects made afterwards use the new shaders.
+  /// Returns a number that grows by 1 whenever a ShaderReloader (ibr/shader_reload.h) replaces or restores shaders.
+  /// Objects made before keep their pipelines; objects made afterwards use the new shaders.
   std::uint64_t shaderGeneration() const noexcept;
 
   struct IBR_LOCAL State;

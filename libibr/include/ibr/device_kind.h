@@ -6,6 +6,7 @@
 
 namespace ibr {
 
+/// Kind of processor that runs a device's shaders.
 enum class DeviceKind : std::uint8_t {
   software,  // VK_PHYSICAL_DEVICE_TYPE_CPU
   hardware,  // all other types

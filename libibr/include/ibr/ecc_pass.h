@@ -21,16 +21,17 @@
 
 namespace ibr {
 
+/// One move of a class of points, for EccPass::recordMove().
 struct EccMove {
-  std::uint32_t picture = 0;     // in which points move, index into Alignment::pictures
-  std::uint32_t pointClass = 0;  // of points that share no triangle, < classCount()
+  std::uint32_t picture = 0;     // picture in which points move, index into Alignment::pictures
+  std::uint32_t pointClass = 0;  // class of points that share no triangle, < EccPass::classCount()
   double radiusPx = 5;           // R, maximum displacement; (0, 64]
   std::uint32_t seed = 0;        // same positions, seed and options: same moves on every device
 };
 
 /// ECC of a point's triangles, with one picture as the source and all others as targets.
 struct EccStar {
-  double channels = 0, concatenated = 0;  // by EccDefinition; 0 where undefined
+  double channels = 0, concatenated = 0;  // by the EccDefinition of the same name; 0 where undefined
   std::uint64_t pixels = 0;               // pairs of samples; 0: the point has no triangle
 };
 
@@ -46,8 +47,9 @@ class IBR_API EccPass {
           Uploads* uploads = nullptr);
   EccPass(EccPass&&) noexcept;
   EccPass& operator=(EccPass&&) noexcept;
-  ~EccPass();
+  ~EccPass();  // frees device memory; does not wait
 
+  /// Returns the number of classes. Points of one class share no triangle, so that they may move together.
   std::uint32_t classCount() const noexcept;
 
   /// Moves each point of the class to the best of its candidates. Records one dispatch and a barrier to later commands
@@ -61,8 +63,8 @@ class IBR_API EccPass {
   /// finished. Without a recordEvaluation before it, stars() returns the results of an earlier one or undefined values.
   void recordReadback(VkCommandBuffer commands) const noexcept;
 
-  std::vector<std::vector<glm::ivec2>> positions() const;  // picture × point, 1/128 px
-  std::vector<std::vector<EccStar>> stars() const;         // picture × point
+  std::vector<std::vector<glm::ivec2>> positions() const;  // current positions by picture and point, 1/128 px
+  std::vector<std::vector<EccStar>> stars() const;         // evaluations by picture and point
 
  private:
   struct IBR_LOCAL State;

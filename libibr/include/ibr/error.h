@@ -9,6 +9,7 @@
 
 namespace ibr {
 
+/// Cause of an Error.
 enum class ErrorCode {
   invalidInput,  // a file or an argument is wrong; the message names file and field
   io,            // a file cannot be read or written; the message names the file
@@ -19,10 +20,12 @@ enum class ErrorCode {
   cancelled,     // a progress callback returned false, or a stop was requested
 };
 
+/// Exception of libibr. what() is the message, for people.
 class IBR_API Error : public std::runtime_error {
  public:
+  /// Makes an error. The message names the file or field, what happened and what to do.
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
-  ErrorCode code() const noexcept { return code_; }
+  ErrorCode code() const noexcept { return code_; }  // cause of the error
 
  private:
   ErrorCode code_;

@@ -28,90 +28,94 @@ namespace ibr {
 
 /// Maximum number of cells that fade out after a change of the draw order, in addition to the frame's own.
 inline constexpr std::uint32_t kMaxFadingOutCount = 16;
-/// Colour tables: of a frame's cells and of those of the previous draw order.
+/// Number of colour tables: of a frame's cells and of those of the previous draw order.
 inline constexpr std::uint32_t kColourSlotCount = 2 * (kMaxCellCount + kMaxFadingOutCount);
 
 /// Bounds of a cell's mesh, computed once. a_i, r_i, ρ: as in MorphMesh.
 struct CellBounds {
+  /// Boxes of the vertices in one member's camera axes.
   struct Member {
-    glm::vec3 low{0.0f}, high{0.0f};          // box of the vertices' a_i r_i in the member's camera axes
+    glm::vec3 low{0.0f}, high{0.0f};          // lowest and highest coordinates of the vertices' a_i r_i
     glm::vec3 unitLow{0.0f}, unitHigh{0.0f};  // the same of r_i, for Morph::paper
   };
+  /// A point of the mesh.
   struct Corner {
-    std::array<glm::vec3, 4> point{};  // a_i r_i in the member's camera axes
-    float inverseDistance = 0;
+    std::array<glm::vec3, 4> point{};  // a_i r_i by member, in the member's camera axes
+    float inverseDistance = 0;         // ρ, 1 / world unit
   };
-  struct Anchor {                  // point of tier 0 at a cell of a grid over a photograph
-    std::uint32_t photograph = 0;  // node
-    std::uint32_t gridCell = 0;
-    Corner point;
+  struct Anchor {                  // point of tier 0 at a grid point of a photograph
+    std::uint32_t photograph = 0;  // index into Scene::nodes
+    std::uint32_t gridCell = 0;    // index of the grid point, by rows from the top
+    Corner point;                  // the mesh's point there that is nearest to the photograph
   };
-  struct OutlineEdge {                   // of the outline, or a chain of its edges with the same ends
-    std::uint32_t from = 0, to = 0;      // corners
-    std::array<float, 4> deviation{};    // of the chain from the edge at most, by member: of a_i r_i, and of r_i
-    float inverseDistanceDeviation = 0;  // 1 / world unit
+  struct OutlineEdge {                   // an edge of the outline, or the chord of a chain of its edges
+    std::uint32_t from = 0, to = 0;      // indices into `corners`
+    std::array<float, 4> deviation{};    // maximum distance of the chain from the chord, of a_i r_i and r_i, by member
+    float inverseDistanceDeviation = 0;  // the same of ρ, 1 / world unit
   };
-  std::array<Member, 4> members;     // as Cell::members
+  std::array<Member, 4> members;     // by member, as Cell::members
   std::vector<glm::vec4> surface;    // points of tier 0: (x, y, z) / w from the first member's position, world axes
-  std::vector<Corner> corners;       // of the outline
+  std::vector<Corner> corners;       // ends of the outline's edges
   std::vector<OutlineEdge> outline;  // sum of tier 0's directed borders, of limited length; empty: not usable
-  float maxInverseDistance = 0;      // of all vertices, ρ
+  float maxInverseDistance = 0;      // largest ρ of all vertices, 1 / world unit
   double size = 0;                   // longest edge of the simplex, world units
 };
 /// Statistics of a scene's photographs, for the gather.
 struct GatherStatistics {
   double spacing = 1;             // b: median distance between neighbouring capture sites, world units
-  double medianInverseDepth = 0;  // of confirmed depth, 1 / world unit
+  double medianInverseDepth = 0;  // median of confirmed depth, 1 / world unit
   double residualPx = 0;          // median reprojection residual of the cells, px of the photographs
   bool operator==(const GatherStatistics&) const = default;
 };
-/// Made by sceneBounds alone, which sets both pointers.
+/// Bounds of a scene for planFrame(). Made by sceneBounds() alone, which sets both pointers.
 struct SceneBounds {
   std::vector<CellBounds> cells;  // in the order of Scene::cells
-  GatherStatistics gather;
+  GatherStatistics gather;        // statistics of the scene's photographs
   struct Index;
   std::shared_ptr<const Index> index;  // finds the cells and photographs near a view
   struct Anchors;
   std::shared_ptr<Anchors> anchors;  // for RenderSettings::alignCells; thread-safe
 };
-/// Time is linear in the number of vertices, and n log n in those of cells and photographs. `alignCells`: computes the
-/// anchors that RenderSettings::alignCells needs, too, at most 256 points in memory for each photograph of each cell;
-/// otherwise the first aligned frame, or misalignmentsPx, computes those of the whole scene. A requested stop throws
-/// Error{cancelled} before the next cell or photograph. Preconditions: validate(scene) is empty; the scene does not
-/// change while the bounds are used.
+/// Computes the bounds of a scene. Time is linear in the number of vertices, and n log n in those of cells and
+/// photographs. `alignCells`: computes the anchors that RenderSettings::alignCells needs, too, at most 256 points in
+/// memory for each photograph of each cell; otherwise the first aligned frame, or misalignmentsPx, computes those of
+/// the whole scene. A requested stop throws Error{cancelled} before the next cell or photograph. Preconditions:
+/// validate(scene) is empty; the scene does not change while the bounds are used.
 IBR_API SceneBounds sceneBounds(const Scene& scene, bool alignCells = false, const std::stop_token& stop = {});
 
+/// Views and settings of a frame to plan.
 struct FrameInput {
   /// One view, or two for stereo: pinholes with any principal point and aspect. Two views share the draw order, the
   /// colour tables (counted in the first view) and the noise, whose pattern lies at infinity of both.
   std::vector<Camera> views;
-  RenderSettings settings;
-  double dtSeconds = 0;  // since the previous frame; clamped to 0 … 0.1
+  RenderSettings settings;  // how the frame is drawn
+  double dtSeconds = 0;     // time since the previous frame, s; clamped to 0 … 0.1
 };
 
 /// A rigid motion of a mesh while it is drawn: a point X is seen at pivot + rotation·(X − pivot + shift), a direction
 /// at infinity in the rotated one.
 struct Correction {
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
-  glm::dvec3 pivot{0.0}, shift{0.0};        // world
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit, in world axes
+  glm::dvec3 pivot{0.0}, shift{0.0};        // pivot: centre of the rotation, world; shift: world units
   bool operator==(const Correction&) const = default;
 };
 
 /// A cell that the frame draws. Distances are from the midpoint of the views.
 struct PlannedCell {
+  /// Weights of the cell's members in a view, in the order of Cell::members.
   struct View {
     std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
-    std::array<double, 4> blend{};     // λ̂, clamped and smoothstepped, sums to 1
+    std::array<double, 4> blend{};     // λ̂, weights of the colours: clamped and smoothstepped, sums to 1
     bool operator==(const View&) const = default;
   };
   std::uint32_t cell = 0;            // index into Scene::cells
-  double extrapolationDistance = 0;  // world units; 0 inside the cell ([T] §2.5.2)
-  double rotationalDistance = 0;     // radians
+  double extrapolationDistance = 0;  // distance of the views from the cell, world units; 0 inside ([T] §2.5.2)
+  double rotationalDistance = 0;     // angle between the views' axis and the cell's, radians; 0 for panoramas
   double photographDistance = 0;     // RMS distance of the cell's photographs as they are blended, world units
-  double opacity = 1;                // below 1 near the extrapolation limit, and while the draw order changes
-  std::array<View, 2> view;          // by view
+  double opacity = 1;                // 0 to 1; below 1 near the extrapolation limit, and while the draw order changes
+  std::array<View, 2> view;          // weights by view, as FrameInput::views
   Correction correction;             // aligns the cell with its neighbours (RenderSettings::alignCells)
-  std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
+  std::uint32_t colourSlot = kColourSlotCount;  // slot of the cell's colour table; kColourSlotCount: the identity
   bool colourTableIsNew = true;                 // the slot has no table of a previous frame
   bool colourTableNeeded = true;                // a visible pixel may use the colour table
   bool hidden = false;                          // better cells certainly cover the cell
@@ -122,37 +126,37 @@ struct PlannedCell {
 struct PlannedPhotograph {
   std::uint32_t node = 0;      // index into Scene::nodes
   std::uint32_t backdrop = 0;  // index into Scene::backdrops: its mesh
-  double weight = 1;           // 0 to 1; 0 where another photograph is about to take its rank
-  double distance = 0;         // from the midpoint of the views, world units
-  double share = 0;            // of the views' colours, by positions and directions alone; the shares sum to 1
+  double weight = 1;    // factor of its vote and colours, 0 to 1; 0 where another photograph is about to take its rank
+  double distance = 0;  // distance from the midpoint of the views, world units
+  double share = 0;     // share of the views' colours, by positions and directions alone; the shares sum to 1
   bool operator==(const PlannedPhotograph&) const = default;
 };
 
 /// A cell of a draw order.
 struct DrawOrderEntry {
   std::uint32_t cell = 0;  // index into Scene::cells
-  double opacity = 1;      // of a fade after the order changed
+  double opacity = 1;      // opacity of a fade after the order changed, 0 to 1
   bool fadingOut = false;  // the cell has another rank now, or none
   bool operator==(const DrawOrderEntry&) const = default;
 };
 
 /// State from frame to frame. The first frame starts from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;              // index of the last main cell, −1: none
-  std::vector<DrawOrderEntry> cells;       // of the last frame, best first
-  std::vector<std::uint32_t> hiddenCells;  // in view and not chosen, ascending
-  std::vector<DrawOrderEntry> previous;    // before the last switch of the main cell, best first
-  double secondsSinceSwitch = 0;
-  std::vector<std::int64_t> colourSlots;  // cell of each slot, −1: none
-  std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
-  double colourFadeSecondsLeft = 0;       // seconds until the main cell's table is the identity
-  int framesSinceColourCount = 0;         // frames since colours were counted
+  std::int64_t mainCell = -1;              // index of the last main cell into Scene::cells, −1: none
+  std::vector<DrawOrderEntry> cells;       // draw order of the last frame, best first
+  std::vector<std::uint32_t> hiddenCells;  // cells in view that were not chosen, indices into Scene::cells, ascending
+  std::vector<DrawOrderEntry> previous;    // draw order before the last switch of the main cell, best first
+  double secondsSinceSwitch = 0;           // time since the last switch of the main cell
+  std::vector<std::int64_t> colourSlots;   // cell of each colour slot, −1: none
+  std::optional<glm::dvec3> exposure;      // log of FramePlan::exposure
+  double colourFadeSecondsLeft = 0;        // seconds until the main cell's table is the identity
+  int framesSinceColourCount = 0;          // frames since colours were counted
   bool operator==(const PlanState&) const = default;
 };
 
 /// A cell that is drawn at the rank that it had before the draw order changed.
 struct FadingOutCell {
-  PlannedCell planned;
+  PlannedCell planned;  // the cell as it is drawn
   /// Index in FramePlan::cells of the cell that this one is drawn before; the number of cells: drawn last.
   std::uint32_t drawnBefore = 0;
   bool operator==(const FadingOutCell&) const = default;
@@ -164,28 +168,28 @@ struct ColourPlan {
   bool mainTableFading = false;  // the main cell's table is not the identity yet
   double mainShare = 1;          // share of its way to the identity that the main cell's table moves
   double share = 1;              // share of their way that the other tables move
-  double maxStep = 255;          // of the other tables, 8-bit levels
+  double maxStep = 255;          // maximum step of the other tables, 8-bit levels
   bool operator==(const ColourPlan&) const = default;
 };
 
 /// One frame, decided. Plain data: a plan may be stored, compared, sent elsewhere.
 struct FramePlan {
-  std::vector<Camera> views;
-  RenderSettings settings;
-  std::vector<PlannedCell> cells;              // best first; the first is the main cell
-  std::vector<FadingOutCell> fadingOut;        // by rank
-  std::vector<PlannedPhotograph> photographs;  // for the gather, best first; empty with Composition::cells
-  GatherStatistics gather;                     // of the scene
+  std::vector<Camera> views;                   // as FrameInput::views, with unit rotations
+  RenderSettings settings;                     // as FrameInput::settings; maxTier and composition as the scene allows
+  std::vector<PlannedCell> cells;              // cells to draw, best first; the first is the main cell
+  std::vector<FadingOutCell> fadingOut;        // further cells, by rank
+  std::vector<PlannedPhotograph> photographs;  // photographs for the gather, best first; empty with Composition::cells
+  GatherStatistics gather;                     // statistics of the scene; set if there are `photographs`
   std::vector<PlannedCell> previous;           // cells of the previous draw order while two orders are cross-faded
-  double previousWeight = 0;                   // of the previous order's image in the cross-fade, 0 … 1
+  double previousWeight = 0;                   // weight of the previous order's image in the cross-fade, 0 to 1
   glm::dvec3 exposure{1.0};                    // R, G, B factors of linear light, beside each photograph's gain
-  ColourPlan colour;
-  double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
-  std::uint32_t culledByFrustum = 0;  // number of cells not drawn, by reason
-  std::uint32_t culledByDistance = 0;
-  std::uint32_t culledByCount = 0;   // more than RenderSettings::maxCells, or without a gain in coverage
-  std::uint32_t culledByMuting = 0;  // RenderSettings::mutedCells, soloCells
-  PlanState next;                    // argument of the next call
+  ColourPlan colour;                           // how colour tables move
+  double nearDistance = 0;                     // depth at which nearer surfaces are drawn, world units
+  std::uint32_t culledByFrustum = 0;           // number of cells out of view
+  std::uint32_t culledByDistance = 0;          // number of cells beyond RenderSettings::extrapolationLimit
+  std::uint32_t culledByCount = 0;   // number of cells beyond RenderSettings::maxCells, or without a gain in coverage
+  std::uint32_t culledByMuting = 0;  // number of cells that RenderSettings::mutedCells or soloCells exclude
+  PlanState next;                    // state for planning the next frame
   bool operator==(const FramePlan&) const = default;
 };
 
@@ -204,9 +208,9 @@ struct FramePlan {
 IBR_API FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                             const PlanState& state = {});
 
-/// As above, into a plan that may hold a previous frame, whose memory is used again: a frame like those before
-/// allocates no heap memory. `state` may be `plan.next`. The plan is unchanged if the input is refused. Each thread
-/// that plans keeps working memory, usually below 1 MiB, until it ends.
+/// Plans as the other overload, into a plan that may hold a previous frame, whose memory is used again: a frame like
+/// those before allocates no heap memory. `state` may be `plan.next`. The plan is unchanged if the input is refused.
+/// Each thread that plans keeps working memory, usually below 1 MiB, until it ends.
 ///
 ///   planFrame(scene, bounds, input, plan.next, plan);  // each frame
 IBR_API void planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state,

@@ -65,7 +65,7 @@ enum class BlockTextureMode : std::uint8_t {
 enum class TextureFilter : std::uint8_t {
   automatic,  // trilinear; bilinear on software devices
   bilinear,   // in the nearest mip level
-  trilinear,
+  trilinear,  // between the two nearest mip levels
   bicubic,  // trilinear; Catmull-Rom splines (Keys 1981, a = −1/2) where the finest level is magnified: sharper, for 16
             // more reads of a photograph per pixel
 };
@@ -76,21 +76,23 @@ enum class TextureFilter : std::uint8_t {
 /// from the thread that uses the GpuScene. Must not throw.
 using JobExecutor = std::function<void(std::function<void()> job)>;
 
+/// Maximum of GpuSceneOptions::readerThreads.
 inline constexpr std::uint32_t kMaxReaderThreads = 64;
 
+/// Options of a GpuScene.
 struct GpuSceneOptions {
-  TextureSource source;           // empty: reads the nodes' textureFile, and only the levels that are needed
-  std::uint64_t budgetBytes = 0;  // upper limit of the sum of Memory; 0: no limit
-  /// Host memory for uploads, in addition to the budget; at least 1 MiB and the largest streamed item. While streaming,
-  /// it limits the bytes that are being loaded or uploaded.
+  TextureSource source;           // loads photographs; empty: reads the levels needed of the nodes' textureFile
+  std::uint64_t budgetBytes = 0;  // maximum of GpuScene::Memory::sum(), bytes; 0: no limit
+  /// Host memory for uploads, bytes, in addition to the budget; at least 1 MiB and the largest streamed item. While
+  /// streaming, it limits the bytes that are being loaded or uploaded.
   std::uint64_t stagingBytes = std::uint64_t(32) << 20;
   /// Loads depth textures (Node::depthFile), called with firstLevel 0, at least twice for each of them; empty: reads
   /// the nodes' depthFile.
   TextureSource depthSource;
-  bool depth = true;  // loads depth textures, for Composition::gathered and hybrid
-  BlockTextureMode blocks = BlockTextureMode::automatic;
-  TextureFilter filter = TextureFilter::automatic;
-  LogCallback log;  // every reduction of quality, with its reason; called on the thread that uses the GpuScene
+  bool depth = true;                                      // loads depth textures, for Composition::gathered and hybrid
+  BlockTextureMode blocks = BlockTextureMode::automatic;  // treatment of BC1 and BC7 textures
+  TextureFilter filter = TextureFilter::automatic;        // filter of photographs
+  LogCallback log;  // gets every reduction of quality, with its reason; called on the thread that uses the GpuScene
   /// Threads of the GpuScene that read and decode, while it is made and while frames are streamed; 0: the calling
   /// thread does. At most kMaxReaderThreads. Each takes host memory for a photograph.
   std::uint32_t readerThreads = 2;
@@ -102,6 +104,7 @@ struct GpuSceneOptions {
   Uploads* uploads = nullptr;
 };
 
+/// A scene on a device, resident or streamed. Formats, streaming and threads: ibr/gpu_scene.h.
 class IBR_API GpuScene {
  public:
   /// Reads files, in parallel on the reader threads, and waits for them. Allocates host and device memory. Submits
@@ -116,14 +119,15 @@ class IBR_API GpuScene {
   /// TextureSource, for one call of each reader thread. Jobs that the executor has not called yet are not waited for.
   ~GpuScene();
 
+  /// Numbers of streamed items in a frame: photographs, and meshes and depth textures if they are streamed.
   struct StreamStatus {
-    std::uint32_t needed = 0;      // photographs that the plan shows; its meshes and depth textures if streamed
-    std::uint32_t waiting = 0;     // of these: not loaded yet, drawn as a stand-in, as the next two
-    std::uint32_t overBudget = 0;  // of these: the budget has no room beside more important ones
-    std::uint32_t failed = 0;      // of these: cannot be read
-    std::uint64_t uploadedBytes = 0;
-    std::uint32_t queued = 0;   // requested items, needed or likely to be, that no thread loads yet
-    std::uint32_t reading = 0;  // those that are being loaded, or that wait for a texture array
+    std::uint32_t needed = 0;         // items that the plan shows
+    std::uint32_t waiting = 0;        // needed items not loaded yet; drawn as stand-ins
+    std::uint32_t overBudget = 0;     // needed items that the budget has no room for; drawn as stand-ins
+    std::uint32_t failed = 0;         // needed items that cannot be read; drawn as stand-ins
+    std::uint64_t uploadedBytes = 0;  // bytes that this call uploads
+    std::uint32_t queued = 0;         // requested items, needed or likely to be, that no thread loads yet
+    std::uint32_t reading = 0;        // items that are being loaded, or that wait for a texture array
   };
   /// Requests what the plan needs, most important first: a cell's mesh, then its photographs. Then requests what is
   /// around the main cell by its distance in the graph, some hundred items in all; earlier requests that have not begun
@@ -148,12 +152,13 @@ class IBR_API GpuScene {
   /// waits nor allocates.
   bool needsStreaming() const noexcept;
 
+  /// Bytes allocated on the device. Streamed meshes share one buffer, which counts as positions.
   struct Memory {
-    // Bytes allocated on the device. Streamed meshes share one buffer, which counts as positions.
+    // positions: vertices of meshes; indices: triangles of meshes; textures: photographs; depth: depth textures
     std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;
-    std::uint64_t sum() const noexcept { return positions + indices + textures + depth; }
+    std::uint64_t sum() const noexcept { return positions + indices + textures + depth; }  // all bytes
   };
-  /// Memory at this moment; reader threads may change it. Neither waits nor allocates.
+  /// Returns the memory at this moment; reader threads may change it. Neither waits nor allocates.
   Memory memory() const noexcept;
 
   struct IBR_LOCAL State;

@@ -24,15 +24,18 @@ namespace ibr {
 
 struct Scene;
 
+/// Photographs and cells that a GraphOverlay draws.
 struct ImageGraph {
-  std::vector<Camera> photographs;                // pinholes and panoramas
+  std::vector<Camera> photographs;                // cameras of pinholes and panoramas
   std::vector<std::vector<std::uint32_t>> cells;  // indices into `photographs`, by cell; empty: photographs alone
 };
+/// Returns the cameras of a scene's nodes, and its cells.
 IBR_API ImageGraph imageGraph(const Scene& scene);
 
+/// Options of a GraphOverlay.
 struct GraphOverlayOptions {
   double frustumDepth = 1;  // length of a frustum's side edges, diameter of a panorama's globe; world units, > 0
-  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // formats of targets
   Uploads* uploads = nullptr;  // collects the upload of the constructor instead of submitting and waiting
 };
 
@@ -46,7 +49,7 @@ class IBR_API GraphOverlay {
   GraphOverlay(Device& device, const ImageGraph& graph, const GraphOverlayOptions& options);
   GraphOverlay(GraphOverlay&&) noexcept;
   GraphOverlay& operator=(GraphOverlay&&) noexcept;
-  ~GraphOverlay();
+  ~GraphOverlay();  // frees device memory; does not wait
 
   /// Draws over the target's contents, outside a render pass; alpha is kept. The target goes from `initialUse` to
   /// `finalUse`. Preconditions: `view` is a pinhole of the target's extent; the options name the target's format

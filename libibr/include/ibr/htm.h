@@ -30,7 +30,7 @@ namespace ibr {
 
 /// How colours are computed from photographs. The last two are the methods that [H] §4.2 compares with.
 enum class HtmMethod : std::uint8_t {
-  harmonised,    // [H]
+  harmonised,    // photographs displaced by complements and blended, as in [H]
   blended,       // VDTBM: photographs blended, not displaced: complements count as 0
   vertexColours  // VDVBM: one colour per vertex, interpolated over triangles
 };
@@ -41,35 +41,38 @@ enum class HtmDirection : std::uint8_t {
   axis,    // viewing axes, as in [H]; the same as `middle` where cameras look at the middle
 };
 
+/// Settings of a frame of a harmonised model.
 struct HtmSettings {
-  double gamma = 50;  // γ₂ of eq. 5, 1 to 1000
-  HtmMethod method = HtmMethod::harmonised;
-  HtmDirection direction = HtmDirection::middle;
-  double weightCut = 1.0 / 512;   // of a pixel's or vertex's sum of weights: the remaining cameras are skipped once
-                                  // their weights sum to at most this share; 0 <= cut < 1
-  double depthTolerance = 0.005;  // of the mesh's radius, > 0; a pixel's width is added. A point at most so far behind
-                                  // the surface that a camera sees counts in full; at twice that it is hidden
+  double gamma = 50;  // γ₂ of eq. 5, 1 to 1000: larger values favour the cameras with the nearest direction
+  HtmMethod method = HtmMethod::harmonised;       // how colours are computed
+  HtmDirection direction = HtmDirection::middle;  // directions that eq. 5 compares
+  double weightCut = 1.0 / 512;   // share of a pixel's or vertex's sum of weights: the remaining cameras are skipped
+                                  // once their weights sum to at most this share; 0 <= cut < 1
+  double depthTolerance = 0.005;  // share of the mesh's radius, > 0; a pixel's width is added. A point at most so far
+                                  // behind the surface that a camera sees counts in full; at twice that it is hidden
   double smoothingSeconds = 0;    // time constant with which log weights follow the view; 0: at once, infinity: never
   CameraSet exclude = 0;          // cameras that are not used
-  glm::vec3 background{0.0f};     // display-encoded, finite, where nothing is drawn
+  glm::vec3 background{0.0f};     // colour where nothing is drawn: R, G, B, display-encoded, finite
 };
 
 /// Bounds of the mesh, for planning; computed once.
 struct HtmBounds {
-  glm::dvec3 middle{0.0};  // of the bounding box of all triangles, world
-  double radius = 1;       // of the sphere around `middle` that contains all triangles, world units, > 0
+  glm::dvec3 middle{0.0};  // centre of the bounding box of all triangles, world
+  double radius = 1;       // radius of the sphere around `middle` that contains all triangles, world units, > 0
 };
+/// Computes the bounds of a model's surface. Pure.
 IBR_API HtmBounds htmBounds(const HtmModel& model);
 
+/// View and settings of a frame to plan.
 struct HtmPlanInput {
-  Camera view;  // a pinhole
-  HtmSettings settings;
-  double dtSeconds = 0;  // since the previous frame, for smoothingSeconds; finite; negative counts as 0
+  Camera view;           // virtual camera, a pinhole
+  HtmSettings settings;  // how the frame is drawn
+  double dtSeconds = 0;  // time since the previous frame, s, for smoothingSeconds; finite; negative counts as 0
 };
 
 /// State from frame to frame. The first frame starts from {}.
 struct HtmPlanState {
-  std::vector<double> logWeights;  // by camera, at most 0; the largest is 0
+  std::vector<double> logWeights;  // natural logarithms of the weights, by camera; <= 0, and the largest is 0
 };
 
 /// Carries a state from one model to the next: the last frame showed `before`, the next one shows `model`, as in 3D
@@ -77,20 +80,21 @@ struct HtmPlanState {
 /// both, or if `state` has another number of cameras than `before`. Pure.
 IBR_API HtmPlanState transferHtmState(const HtmModel& model, const HtmModel& before, const HtmPlanState& state);
 
+/// A camera's weight in a frame.
 struct PlannedHtmCamera {
   std::uint32_t camera = 0;       // index into HtmModel::cameras
   double logWeight = 0;           // natural logarithm of w relative to the best camera's: <= 0, finite
-  double logRemainingWeight = 0;  // likewise, of the sum of all later cameras' weights; −infinity for the last
+  double logRemainingWeight = 0;  // the same of the sum of all later cameras' weights; −infinity for the last camera
 };
 
 /// Plan of one frame. Plain data.
 struct HtmFramePlan {
-  Camera view;
-  HtmSettings settings;
-  HtmBounds bounds;
-  std::vector<PlannedHtmCamera> cameras;  // best first, ties by index; all that are not excluded, so that a pixel that
-                                          // no near camera sees may use a far one
-  HtmPlanState next;                      // argument of the next call
+  Camera view;                            // as HtmPlanInput::view
+  HtmSettings settings;                   // as HtmPlanInput::settings
+  HtmBounds bounds;                       // bounds of the model
+  std::vector<PlannedHtmCamera> cameras;  // cameras, best first, ties by index; all that are not excluded, so that a
+                                          // pixel that no near camera sees may use a far one
+  HtmPlanState next;                      // state for planning the next frame
 };
 
 /// Plans a frame by eq. 5. Pure; allocates host memory. Precondition: validate(model) is empty. Throws
@@ -99,8 +103,8 @@ struct HtmFramePlan {
 IBR_API HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
                                   const HtmPlanState& state = {});
 
-/// As above, into a plan that may hold a previous frame, whose memory is used again: later frames allocate no heap
-/// memory. `state` may be `plan.next`. The plan is unchanged if the input is refused.
+/// Plans as the other overload, into a plan that may hold a previous frame, whose memory is used again: later frames
+/// allocate no heap memory. `state` may be `plan.next`. The plan is unchanged if the input is refused.
 IBR_API void planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmPlanInput& input,
                           const HtmPlanState& state, HtmFramePlan& plan);
 
@@ -108,6 +112,7 @@ IBR_API void planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
 /// so another thread can do it ahead of time. Throws Error{invalidInput} for a picture that does not fit its camera.
 IBR_API HtmImage prepareHtmImage(const HtmModel& model, std::size_t camera, HtmImage picture);
 
+/// Options of a GpuHtmModel.
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // interpolates between mip levels; default: on GPUs, not on software devices
   Uploads* uploads = nullptr;     // collects the uploads of the constructor instead of submitting and waiting
@@ -136,11 +141,13 @@ class IBR_API GpuHtmModel {
   /// afterwards only replace() and destruction are allowed.
   void replace(const HtmModel& model, const HtmImageSource& source, Uploads* uploads = nullptr);
 
+  /// Bytes allocated on the device.
   struct Memory {
-    std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
-    std::uint64_t sum() const noexcept { return mesh + complements + photographs + depths; }
+    // mesh: the surface; complements: offsets of all pairs of cameras; photographs: with visibility; depths: depth maps
+    std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;
+    std::uint64_t sum() const noexcept { return mesh + complements + photographs + depths; }  // all bytes
   };
-  Memory memory() const noexcept;  // neither waits nor allocates
+  Memory memory() const noexcept;  // memory at this moment; neither waits nor allocates
 
   struct IBR_LOCAL State;
 
@@ -149,9 +156,10 @@ class IBR_API GpuHtmModel {
   std::unique_ptr<State> state_;
 };
 
+/// Options of an HtmRenderer.
 struct HtmRendererOptions {
-  VkExtent2D maxExtent{0, 0};                                   // of an image
-  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // of targets
+  VkExtent2D maxExtent{0, 0};                                   // maximum size of an image, px
+  std::vector<TargetFormat> formats{VK_FORMAT_R8G8B8A8_UNORM};  // formats of targets
 };
 
 /// Records frames. Model and device must outlive it. Commands that it recorded must have finished before it is

@@ -26,15 +26,17 @@ namespace ibr {
 
 /// A set of cameras of a model: bit i is camera i.
 using CameraSet = std::uint64_t;
-inline constexpr std::size_t kMaxHtmCameraCount = 64;
+inline constexpr std::size_t kMaxHtmCameraCount = 64;  // maximum number of cameras of a model
 
+/// A triangle mesh.
 struct TriangleMesh {
-  std::vector<glm::dvec3> positions;  // world
-  std::vector<glm::uvec3> triangles;  // indices < positions.size(); counter-clockwise seen from outside
+  std::vector<glm::dvec3> positions;  // vertices, world
+  std::vector<glm::uvec3> triangles;  // indices of corners, < positions.size(); counter-clockwise seen from outside
 
   bool operator==(const TriangleMesh&) const = default;
 };
 
+/// A camera of a harmonised model, with the files of its picture.
 struct HtmCamera {
   std::string name;                 // unique in a model; the picture's file name
   Camera camera;                    // a pinhole; intrinsics are those of the undistorted picture at its stored size
@@ -49,19 +51,21 @@ struct HtmCamera {
 /// A mesh, and for each vertex the cameras that contribute to its colour: they see a face at it and agree on the
 /// colour.
 struct HtmSurface {
-  TriangleMesh mesh;
-  std::vector<CameraSet> members;  // n_v
+  TriangleMesh mesh;               // n_v vertices
+  std::vector<CameraSet> members;  // n_v: contributing cameras of each vertex
 };
 
+/// A harmonised model: n_c cameras, n_v vertices.
 struct HtmModel {
   std::filesystem::path folder;        // base of the cameras' relative paths; empty for a model made in code
-  std::vector<HtmCamera> cameras;      // n_c, 1 to kMaxHtmCameraCount
+  std::vector<HtmCamera> cameras;      // n_c: 1 to kMaxHtmCameraCount
   HtmSurface surface;                  // the optimised mesh ([H] §3.1), n_v vertices
   std::vector<glm::vec2> complements;  // px of picture i, at [complementIndex(i, j, v)]; 0 where i = j; empty: all 0
   std::optional<HtmSurface> source;    // the mesh before optimisation, for comparison methods
   std::string settings;                // the settings that the model was made with, as JSON text; "" if none
 
-  std::size_t vertexCount() const { return surface.mesh.positions.size(); }
+  std::size_t vertexCount() const { return surface.mesh.positions.size(); }  // n_v
+  /// Returns the index of v̂_v^{i←j} in `complements`: pictures i and j, vertex v.
   std::size_t complementIndex(std::size_t i, std::size_t j, std::size_t v) const {
     return (i * cameras.size() + j) * vertexCount() + v;
   }
@@ -71,9 +75,10 @@ struct HtmModel {
 struct HtmImage {
   Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
   Image8 visibility;  // 1 channel, same size, as HtmCamera::visibilityFile; empty: 255 everywhere
-  // Mip levels by prepareHtmImage (ibr/htm.h), shared by copies; with them the other fields are empty.
+  /// Mip levels by prepareHtmImage (ibr/htm.h), shared by copies; with them the other fields are empty.
   std::shared_ptr<const std::vector<Image8>> levels = {};
 };
+/// Loads the picture of a camera, given by its index into HtmModel::cameras. May throw.
 using HtmImageSource = std::function<HtmImage(const HtmModel& model, std::size_t camera)>;
 
 /// Faults of a model's data, in order, at most `limit`. Empty if all preconditions of HtmRenderer hold: numbers of

@@ -15,11 +15,13 @@
 
 namespace ibr {
 
+/// Name of the index in a sequence's folder.
 inline constexpr const char* kHtmSequenceFileName = "sequence.json";
 
+/// Index of a sequence: its frames, at least one, and their rate.
 struct HtmSequenceIndex {
-  double fps = 25;                            // > 0, at most 1000
-  std::vector<std::filesystem::path> frames;  // relative to the index's folder and inside it; at least one
+  double fps = 25;                            // frames per second, > 0, at most 1000
+  std::vector<std::filesystem::path> frames;  // folders of models, relative to the index's folder and inside it
 };
 
 /// Reads FOLDER/sequence.json or the file itself, but no models. Throws Error{io}, or Error{invalidInput} with file and
@@ -34,22 +36,24 @@ IBR_API void saveHtmSequence(const HtmSequenceIndex& index, const std::filesyste
 /// model.
 IBR_API std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, std::size_t limit = 100);
 
+/// A loaded frame.
 struct HtmFrame {
-  HtmModel model;
-  std::vector<HtmImage> pictures;       // by camera
+  HtmModel model;                       // the frame's model
+  std::vector<HtmImage> pictures;       // pictures by camera, or empty
   double loadMilliseconds = 0;          // time that loading took
-  IBR_API std::uint64_t bytes() const;  // of host memory, approximately
+  IBR_API std::uint64_t bytes() const;  // host memory of the frame, approximately
 };
 
 /// Loads the model of a folder, and its pictures by calling `pictures`; without `pictures` they are left empty. Throws
 /// what loadHtmModel and `pictures` throw.
 IBR_API HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmImageSource& pictures);
 
+/// Options of an HtmSequence.
 struct HtmSequenceOptions {
   std::size_t framesAhead = 8;  // frames after the current one that are loaded in the background
-  /// Limit for the cached frames, the current one and those ahead. Fewer frames ahead are cached where they do not fit;
-  /// the current one always is. A frame that is being loaded counts with the size of the largest frame so far. Frames
-  /// that only the caller holds are not counted.
+  /// Limit for the cached frames, bytes, the current one and those ahead. Fewer frames ahead are cached where they do
+  /// not fit; the current one always is. A frame that is being loaded counts with the size of the largest frame so far.
+  /// Frames that only the caller holds are not counted.
   std::uint64_t budgetBytes = std::uint64_t(2) << 30;
   bool loop = true;  // the first frame comes after the last one
 };
@@ -62,11 +66,11 @@ class IBR_API HtmSequence {
   HtmSequence(const std::filesystem::path& path, HtmImageSource pictures, const HtmSequenceOptions& options = {});
   HtmSequence(const HtmSequence&) = delete;
   HtmSequence& operator=(const HtmSequence&) = delete;
-  ~HtmSequence();
+  ~HtmSequence();  // waits for the frame that is being loaded
 
-  std::size_t frameCount() const noexcept;
-  double fps() const noexcept;
-  double duration() const noexcept { return double(frameCount()) / fps(); }  // seconds
+  std::size_t frameCount() const noexcept;                                   // number of frames, at least 1
+  double fps() const noexcept;                                               // frames per second
+  double duration() const noexcept { return double(frameCount()) / fps(); }  // duration of one pass, s
 
   /// Index of the frame at a time: frame k from k / fps on. Beyond the ends the sequence repeats if
   /// HtmSequenceOptions::loop is set, else stays at its first or last frame. 0 for NaN.
@@ -78,12 +82,13 @@ class IBR_API HtmSequence {
   std::shared_ptr<const HtmFrame> frame(std::size_t index);
   std::shared_ptr<const HtmFrame> tryFrame(std::size_t index);
 
+  /// State of the cache.
   struct Counts {
-    std::size_t cachedFrames = 0;  // including the current frame
-    std::uint64_t bytes = 0;       // of the cached frames
+    std::size_t cachedFrames = 0;  // number of cached frames, the current one included
+    std::uint64_t bytes = 0;       // host memory of the cached frames
     std::size_t loads = 0;         // attempts to load a frame since construction
   };
-  Counts counts() const;
+  Counts counts() const;  // the state at this moment
 
  private:
   struct IBR_LOCAL State;

@@ -31,3 +31,10 @@
 #include "ibr/uploads.h"
 #include "ibr/version.h"
 #include "ibr/view_scores.h"
+
+/// @namespace ibr
+/// Image-based rendering: builds scenes from posed photographs, and renders new views of them.
+///
+/// A Scene is a graph of photographs. planFrame() plans a view, and a Renderer records the plan into a Vulkan command
+/// buffer. build() makes a scene from photographs and poses. harmonise() makes an HtmModel from photographs and a mesh;
+/// planHtmFrame() and HtmRenderer show the model. Axes, pixels and colours: ibr/conventions.h.

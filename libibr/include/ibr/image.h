@@ -13,16 +13,18 @@ namespace ibr {
 /// height × width × channels values, rows from the top, interleaved, no padding.
 template <class T>
 struct Image {
-  int width = 0;
-  int height = 0;
-  int channels = 0;
-  std::vector<T> values;
+  int width = 0;          // px
+  int height = 0;         // px
+  int channels = 0;       // values per pixel
+  std::vector<T> values;  // height × width × channels
 
-  Image() = default;
+  Image() = default;  // empty: 0 × 0 px
+  /// Makes an image of w × h px with c channels, all values `fill`.
   Image(int w, int h, int c, T fill = T{})
       : width(w), height(h), channels(c), values(std::size_t(w) * std::size_t(h) * std::size_t(c), fill) {}
 
-  bool empty() const { return values.empty(); }
+  bool empty() const { return values.empty(); }  // true if there are no values
+  /// Returns the channels of a pixel: column x from the left, row y from the top. Precondition: inside the image.
   std::span<T> pixel(int x, int y) { return {&values[index(x, y)], std::size_t(channels)}; }
   std::span<const T> pixel(int x, int y) const { return {&values[index(x, y)], std::size_t(channels)}; }
   bool operator==(const Image&) const = default;
@@ -35,6 +37,6 @@ struct Image {
 };
 
 using Image8 = Image<std::uint8_t>;  // display-encoded (sRGB); channels: 1 grey, 3 RGB, 4 RGBA
-using ImageF = Image<float>;
+using ImageF = Image<float>;         // channels and units: see the function that returns it
 
 }  // namespace ibr

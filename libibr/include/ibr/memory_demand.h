@@ -17,20 +17,22 @@
 
 namespace ibr {
 
+/// Device memory of a scene, bytes.
 struct MemoryDemand {
-  std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;  // bytes
-  std::uint64_t sum() const { return positions + indices + textures + depth; }
+  // positions: vertices of meshes; indices: triangles of meshes; textures: photographs; depth: depth textures
+  std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;
+  std::uint64_t sum() const { return positions + indices + textures + depth; }  // all bytes
 };
 
-/// `formats`: of the nodes' textures on the device. `depth`: bytes of the depth textures (depthTextureBytes), 0 if they
-/// are not loaded. Exact, except for the device's alignment of images and buffers, and for triangles that the renderer
-/// drops because their members look in opposite directions.
+/// Returns the device memory of a scene. `formats`: of the nodes' textures on the device. `depth`: bytes of the depth
+/// textures (depthTextureBytes), 0 if they are not loaded. Exact, except for the device's alignment of images and
+/// buffers, and for triangles that the renderer drops because their members look in opposite directions.
 IBR_API MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats, std::uint64_t depth = 0);
 
-/// Formats of the nodes' texture files, one per node; RGBA8 for a node without one. Throws as probeKtx2.
+/// Returns the formats of the nodes' texture files, one per node; RGBA8 for a node without one. Throws as probeKtx2.
 IBR_API std::vector<TextureFormat> textureFormats(const Scene& scene);
 
-/// Total of all nodes with a depth file. Throws as probeKtx2.
+/// Returns the bytes of all depth textures. Throws as probeKtx2.
 IBR_API std::uint64_t depthTextureBytes(const Scene& scene);
 
 }  // namespace ibr

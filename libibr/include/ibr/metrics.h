@@ -28,10 +28,12 @@ IBR_API double ssim(const Image8& a, const Image8& b, const Image8& mask);
 /// than 176 px (11 at the coarsest scale).
 IBR_API double msSsim(const Image8& a, const Image8& b);
 
-/// LDR-FLIP (Andersson et al. 2020): perceived difference of two images that alternate on a display, by pixel, 0 (none)
-/// to 1. pixelsPerDegree: of visual angle, 1 to 1000; 67: a display of 0.7 m and 3840 px width, seen from 0.7 m.
-/// Symmetric. The map has one channel. Throws Error{invalidInput} also for empty images and other pixelsPerDegree.
+/// Default viewing distance of FLIP, pixels per degree of visual angle: a display of 0.7 m and 3840 px width, seen from
+/// 0.7 m.
 inline constexpr double kFlipPixelsPerDegree = 67;
+/// LDR-FLIP (Andersson et al. 2020): perceived difference of two images that alternate on a display, by pixel, 0 (none)
+/// to 1. pixelsPerDegree: of visual angle, 1 to 1000. Symmetric. The map has one channel. Throws Error{invalidInput}
+/// also for empty images and other pixelsPerDegree.
 IBR_API ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
 
 /// Mean of flipMap.
@@ -48,6 +50,7 @@ struct Detail {
   double energy;       // Σ d² of the image / Σ d² of the truth; below 1: blur, above 1: ghost edges
   double correlation;  // Σ dd' / √(Σ d² Σ d'²), d' of the truth, -1 to 1; 1: all edges are in place
 };
+/// Computes the detail of an image over the pixels that count.
 IBR_API Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
 /// Share of an image's detail energy that remains when bilinear filtering samples the image between its pixels, mean
@@ -61,25 +64,28 @@ IBR_API double sampledDetail(const Image8& picture);
 /// value. Uses the green or only channel. NaN if `eighth` has less than 8 px on a side.
 IBR_API double sharpness(const Image8& picture, const Image8& eighth);
 
+/// Side of the tiles of tornTiles() and worstTile(), px.
+inline constexpr int kTileSidePx = 32;
 /// Share of torn tiles among the image's 32 × 32 px tiles (smaller at the right and lower edge). A tile is torn if its
 /// mean gradient energy exceeds three times the truth's by more than 4 (8-bit levels)². Gradient energy: squared luma
 /// differences to the right and lower neighbours. NaN for empty images.
-inline constexpr int kTileSidePx = 32;  // px
 IBR_API double tornTiles(const Image8& picture, const Image8& truth);
 
-/// The tile with the largest mean squared error over R, G, B.
+/// The tile of kTileSidePx with the largest mean squared error over R, G, B.
 struct WorstTile {
-  int x = 0, y = 0;        // of its top-left corner, px
-  double meanSquared = 0;  // the error, (8-bit levels)²; -1 for empty images
+  int x = 0, y = 0;        // top-left corner, px
+  double meanSquared = 0;  // error of the tile, (8-bit levels)²; -1 for empty images
 };
+/// Finds the tile with the largest error.
 IBR_API WorstTile worstTile(const Image8& picture, const Image8& truth);
 
 /// Absolute differences of two images over R, G, B, as image comparison tools report them.
 struct Difference {
-  int largest = 0;          // 8-bit levels
-  double meanAbsolute = 0;  // 8-bit levels, mean over pixels and channels
-  double shareAbove = 0;    // of pixels whose largest channel difference exceeds `threshold`
+  int largest = 0;          // largest of all pixels and channels, 8-bit levels
+  double meanAbsolute = 0;  // mean over pixels and channels, 8-bit levels
+  double shareAbove = 0;    // share of the pixels whose largest channel difference exceeds `threshold`
 };
+/// Compares two images. `threshold`: 8-bit levels, for Difference::shareAbove.
 IBR_API Difference difference(const Image8& a, const Image8& b, int threshold);
 
 }  // namespace ibr

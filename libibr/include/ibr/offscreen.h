@@ -23,10 +23,10 @@ class IBR_API Offscreen {
   Offscreen(const Device& device, VkExtent2D extent, TargetFormat format = VK_FORMAT_R8G8B8A8_UNORM);
   Offscreen(Offscreen&&) noexcept;
   Offscreen& operator=(Offscreen&&) noexcept;
-  ~Offscreen();
+  ~Offscreen();  // frees device memory; does not wait
 
-  /// The image as a target. Neither waits nor allocates. It may be written as a colour attachment or by transfers.
-  /// Commands that write it must leave it in Target::finalUse, as render() expects. Valid while *this lives.
+  /// Returns the image as a target. Neither waits nor allocates. It may be written as a colour attachment or by
+  /// transfers. Commands that write it must leave it in Target::finalUse, as render() expects. Valid while *this lives.
   Target target() const noexcept;
 
   /// Calls `record` with a command buffer; `record` must write the target. Then submits on the device's queue, waits,
@@ -47,7 +47,7 @@ class IBR_API Offscreen {
 /// Results of Renderer::recordBuffers on the host. Channels as in BufferTargets.
 struct FrameBuffers {
   ImageF surface;     // depth, tier, rank, extrapolation distance
-  ImageF weights;     // of members 0 to 3
+  ImageF weights;     // weights of members 0 to 3
   ImageF confidence;  // spread, uncertainty
 };
 
@@ -59,12 +59,13 @@ class IBR_API OffscreenBuffers {
   OffscreenBuffers(const Device& device, VkExtent2D extent);
   OffscreenBuffers(OffscreenBuffers&&) noexcept;
   OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;
-  ~OffscreenBuffers();
+  ~OffscreenBuffers();  // frees device memory; does not wait
 
-  /// Commands that write the images must leave them in BufferTarget::finalUse. Valid while *this lives.
+  /// Returns the images as targets. Commands that write them must leave them in BufferTarget::finalUse. Valid while
+  /// *this lives.
   BufferTargets targets() const noexcept;
 
-  /// As Offscreen::render.
+  /// Calls `record`, submits, waits and returns the results, as Offscreen::render does.
   FrameBuffers render(const std::function<void(VkCommandBuffer)>& record);
 
  private:

@@ -22,12 +22,13 @@
 
 namespace ibr {
 
+/// A photograph with its pose.
 struct Node {
   std::string name;                   // unique in a scene; the photograph's file name
-  Camera camera;                      // intrinsics of the undistorted photograph at its stored size
+  Camera camera;                      // pose, and intrinsics of the undistorted photograph at its stored size
   std::filesystem::path imageFile;    // JPEG or PNG, relative to the scene's folder
   std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
-  CaptureMetadata capture = {};       // as recorded by the camera
+  CaptureMetadata capture = {};       // capture settings as the camera recorded them
   /// Red, green, blue: factors of the photograph's linear light that match its exposure and white balance to those of
   /// the other photographs. 1 where unknown; 1 / kMaxGain to kMaxGain.
   glm::dvec3 gain{1.0};
@@ -38,9 +39,9 @@ struct Node {
   /// about a quarter of its sides. Red: ρ / depthScale, ρ the largest of the texel's block. Green: the consensus a
   /// (MorphMesh::consensus). A pinhole's ρ is the inverse depth along its axis, a panorama's the inverse distance.
   std::filesystem::path depthFile = {};
-  double depthScale = 0;  // ρ of a red of 1, 1 / world unit; > 0 with a depthFile, 0 without
+  double depthScale = 0;  // ρ of the depth texture's red at 1, 1 / world unit; > 0 with a depthFile, 0 without
 };
-inline constexpr double kMaxGain = 4096;
+inline constexpr double kMaxGain = 4096;  // maximum of Node::gain; the minimum is its inverse
 
 /// Evidence for a triangle or a pixel.
 enum Tier : std::uint8_t {
@@ -58,23 +59,23 @@ enum Tier : std::uint8_t {
 /// changes nothing. By convention ρ is the inverse of the mean of s_i, so that the mean of a_i is 1.
 /// [T] eq. 4 is the case a_i = 1, ρ = 0.
 struct MorphMesh {
-  std::vector<std::vector<glm::vec2>> match;  // d × n, px in the member's photograph
-  std::vector<std::vector<float>> ratio;      // d × n, a_i > 0
-  std::vector<float> inverseDistance;         // n, ρ >= 0, 1 / world unit
-  std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0
+  std::vector<std::vector<glm::vec2>> match;  // d × n, position in the member's photograph, px
+  std::vector<std::vector<float>> ratio;      // d × n, a_i > 0: distance s_i from the member times ρ
+  std::vector<float> inverseDistance;         // n, ρ >= 0, 1 / world unit; 0: at infinity
+  std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0, 1 / world unit
   std::vector<std::uint8_t> confirmations;    // n, or empty: c, number of photographs that confirm the vertex's depth;
                                               // 0 also where depth was completed
   std::vector<float> consensus;               // n, or empty, as confirmations: a = (c + .25) / (c + v + .5), v counts
                                               // photographs that see past the vertex; .1 where depth was completed
-  std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
-  std::vector<std::uint8_t> tier;             // m, kTierConsistent or kTierRejected
+  std::vector<glm::uvec3> triangles;          // m, indices of vertices < n; all triangles of tier 0 first, then tier 1
+  std::vector<std::uint8_t> tier;             // m, tier of each triangle: kTierConsistent or kTierRejected
   std::vector<float> ecc;  // m, lowest enhanced correlation coefficient of two members, -1 to 1; label only
   /// n, or empty: numbers of the scene planes that a vertex lies on, from 1, ascending, filled up with 0. Label only: a
   /// triangle whose vertices share a plane is mapped between any two members by one homography.
   std::vector<glm::u16vec4> planes;
 
-  std::size_t memberCount() const { return match.size(); }            // d
-  std::size_t vertexCount() const { return inverseDistance.size(); }  // n
+  std::size_t memberCount() const { return match.size(); }            // d, number of members
+  std::size_t vertexCount() const { return inverseDistance.size(); }  // n, number of vertices
   IBR_API std::size_t tier0Count() const;                             // number of triangles of tier 0
 };
 
@@ -86,17 +87,19 @@ struct CellQuality {
   double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point, px
   double score;       // 0 to 1: shape of the simplex × lowest share of common points of two members × min(1, 0.15 /
                       // largest disparity spread of two members, in image widths) × coverage × max(ecc, 0)
-  IBR_API CellQuality();
+  IBR_API CellQuality();  // all NaN
 };
 
+/// 2 to 4 nodes with a morphing mesh, or the backdrop of a single node.
 struct Cell {
   std::vector<std::uint32_t> members;  // 2 to 4 different node indices; 1 for a backdrop
-  MorphMesh mesh;
-  CellQuality quality;
+  MorphMesh mesh;                      // mesh over the members, in their order
+  CellQuality quality;                 // measured when the cell was built
 };
 
 /// Position of the world's origin on the Earth, kept for export and never part of a pose.
 struct GeographicOrigin {
+  // latitudeDegrees: north of the equator; longitudeDegrees: east of Greenwich; heightMetres: height
   double latitudeDegrees = 0, longitudeDegrees = 0, heightMetres = 0;
 };
 
@@ -105,24 +108,26 @@ struct GeographicOrigin {
 inline constexpr const char* kNotRegistered = "not registered: the model has no pose for it";
 /// A photograph that no cell shows.
 struct UnusedPhotograph {
-  std::string name;    // of a node, or of a photograph's file without a pose
-  std::string reason;  // text for people
+  std::string name;    // name of a node, or of a photograph's file without a pose
+  std::string reason;  // why no cell shows it, for people
 };
 
+/// An image graph: photographs, cells and backdrops.
 struct Scene {
   std::filesystem::path folder;  // base of the nodes' relative paths; empty for a scene made in code
-  std::vector<Node> nodes;
-  std::vector<Cell> cells;
-  std::vector<Cell> backdrops;  // depth meshes of single photographs, which vote (Composition::gathered, hybrid): at
-                                // most one a node
-  std::vector<UnusedPhotograph> unusedPhotographs;
-  std::string acquisition;  // "ordered", "unordered", "synthetic", "panoramic" or ""
+  std::vector<Node> nodes;       // photographs; other fields refer to them by index
+  std::vector<Cell> cells;       // lines, triangles and tetrahedra of nodes
+  std::vector<Cell> backdrops;   // depth meshes of single photographs, which vote (Composition::gathered, hybrid): at
+                                 // most one a node
+  std::vector<UnusedPhotograph> unusedPhotographs;  // photographs that no cell shows
+  std::string acquisition;  // how photographs were taken: "ordered", "unordered", "synthetic", "panoramic" or ""
   std::string settings;     // effective settings of the build, as JSON text; "" if none
-  std::optional<GeographicOrigin> origin;
+  std::optional<GeographicOrigin> origin;  // position of the world's origin on the Earth; nullopt: unknown
 };
 
+/// A fault of data or of a file.
 struct Fault {
-  std::string field;    // "cells[3].mesh.ratio[1][17]", or a JSON pointer for a fault of a file
+  std::string field;    // field with the fault: "cells[3].mesh.ratio[1][17]", or a JSON pointer for a fault of a file
   std::string message;  // the problem, with the value
 };
 

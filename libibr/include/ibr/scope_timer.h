@@ -15,10 +15,11 @@
 
 namespace ibr {
 
+/// GPU time of a scope.
 struct ScopeTime {
-  std::string name;
-  int depth = 0;  // 0: not inside another scope
-  double milliseconds = 0;
+  std::string name;         // as passed to ScopeTimer::begin()
+  int depth = 0;            // number of scopes around it
+  double milliseconds = 0;  // GPU time
 };
 
 /// Times the scopes of one command buffer. Each frame in flight needs its own timer. Names must be string literals or
@@ -30,13 +31,15 @@ class IBR_API ScopeTimer {
   ScopeTimer(const Device& device, std::uint32_t maxScopes);
   ScopeTimer(ScopeTimer&&) noexcept;
   ScopeTimer& operator=(ScopeTimer&&) noexcept;
-  ~ScopeTimer();
+  ~ScopeTimer();  // frees device memory; does not wait
 
-  /// Records the reset of all queries. Must be recorded before any scope, outside a render pass. reset(), begin() and
-  /// end() neither wait nor allocate.
+  /// Records the reset of all queries. Must be recorded before any scope, outside a render pass. Neither waits nor
+  /// allocates.
   void reset(VkCommandBuffer commandBuffer) noexcept;
+  /// Begins a scope inside the scopes that have not ended. Neither waits nor allocates.
   void begin(VkCommandBuffer commandBuffer, const char* name) noexcept;
-  void end(VkCommandBuffer commandBuffer) noexcept;  // ends the scope begun last
+  /// Ends the scope begun last. Neither waits nor allocates.
+  void end(VkCommandBuffer commandBuffer) noexcept;
 
   /// Returns the times, in the order in which scopes began, once the device has finished the commands. Allocates host
   /// memory; does not wait. A scope lasts from
@@ -52,12 +55,14 @@ class IBR_API ScopeTimer {
 /// Times a scope from its construction to its destruction. Has no effect without a timer.
 class GpuScope {
  public:
+  /// Begins the scope. `timer` may be null. The command buffer and the timer must outlive the scope.
   GpuScope(VkCommandBuffer commands, ScopeTimer* timer, const char* name) noexcept
       : commands_(commands), timer_(timer) {
     if (timer_) timer_->begin(commands_, name);
   }
   GpuScope(const GpuScope&) = delete;
   GpuScope& operator=(const GpuScope&) = delete;
+  /// Ends the scope.
   ~GpuScope() {
     if (timer_) timer_->end(commands_);
   }

@@ -25,10 +25,11 @@
 
 namespace ibr {
 
+/// Options of a ShaderReloader.
 struct ShaderReloadOptions {
   std::filesystem::path folder;  // shaders/ of a source tree that is close to the one the program was built from
-  std::string compiler = "glslangValidator";  // searched along PATH unless it names a folder
-  LogCallback log;                            // replaced shaders (info) and failed ones (warning)
+  std::string compiler = "glslangValidator";  // program, searched along PATH unless it names a folder
+  LogCallback log;                            // gets replaced shaders (info) and failed ones (warning)
 };
 
 /// Keeps a device's shaders in step with the files of a folder. Covers the shaders that libibr embeds, by their path in
@@ -40,13 +41,15 @@ struct ShaderReloadOptions {
 /// cost.
 class IBR_API ShaderReloader {
  public:
+  /// A shader whose current file cannot be used.
   struct Failure {
-    std::string file;  // the shader, as in `replaced`
+    std::string file;  // the shader, as in Result::replaced
     std::string text;  // the compiler's output with files and lines, or the differences of the interface, one a line
   };
+  /// Result of poll().
   struct Result {
-    std::vector<std::string> replaced;
-    std::vector<Failure> failed;  // not reported before with the same text
+    std::vector<std::string> replaced;  // shaders, as paths in the folder
+    std::vector<Failure> failed;        // failures that were not reported before with the same text
   };
 
   /// Starts compiling all shaders, to learn their includes and to find files that were changed before. Throws Error{io}
@@ -67,7 +70,8 @@ class IBR_API ShaderReloader {
   /// A replacement increments Device::shaderGeneration(). Existing pipelines are never touched.
   Result poll();
 
-  /// Shaders whose current files cannot be used: failures that poll() reported and that have not been fixed since.
+  /// Returns the shaders whose current files cannot be used: failures that poll() reported and that have not been fixed
+  /// since.
   std::vector<Failure> failures() const;
 
   /// Undoes the last poll() that replaced shaders, for when pipelines cannot be made from them. Increments

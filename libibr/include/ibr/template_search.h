@@ -22,20 +22,22 @@ enum class TemplateMeasure : std::uint8_t {
 
 /// A pixel of a template: its column and row in the picture at displacement 0, and its colour.
 struct TemplateSample {
-  std::int16_t x = 0, y = 0;
+  std::int16_t x = 0, y = 0;  // x: column, px; y: row, px
+  // red: 8-bit level; green: 8-bit level; blue: 8-bit level; padding: not used, fills up to 8 bytes
   std::uint8_t red = 0, green = 0, blue = 0, padding = 0;
 };
 
 /// Searches a picture for samples [first, first + count), at displacements start + (−radius … radius)².
 struct TemplateTask {
-  std::uint32_t picture = 0;
-  std::uint32_t first = 0, count = 0;
-  glm::ivec2 start{0};  // px
+  std::uint32_t picture = 0;           // index of the picture
+  std::uint32_t first = 0, count = 0;  // first: index of the first sample; count: number of samples
+  glm::ivec2 start{0};                 // centre of the searched displacements, px
 };
 
+/// The best match of a task.
 struct TemplateMatch {
-  glm::ivec2 displacement{0};  // px; of minimum cost. Ties: the one nearest to the start, then the first in row order
-  float cost = 0;              // by TemplateMeasure; infinite where the task has no samples
+  glm::ivec2 displacement{0};  // px, of minimum cost. Ties: the one nearest to the start, then the first in row order
+  float cost = 0;              // dissimilarity by TemplateMeasure; infinite where the task has no samples
 };
 
 /// Finds the matches of all tasks, in their order. Pixels beyond a picture's border have the nearest border pixel's
@@ -46,14 +48,14 @@ using TemplateSearch = std::function<std::vector<TemplateMatch>(
 /// Makes a search over RGB pictures, which must outlive the search.
 using TemplateSearchFactory = std::function<TemplateSearch(std::span<const Image8* const> pictures)>;
 
-/// Search on the CPU. A search runs on the calling thread; several threads may call it at once. Throws
+/// Makes a search on the CPU. The search runs on the calling thread; several threads may call it at once. Throws
 /// Error{invalidInput} for pictures without 3 channels. Calls of the search throw it for indices of pictures or samples
 /// out of range, and for a radius outside 0 … kMaxTemplateRadius. They also throw it for more than
 /// kMaxTemplateSampleCount samples in a task and for starts beyond kMaxTemplateStartPx.
 IBR_API TemplateSearch cpuTemplateSearch(std::span<const Image8* const> pictures);
 
-inline constexpr int kMaxTemplateRadius = 32;
-inline constexpr std::uint32_t kMaxTemplateSampleCount = 4096;
-inline constexpr int kMaxTemplateStartPx = 1 << 20;  // px
+inline constexpr int kMaxTemplateRadius = 32;                   // maximum radius of a search, px
+inline constexpr std::uint32_t kMaxTemplateSampleCount = 4096;  // maximum number of samples of a task
+inline constexpr int kMaxTemplateStartPx = 1 << 20;             // maximum of |start.x| and |start.y|, px
 
 }  // namespace ibr

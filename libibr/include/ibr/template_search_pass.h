@@ -24,14 +24,14 @@ namespace ibr {
 
 /// Maximum numbers per TemplateSearchPass::set, both at least 1.
 struct TemplateCapacity {
-  std::size_t tasks = 1, samples = 1;
+  std::size_t tasks = 1, samples = 1;  // tasks: number of tasks; samples: number of samples of all tasks together
 };
 
-/// With absolute differences, matches are bit-identical to those of cpuTemplateSearch. Correlations differ by
-/// rounding, about 10⁻⁶; where costs are that close, another match may win.
-///
 /// Records searches. Move-only; the device must outlive it. One thread at a time uses it, with at most one submission
 /// in flight.
+///
+/// With absolute differences, matches are bit-identical to those of cpuTemplateSearch. Correlations differ by
+/// rounding, about 10⁻⁶; where costs are that close, another match may win.
 class IBR_API TemplateSearchPass {
  public:
   /// Uploads the pictures, which need not outlive the call: submits to the device's queue and waits, unless `uploads`
@@ -42,7 +42,7 @@ class IBR_API TemplateSearchPass {
                      Uploads* uploads = nullptr);
   TemplateSearchPass(TemplateSearchPass&&) noexcept;
   TemplateSearchPass& operator=(TemplateSearchPass&&) noexcept;
-  ~TemplateSearchPass();
+  ~TemplateSearchPass();  // frees device memory; does not wait
 
   /// Sets the tasks of the next submission of record(). Copies them to memory that the recorded commands read, so none
   /// of these may be in flight. Throws Error{invalidInput} as calls of cpuTemplateSearch, and beyond the
@@ -54,7 +54,7 @@ class IBR_API TemplateSearchPass {
   /// Barriers separate these, and order them after earlier commands of this pass. Records nothing if no tasks are set.
   void record(VkCommandBuffer commands) const noexcept;
 
-  /// Matches of the tasks set last, in their order; valid once the submission has finished.
+  /// Returns the matches of the tasks set last, in their order; valid once the submission has finished.
   std::vector<TemplateMatch> matches() const;
 
  private:

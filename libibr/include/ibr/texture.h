@@ -21,7 +21,13 @@
 
 namespace ibr {
 
-enum class TextureFormat : std::uint8_t { rgba8, bc1, bc7, rg16f };
+/// Format of a texture; see the table in ibr/texture.h.
+enum class TextureFormat : std::uint8_t {
+  rgba8,  // 8 bits for each of R, G, B, A; lossless, 4 bytes a pixel
+  bc1,    // blocks of 4 × 4 pixels with 8 bytes; no alpha
+  bc7,    // blocks of 4 × 4 pixels with 16 bytes
+  rg16f   // two half floats a pixel: depth and consensus (Node::depthFile)
+};
 
 /// Returns "rgba8", "bc1", "bc7" or "rg16f".
 IBR_API const char* textureFormatName(TextureFormat format) noexcept;
@@ -31,12 +37,13 @@ IBR_API std::uint64_t textureBytes(TextureFormat format, int width, int height) 
 
 /// An image and its mip levels. The largest levels may be left out.
 struct Texture {
-  TextureFormat format = TextureFormat::rgba8;
-  int width = 0, height = 0;  // px of levels[0]; each further level has max(1, ⌊side / 2⌋)
-  // Rows from the top, no padding: pixels (RGBA, or red and green halves), or blocks, the first at the top left.
+  TextureFormat format = TextureFormat::rgba8;  // format of all levels
+  int width = 0, height = 0;                    // size of levels[0], px; each further level has max(1, ⌊side / 2⌋)
+  /// Levels, largest first. Rows from the top, no padding: pixels (RGBA, or red and green halves), or blocks, the first
+  /// at the top left.
   std::vector<std::vector<std::byte>> levels;
 
-  Texture() = default;
+  Texture() = default;  // without levels
   /// Makes an rgba8 texture from RGBA levels, largest first. Throws Error{invalidInput} unless each level has four
   /// channels and the size that follows from the first level's.
   IBR_API Texture(const std::vector<Image8>& rgba);  // NOLINT: implicit on purpose
@@ -54,24 +61,26 @@ IBR_API Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat for
 /// number of bytes does not match their size.
 IBR_API std::vector<Image8> decodeTexture(const Texture& texture);
 
-/// RGBA8 levels from the image itself (alpha 255 for RGB) down to 1×1, each max(1, ⌊side / 2⌋) of the previous. Each
-/// level is the exact box filter of the previous one in linear light, also for odd sizes. Deterministic. Throws
+/// Returns RGBA8 levels from the image itself (alpha 255 for RGB) down to 1×1, each max(1, ⌊side / 2⌋) of the previous.
+/// Each level is the exact box filter of the previous one in linear light, also for odd sizes. Deterministic. Throws
 /// Error{invalidInput} unless the image has 3 or 4 channels and at least one pixel.
 IBR_API std::vector<Image8> buildMips(const Image8& rgbOrRgba);
 
-/// KTX 2.0 files (Khronos specification 2.0.4) of one image with its levels. Photographs are stated as _SRGB formats,
-/// since their values are display-encoded; _UNORM files are read, too. rg16f is stated as VK_FORMAT_R16G16_SFLOAT.
+/// Header of a KTX 2.0 file (Khronos specification 2.0.4) of one image with its levels. Photographs are stated as _SRGB
+/// formats, since their values are display-encoded; _UNORM files are read, too. rg16f is stated as
+/// VK_FORMAT_R16G16_SFLOAT.
 struct Ktx2Info {
-  std::uint32_t vkFormat = 0;  // VkFormat as stated in the file
-  TextureFormat format = TextureFormat::rgba8;
-  int width = 0, height = 0;  // of level 0
-  int levels = 0;
+  std::uint32_t vkFormat = 0;                   // VkFormat as stated in the file
+  TextureFormat format = TextureFormat::rgba8;  // format that readKtx2 returns
+  int width = 0, height = 0;                    // size of level 0, px
+  int levels = 0;                               // number of levels in the file
 };
 
-/// The levels may end before 1×1. Throws Error (io; invalidInput if levels and sizes do not match).
+/// Writes a KTX 2.0 file. The levels may end before 1×1. Throws Error (io; invalidInput if levels and sizes do not
+/// match).
 IBR_API void writeKtx2(const std::filesystem::path& path, const Texture& texture);
 
-/// Reads no pixels, but makes all checks of readKtx2. Throws as readKtx2.
+/// Reads the header. Reads no pixels, but makes all checks of readKtx2. Throws as readKtx2.
 IBR_API Ktx2Info probeKtx2(const std::filesystem::path& path);
 
 /// Reads level `firstLevel` and the smaller ones, which are contiguous, and nothing else. Throws Error (io,

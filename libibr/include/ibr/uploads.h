@@ -31,10 +31,10 @@ namespace ibr {
 /// Error{invalidInput} for Uploads of another VkDevice.
 class IBR_API Uploads {
  public:
-  explicit Uploads(const Device& device);  // allocates host memory
+  explicit Uploads(const Device& device);  // for objects of this device; allocates host memory
   Uploads(Uploads&&) noexcept;
   Uploads& operator=(Uploads&&) noexcept;
-  ~Uploads();  // as clear()
+  ~Uploads();  // frees the host memory, as clear()
 
   /// Records all uploads since the last clear() in the order of construction, outside a render pass, with barriers that
   /// wait for earlier commands and make the contents visible to all later ones. A second call records them again, for a
@@ -47,9 +47,9 @@ class IBR_API Uploads {
   /// recorded commands.
   void clear() noexcept;
 
-  // Neither waits nor allocates.
-  bool empty() const noexcept;           // record() records nothing
-  std::uint64_t bytes() const noexcept;  // of host memory (MemoryKind::upload) that uploads are copied from
+  bool empty() const noexcept;  // true: record() records nothing; neither waits nor allocates
+  /// Returns the bytes of host memory (MemoryKind::upload) that uploads are copied from. Neither waits nor allocates.
+  std::uint64_t bytes() const noexcept;
 
   struct IBR_LOCAL State;
 

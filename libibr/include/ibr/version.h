@@ -6,6 +6,7 @@
 
 #include "ibr/export.h"
 
+/// Version of the headers: major, minor and patch number.
 #define IBR_VERSION_MAJOR 0
 #define IBR_VERSION_MINOR 1
 #define IBR_VERSION_PATCH 0

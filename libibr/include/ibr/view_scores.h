@@ -13,22 +13,25 @@
 
 namespace ibr {
 
-/// NaN: undefined, or not measured. Shares: 0 to 1, of the pixels that count.
+/// Scores of a view. NaN: undefined, or not measured. Shares: 0 to 1, of the pixels that count.
 struct ViewScores {
-  static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();  // value of a score without a value
 
-  double psnr = kUndefined, ssim = kUndefined, flip = kUndefined;                        // of all pixels
-  double coverage = kUndefined, coverageTier0 = kUndefined, coverageTier2 = kUndefined;  // shares
-  double psnrCovered = kUndefined, ssimCovered = kUndefined;                             // without holes
-  double psnrGain = kUndefined, psnrCoveredGain = kUndefined;                            // after gainFitted
-  double msSsim = kUndefined;                                        // of the whole image; not measured with `used`
-  double detailEnergy = kUndefined, detailCorrelation = kUndefined;  // of covered pixels (Detail)
-  double tornTiles = kUndefined;                                     // share of the tiles; not measured with `used`
-  WorstTile worstTile{0, 0, -1};                                     // not measured with `used`
+  // psnr: PSNR of all pixels, dB; ssim: SSIM of all pixels, up to 1; flip: FLIP of all pixels, 0 to 1
+  double psnr = kUndefined, ssim = kUndefined, flip = kUndefined;
+  // Shares. coverage: drawn pixels; coverageTier0: pixels of tier 0; coverageTier2: pixels of tier 2
+  double coverage = kUndefined, coverageTier0 = kUndefined, coverageTier2 = kUndefined;
+  // psnrCovered: PSNR of drawn pixels, dB; ssimCovered: SSIM of drawn pixels, up to 1
+  double psnrCovered = kUndefined, ssimCovered = kUndefined;
+  double psnrGain = kUndefined, psnrCoveredGain = kUndefined;  // psnr and psnrCovered after gainFitted, dB
+  double msSsim = kUndefined;                                  // MS-SSIM of the whole image; not measured with `used`
+  double detailEnergy = kUndefined, detailCorrelation = kUndefined;  // Detail of drawn pixels
+  double tornTiles = kUndefined;                                     // share of torn tiles; not measured with `used`
+  WorstTile worstTile{0, 0, -1};  // tile with the largest error; not measured with `used`
 };
 
-/// `fitGain`: also measures psnrGain and psnrCoveredGain. `used`: mask of the pixels that count, one channel; empty:
-/// all count. Throws Error{invalidInput} for other sizes or numbers of channels.
+/// Scores a view. `fitGain`: also measures psnrGain and psnrCoveredGain. `used`: mask of the pixels that count, one
+/// channel; empty: all count. Throws Error{invalidInput} for other sizes or numbers of channels.
 IBR_API ViewScores scoreView(const Image8& prediction, const Image8& truth, bool fitGain = false,
                              const Image8& used = {});
 

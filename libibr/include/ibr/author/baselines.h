@@ -16,9 +16,10 @@
 
 namespace ibr {
 
+/// Options of Baselines.
 struct BaselineOptions {
-  std::uint64_t cacheBytes = std::uint64_t(256) << 20;  // of decoded photographs; at least one is cached
-  int threads = 0;                                      // 0: all cores
+  std::uint64_t cacheBytes = std::uint64_t(256) << 20;  // limit for decoded photographs; at least one is cached
+  int threads = 0;                                      // threads of the CPU; 0: all cores
 };
 
 /// Renders baselines. One thread at a time uses an object. Holds the cached photographs and, for each photograph used,
@@ -26,11 +27,12 @@ struct BaselineOptions {
 /// takes about 60 bytes a pixel.
 class Baselines {
  public:
-  /// The scene and its stored photographs must outlive the object. Throws Error{unsupported} for a node that is no
-  /// pinhole, or has a mask, since baselines ignore masks. Throws Error{invalidInput} for a scene without nodes.
+  /// Makes baselines of a scene. The scene and its stored photographs must outlive the object. Throws
+  /// Error{unsupported} for a node that is no pinhole, or has a mask, since baselines ignore masks. Throws
+  /// Error{invalidInput} for a scene without nodes.
   explicit Baselines(const Scene& scene, const BaselineOptions& options = {});
   Baselines(Baselines&&) noexcept;
-  ~Baselines();
+  ~Baselines();  // frees the cached photographs and depth maps
 
   /// Sets the exposure of later images: photographs are multiplied by their gain and `exposure` in linear light
   /// (FramePlan::exposure), as in a renderer. nullopt, the initial value: photographs are unchanged.

@@ -32,16 +32,16 @@ enum class LensModel : std::uint8_t {
   radialFisheye,        // f, cx, cy, k1, k2
   thinPrismFisheye,     // fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1
 };
-inline constexpr std::size_t kLensModelCount = 11;
+inline constexpr std::size_t kLensModelCount = 11;  // number of LensModels
 
-/// Number of a model's parameters.
+/// Returns the number of a model's parameters.
 std::size_t parameterCount(LensModel model);
 
-/// d(m), see the top of this file, of all models: m·N(r²)/D(r²), or m·atan(2 r tan(ω/2))/(ω r) for FOV, with r = |m|;
-/// plus tangential and thin-prism terms.
+/// Distortion d(m) of all models (ibr/author/lens.h): m·N(r²)/D(r²), or m·atan(2 r tan(ω/2))/(ω r) for FOV, with r =
+/// |m|; plus tangential and thin-prism terms.
 struct LensDistortion {
-  std::array<double, 4> numerator{};    // N = 1 + Σ k_i r^(2i)
-  std::array<double, 3> denominator{};  // D likewise
+  std::array<double, 4> numerator{};    // k_i of N = 1 + Σ k_i r^(2i)
+  std::array<double, 3> denominator{};  // k_i of D = 1 + Σ k_i r^(2i)
   std::array<double, 2> tangential{};   // p1, p2
   std::array<double, 2> prism{};        // sx1, sy1
   double omega = 0;                     // ω, radians; 0: none
@@ -49,29 +49,31 @@ struct LensDistortion {
   bool operator==(const LensDistortion&) const = default;
 };
 
+/// A lens: a camera model with its parameters and image size.
 class Lens {
  public:
-  /// Throws Error{invalidInput} for a wrong number of parameters, a parameter that is not finite, a focal length or
+  /// Makes a lens. `width`, `height`: of the image, px. `parameters`: in the order of LensModel, lengths in px. Throws
+  /// Error{invalidInput} for a wrong number of parameters, a parameter that is not finite, a focal length or
   /// size <= 0, and |ω| >= π.
   Lens(LensModel model, int width, int height, std::span<const double> parameters);
 
-  LensModel model() const { return model_; }
-  int width() const { return width_; }    // px
-  int height() const { return height_; }  // px
-  /// False for a pinhole, and for a perspective model whose distortion terms are all zero.
+  LensModel model() const { return model_; }  // camera model
+  int width() const { return width_; }        // image width, px
+  int height() const { return height_; }      // image height, px
+  /// Returns false for a pinhole, and for a perspective model whose distortion terms are all zero.
   bool distorts() const;
-  /// True if m lies in the plane z = −1, false for fisheyes.
+  /// Returns true if m lies in the plane z = −1, false for fisheyes.
   bool isPerspective() const;
-  /// Focal lengths and principal point, px; distortion.
-  glm::dvec2 focal() const { return focal_; }
-  glm::dvec2 centre() const { return centre_; }
-  const LensDistortion& distortion() const { return distortion_; }
-  /// Maximum |m| before d folds back: at most tan 89.9° for perspective models, and at most π for fisheyes.
+  glm::dvec2 focal() const { return focal_; }                       // focal lengths in x and y, px
+  glm::dvec2 centre() const { return centre_; }                     // principal point, px
+  const LensDistortion& distortion() const { return distortion_; }  // terms of d(m)
+  /// Returns the maximum |m| before d folds back: at most tan 89.9° for perspective models, and at most π for fisheyes.
   double maxRadius() const { return maxRadius_; }
 
-  /// Pixel at which a direction of any length is seen, also outside the image; nullopt if there is none.
+  /// Returns the pixel at which a direction of any length is seen, also outside the image; nullopt if there is none.
   std::optional<glm::dvec2> project(glm::dvec3 direction) const;
-  /// Unit direction that is seen at a pixel, also outside the image; nullopt if there is none. m is accurate to 1e-10.
+  /// Returns the unit direction that is seen at a pixel, also outside the image; nullopt if there is none. m is
+  /// accurate to 1e-10.
   std::optional<glm::dvec3> unproject(glm::dvec2 pixel) const;
 
   bool operator==(const Lens&) const = default;
@@ -91,7 +93,7 @@ enum class Border : std::uint8_t {
 };
 
 /// Maximum half field of view of an undistorted image, in x and in y, since a pinhole stretches directions beyond it.
-inline constexpr double kMaxHalfFovDegrees = 60.0;  // degrees
+inline constexpr double kMaxHalfFovDegrees = 60.0;
 
 /// Returns the pinhole of the undistorted image. Its axis, and the size of its pixels there, are those of the lens.
 /// Throws Error{invalidInput} if the image's centre sees no direction within kMaxHalfFovDegrees.
@@ -103,11 +105,11 @@ Intrinsics undistorted(const Lens& lens, Border border = Border::crop);
 /// pinhole.model is pinhole.
 Image8 undistort(const Image8& picture, const Lens& lens, const Intrinsics& pinhole);
 
-/// Pixel of `pinhole` that shows the same direction as a pixel of `lens`; nullopt if there is none, or if it is outside
-/// the image of `pinhole`.
+/// Returns the pixel of `pinhole` that shows the same direction as a pixel of `lens`; nullopt if there is none, or if
+/// it is outside the image of `pinhole`.
 std::optional<glm::dvec2> undistort(glm::dvec2 pixel, const Lens& lens, const Intrinsics& pinhole);
 
-/// True if the photograph covers a pixel of `pinhole`; false in the black border of Border::keep.
+/// Returns true if the photograph covers a pixel of `pinhole`; false in the black border of Border::keep.
 bool photographed(glm::dvec2 pixel, const Lens& lens, const Intrinsics& pinhole);
 
 }  // namespace ibr

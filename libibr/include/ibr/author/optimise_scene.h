@@ -25,44 +25,49 @@
 
 namespace ibr {
 
-/// align() with its device, if needed. Called from threads of the library, and from several threads at once for methods
-/// that run on the CPU.
+/// Calls align(), with a device if needed. Called from threads of the library, and from several threads at once for
+/// methods that run on the CPU.
 using Aligner = std::function<AlignmentSummary(Alignment&, const AlignmentOptions&, const ProgressCallback&)>;
 
+/// Options of optimiseCells().
 struct OptimiseCellsOptions {
-  AlignmentOptions alignment;         // `threads` and `guard` are set for each cell. The guard refuses a move if rays
-                                      // then diverge or miss their point by more than 3 px, and did not before
+  AlignmentOptions alignment;  // options of align(); `threads` and `guard` are set for each cell. The guard refuses a
+                               // move if rays then diverge or miss their point by more than 3 px, and did not before
   std::vector<std::size_t> cells;     // indices into Scene::cells; empty: all
-  int threads = 0;                    // of the CPU; 0: all cores
+  int threads = 0;                    // threads of the CPU; 0: all cores
   std::filesystem::path cacheFolder;  // folder in which finished cells are cached, so that a stopped run resumes;
                                       // empty: no cache
 };
 
+/// Options of optimiseScene().
 struct OptimiseSceneOptions {
-  std::filesystem::path scene;   // folder
-  std::filesystem::path output;  // another folder; created if missing
-  OptimiseCellsOptions cells;    // `cacheFolder` empty: the cache is in the output until the run ends
+  std::filesystem::path scene;   // folder of the scene
+  std::filesystem::path output;  // another folder, for the result; created if missing
+  OptimiseCellsOptions cells;    // for all cells; `cacheFolder` empty: the cache is in the output until the run ends
 };
 
+/// Report of one cell.
 struct OptimisedCell {
   std::size_t cell = 0;              // index into Scene::cells
   std::vector<std::string> members;  // names of the photographs
-  int width = 0, height = 0;         // of the first photograph, px
-  std::size_t points = 0;            // without inserted ones
-  std::size_t evaluated = 0;         // triangles whose ECC is optimised; of panoramas, summed over cube faces
-  std::size_t fixed = 0;     // points that must not move: their triangles do not fit the 1/128 px grid or a cube face
-  std::size_t moved = 0;     // points
-  std::size_t flipped = 0;   // triangles with other corners, without those around inserted points
-  std::size_t inserted = 0;  // points
-  std::size_t reverted = 0;  // points moved back, since an unevaluated triangle would turn over
-  AlignmentSummary summary;  // ECCs are NaN if no triangle is evaluated
-  double seconds = 0;
-  bool cached = false;  // read from the cache of a stopped run
+  int width = 0, height = 0;         // size of the first photograph, px
+  std::size_t points = 0;            // number of points, without inserted ones
+  std::size_t evaluated = 0;         // number of triangles whose ECC is optimised; of panoramas, summed over cube faces
+  std::size_t fixed = 0;  // number of points that must not move, since their triangles do not fit the 1/128 px grid or
+                          // a cube face
+  std::size_t moved = 0;  // number of moved points
+  std::size_t flipped = 0;   // number of triangles with other corners, without those around inserted points
+  std::size_t inserted = 0;  // number of inserted points
+  std::size_t reverted = 0;  // number of points moved back, since an unevaluated triangle would turn over
+  AlignmentSummary summary;  // result of align(); ECCs are NaN if no triangle is evaluated
+  double seconds = 0;        // elapsed time
+  bool cached = false;       // true: read from the cache of a stopped run
 };
 
+/// Report of optimiseCells() and optimiseScene().
 struct OptimiseSceneReport {
-  std::vector<OptimisedCell> cells;  // ascending by index
-  double seconds = 0;
+  std::vector<OptimisedCell> cells;  // optimised cells, ascending by index
+  double seconds = 0;                // elapsed time
 };
 
 /// Optimises cells of a scene in memory; reads the photographs from the scene's folder. Cells run in parallel for

@@ -18,8 +18,8 @@ namespace ibr {
 /// Samples pinhole images from a panorama. Immutable, hence thread-safe. Holds a copy of the panorama with a border.
 class PanoramaSampler {
  public:
-  /// 1 to 4 channels, any size: the width spans 360°, the height 180°. Throws Error{invalidInput} for an empty panorama
-  /// or another number of channels.
+  /// Copies a panorama of 1 to 4 channels and any size: the width spans 360°, the height 180°. Throws
+  /// Error{invalidInput} for an empty panorama or another number of channels.
   explicit PanoramaSampler(const Image8& panorama);
 
   /// Returns the image of a pinhole at the panorama's centre. `rotation` (unit) maps the pinhole's axes to the
@@ -37,43 +37,51 @@ class PanoramaSampler {
 /// One of the pinholes that a panorama is split into.
 struct PanoramaFace {
   std::string name;     // "front", "view03": unique among the faces
-  glm::dquat rotation;  // from the face's axes to the panorama's
+  glm::dquat rotation;  // unit; maps the face's axes to the panorama's
 };
 
-/// The faces front (−z), right, back, left, up and down, in this order.
+/// Returns the faces front (−z), right, back, left, up and down, in this order.
 std::vector<PanoramaFace> cubeFaces();
 
-/// `count` views around the horizon, in equal steps to the right; the first looks to the front. Throws
+/// Returns `count` views around the horizon, in equal steps to the right; the first looks to the front. Throws
 /// Error{invalidInput} unless count is 1 to 360.
 std::vector<PanoramaFace> horizonFaces(int count);
 
-/// Intrinsics of a square face, `size` px wide, with this field of view. Throws Error{invalidInput} for a field of view
-/// outside (0, π).
+/// Returns the intrinsics of a square face, `size` px wide, with this field of view. Throws Error{invalidInput} for a
+/// field of view outside (0, π).
 Intrinsics faceIntrinsics(int size, double fovRadians);
 
-/// Size at which the centre of a face has the angular resolution of the panorama's equator, px; at least 1. Throws as
-/// faceIntrinsics.
+/// Returns the size at which the centre of a face has the angular resolution of the panorama's equator, px; at least 1.
+/// Throws as faceIntrinsics.
 int faceSize(int panoramaWidth, double fovRadians);
 
-enum class ImageFileFormat : std::uint8_t { asSource, jpeg, png };  // asSource: JPEG for a JPEG, else PNG
+/// Format of written images.
+enum class ImageFileFormat : std::uint8_t {
+  asSource,  // JPEG for a JPEG, else PNG
+  jpeg,      // JPEG
+  png        // PNG
+};
 
+/// Options of splitPanoramas().
 struct SplitOptions {
   std::filesystem::path input;   // a panorama, placed at the origin; with model: folder of its images
   std::filesystem::path model;   // poses, for readPoseFile (ibr/author/poses.h)
-  std::filesystem::path output;  // created if missing; gets images/ and sparse/
+  std::filesystem::path output;  // folder that gets images/ and sparse/; created if missing
   int views = 0;                 // number of views around the horizon; 0: cube faces
   bool poles = false;            // adds the faces up and down to views around the horizon
-  double fovDegrees = 105;       // of a face, in x and in y; above 90, cube faces overlap
-  int size = 0;                  // of a face, px; 0: faceSize()
-  ImageFileFormat format = ImageFileFormat::asSource;
-  int threads = 0;  // maximum; 0: all cores; the images do not depend on it
+  double fovDegrees = 105;       // field of view of a face in x and in y, degrees; above 90, cube faces overlap
+  int size = 0;                  // size of a face, px; 0: faceSize()
+  ImageFileFormat format = ImageFileFormat::asSource;  // format of the faces' files
+  int threads = 0;  // maximum number of threads; 0: all cores; the images do not depend on it
 };
 
+/// Report of splitPanoramas().
 struct SplitReport {
-  std::size_t panoramas = 0, pictures = 0, observations = 0;    // observations: of tracks, in the faces
-  std::vector<std::string> skipped;                             // the model's images that are no panoramas
-  int size = 0;                                                 // of the last panorama's faces, px
-  double readSeconds = 0, sampleSeconds = 0, writeSeconds = 0;  // processor time, sums over the threads
+  // panoramas: number of panoramas; pictures: number of faces; observations: number of observations in the faces
+  std::size_t panoramas = 0, pictures = 0, observations = 0;
+  std::vector<std::string> skipped;                             // names of the model's images that are no panoramas
+  int size = 0;                                                 // size of the last panorama's faces, px
+  double readSeconds = 0, sampleSeconds = 0, writeSeconds = 0;  // processor time of the stage, sum over the threads
   double seconds = 0;                                           // elapsed time
 };
 

@@ -12,17 +12,19 @@
 
 namespace ibr {
 
+/// Files of a folder, by kind.
 struct PhotographFolder {
+  /// A photograph that cannot be read.
   struct UnreadableFile {
-    std::string name;
-    std::string reason;  // for people: the fault, and what to do
+    std::string name;    // relative to the folder
+    std::string reason;  // the fault and what to do, for people
   };
   std::vector<std::string> pictures;       // photographs by extension and content
   std::vector<UnreadableFile> unreadable;  // photographs by name or content in unsupported formats, or damaged
-  std::vector<std::string> videos;         // by extension, without those beside a photograph of the same name
-  std::size_t doubles = 0;  // left out: links to files of the folder; of photographs of one name, such as
-                            // IMG_1.JPG, IMG_1.HEIC and IMG_1.DNG, all but the first of these kinds
-  std::size_t others = 0;   // files of other kinds
+  std::vector<std::string> videos;         // videos by extension, without those beside a photograph of the same name
+  std::size_t doubles = 0;  // number of photographs left out: links to files of the folder; of photographs of one name,
+                            // such as IMG_1.JPG, IMG_1.HEIC and IMG_1.DNG, all but the first of these kinds
+  std::size_t others = 0;   // number of files of other kinds
 };
 
 /// Finds JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw photographs. Names are relative to the folder (with '/'), sorted.
@@ -37,8 +39,8 @@ std::string countText(const PhotographFolder& folder);
 /// Returns one line that names the files, at most three per reason; "" if there are none.
 std::string unreadableText(const std::vector<PhotographFolder::UnreadableFile>& unreadable);
 
-/// File of a photograph's mask in COLMAP's format: of a/b.jpg, a/b.jpg.png or a/b.png below `folder`. nullopt if there
-/// is none.
+/// Returns the file of a photograph's mask in COLMAP's format: of a/b.jpg, a/b.jpg.png or a/b.png below `folder`.
+/// nullopt if there is none.
 std::optional<std::filesystem::path> findMaskFile(const std::filesystem::path& folder, const std::string& photograph);
 
 /// Reads a photograph as 8-bit sRGB of three channels, as stored: EXIF's orientation is not applied, alpha is dropped.
@@ -46,10 +48,10 @@ std::optional<std::filesystem::path> findMaskFile(const std::filesystem::path& f
 /// the file.
 Image8 readPicture(const std::filesystem::path& file);
 
-/// Scales RGB down by area averaging.
+/// Scales RGB down to width × height by area averaging.
 Image8 downscaled(const Image8& picture, int width, int height);
 
-/// Luma of RGB, one channel.
+/// Returns the luma of an RGB image, one channel.
 Image8 toGrey(const Image8& picture);
 
 }  // namespace ibr

@@ -19,21 +19,24 @@ namespace ibr {
 
 /// Image of a pose estimator's model, in libibr's conventions (conventions.h). Sizes are those of the model.
 struct PosedImage {
-  std::string name;                         // as in the model, with '/' after folders
-  Camera camera;                            // of the undistorted photograph
-  std::optional<Lens> lens = std::nullopt;  // of the photograph in its file; nullopt: not distorted
+  std::string name;                         // name in the model, with '/' after folders
+  Camera camera;                            // camera of the undistorted photograph
+  std::optional<Lens> lens = std::nullopt;  // lens of the photograph in its file; nullopt: not distorted
 };
+/// Pixel of an image at which a track's point is seen.
 struct TrackObservation {
   std::uint32_t image;  // index into PosedModel::images
-  glm::dvec2 pixel;     // in the image of PosedImage::camera
+  glm::dvec2 pixel;     // position in the image of PosedImage::camera, px
 };
+/// A point and the images that see it.
 struct Track {
-  glm::dvec3 position;  // world
-  std::vector<TrackObservation> observations;
+  glm::dvec3 position;                         // the point, world
+  std::vector<TrackObservation> observations;  // pixels that show the point
 };
+/// Images with poses, and points.
 struct PosedModel {
   std::vector<PosedImage> images;  // registered images only, sorted by name
-  std::vector<Track> tracks;
+  std::vector<Track> tracks;       // points; may be empty
 };
 
 /// Formats of poses, recognised by content. Conventions and supported lenses of each: docs/poses.md.
@@ -49,9 +52,10 @@ enum class PoseFormat : std::uint8_t {
   realityCsv,  // "Internal/External camera parameters" of RealityScan and RealityCapture
   realityXmp,  // folder of their XMP sidecars
 };
+/// Returns the format's name, for people.
 const char* poseFormatName(PoseFormat format);
 
-/// Format of a file or folder; nullopt if it is in none. Throws Error{io} if it cannot be read.
+/// Returns the format of a file or folder; nullopt if it is in none. Throws Error{io} if it cannot be read.
 std::optional<PoseFormat> poseFormatOf(const std::filesystem::path& path);
 
 /// Reads poses in any PoseFormat. Names become those of the photographs in the folder `photographs`: the longest end of
@@ -103,23 +107,24 @@ enum class Orientation : std::uint8_t {
   exif,       // cameras belong to the images turned upright by EXIF
 };
 
-/// Pose estimation by the program COLMAP (3.8 or later), on the CPU.
+/// Options of estimatePoses(), which runs the program COLMAP (3.8 or later) on the CPU.
 struct PoseOptions {
-  std::filesystem::path photographs;                 // folder, searched with its subfolders
-  std::filesystem::path folder;                      // for COLMAP's files only; created if missing, and kept
-  std::string program = "colmap";                    // looked up in PATH unless it contains a folder
-  int threads = 0;                                   // 0: all cores
+  std::filesystem::path photographs;                 // folder of the photographs, searched with its subfolders
+  std::filesystem::path folder;                      // folder for COLMAP's files only; created if missing, and kept
+  std::string program = "colmap";                    // program COLMAP, looked up in PATH unless it contains a folder
+  int threads = 0;                                   // threads of the CPU; 0: all cores
   std::filesystem::path excludedFolder;              // photographs below this folder are left out; may be empty
   std::vector<std::string> exclude = {};             // names of further photographs to leave out
   Orientation orientation = Orientation::automatic;  // photographs are turned upright by EXIF unless this is `stored`
   std::filesystem::path masks = {};  // folder of 8-bit masks (of a.jpg: a.jpg.png or a.png): pixels with mask 0 get no
                                      // features; empty: none
 };
+/// Report of estimatePoses().
 struct PoseReport {
   std::filesystem::path model;  // folder of the model, of the largest one if there are several
-  std::size_t photographs = 0;  // used
-  std::size_t registered = 0;   // with a pose
-  std::size_t points = 0;
+  std::size_t photographs = 0;  // number of photographs used
+  std::size_t registered = 0;   // number of photographs with a pose
+  std::size_t points = 0;       // number of sparse points
 };
 
 /// Finds features, matches them and estimates poses, on upright images. Matches all pairs of up to 60 photographs, else
@@ -138,20 +143,23 @@ PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& pro
 /// photograph.
 std::optional<Camera> resected(const PosedModel& given, const std::string& name, const PosedModel& others);
 
-/// World point with the least sum of squared reprojection errors, px; nullopt if behind a camera or at infinity.
+/// Returns the world point with the least sum of squared reprojection errors, px; nullopt if behind a camera or at
+/// infinity.
 std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
 
 /// Maps x to scale · rotation · x + shift.
 struct SimilarityTransform {
-  double scale = 1;
-  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
-  glm::dvec3 shift{0.0};
+  double scale = 1;                         // factor, > 0
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
+  glm::dvec3 shift{0.0};                    // in the unit of the result
 
+  /// Maps a point.
   glm::dvec3 operator()(const glm::dvec3& point) const { return scale * (rotation * point) + shift; }
+  /// Maps a pose: its position as a point, its axes by the rotation.
   Pose operator()(const Pose& pose) const { return {(*this)(pose.position), glm::normalize(rotation * pose.rotation)}; }
 };
 
-/// SimilarityTransform that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations
+/// Returns the transform that maps poses to as many others: least squares of positions (Umeyama 1991) and rotations
 /// together, each weighted by its residual, so that the more accurate one counts more. Collinear positions take the
 /// rotation from the rotations; coincident positions keep scale 1. No poses: identity.
 SimilarityTransform estimateSimilarity(std::span<const Pose> from, std::span<const Pose> to);

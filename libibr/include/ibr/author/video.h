@@ -14,15 +14,16 @@
 
 namespace ibr {
 
+/// Properties of a video.
 struct VideoInfo {
-  int width = 0, height = 0;            // px, upright, with square pixels
+  int width = 0, height = 0;            // size of a frame, px, upright, with square pixels
   int rotation = 0;                     // degrees that players turn the stored frames clockwise: 0, 90, 180 or 270
-  double seconds = 0;                   // 0: unknown
-  double framesPerSecond = 0;           // mean
-  bool variableRate = false;            // frames are not evenly spaced in time
-  bool hdr = false;                     // PQ or HLG
-  CaptureMetadata capture;              // maker and model only
-  std::optional<GeoLocation> location;  // where the recording began
+  double seconds = 0;                   // duration; 0: unknown
+  double framesPerSecond = 0;           // mean rate of the frames
+  bool variableRate = false;            // true: frames are not evenly spaced in time
+  bool hdr = false;                     // true: high dynamic range, PQ or HLG
+  CaptureMetadata capture;              // capture settings: maker and model only
+  std::optional<GeoLocation> location;  // start of the recording; nullopt: not recorded
   std::vector<std::string> ignored;     // other streams but sound, for people: "data gpmd (GoPro MET)"
 };
 
@@ -30,25 +31,28 @@ struct VideoInfo {
 /// invalidInput if the file has no video.
 VideoInfo probeVideo(const std::filesystem::path& video, const std::string& ffprobe = "ffprobe");
 
+/// Options of extractFrames().
 struct VideoOptions {
-  std::filesystem::path video;
-  std::filesystem::path folder;   // of the frames; created if missing
-  std::string ffmpeg = "ffmpeg";  // programs, looked up in PATH unless they contain a folder
-  std::string ffprobe = "ffprobe";
-  bool keepMetadata = true;  // frames get EXIF of the camera and the location
-  std::size_t frames = 0;    // number of frames to choose, about; 0: by motion, 40 to 80 a minute while the
-                             // camera moves
+  std::filesystem::path video;      // file of the video
+  std::filesystem::path folder;     // folder of the frames; created if missing
+  std::string ffmpeg = "ffmpeg";    // program ffmpeg, looked up in PATH unless it contains a folder
+  std::string ffprobe = "ffprobe";  // program ffprobe, looked up in the same way
+  bool keepMetadata = true;         // frames get EXIF of the camera and the location
+  std::size_t frames = 0;           // number of frames to choose, about; 0: by motion, 40 to 80 a minute while the
+                                    // camera moves
 };
 
+/// Result of extractFrames().
 struct VideoFrames {
+  /// A chosen frame.
   struct Frame {
-    std::string name;        // of the JPEG file in the folder: the video's stem and the frame's number
-    std::size_t number = 0;  // in the video, from 0
+    std::string name;        // name of the JPEG file in the folder: the video's stem and the frame's number
+    std::size_t number = 0;  // number in the video, from 0
     double sharpness = 0;    // 0 to 1, relative to the frames around it
   };
-  VideoInfo info;
+  VideoInfo info;             // properties of the video
   std::size_t decoded = 0;    // number of frames of the video
-  std::vector<Frame> chosen;  // ascending
+  std::vector<Frame> chosen;  // chosen frames, ascending by number
 };
 
 /// Chooses frames, and writes them as JPEG files of quality 95: upright, sRGB (HDR is compressed as by readImage), with
