@@ -40,14 +40,12 @@ VALUES = {
         "--prune": ["--method compute --prune"],
     },
     "ibr htm build": {
-        "--match": ["device"], "--faces": ["2000", "10000"], "--adjust": ["0", "2"], "--keep-shape": [""],
-        "--measure": ["ncc"], "--radius": ["8", "24"], "--later-radius": ["3", "12"], "--min-texture": ["1", "4"],
-        "--smoothness": ["0", "4"], "--complement-px": ["0", "2"], "--inconsistent-size": ["0", "8"],
-        "--inconsistent-difference": ["6", "24"], "--inconsistent-share": ["0.02"], "--rounds": ["1", "3"],
-        "--mean-difference": ["0.5", "4"], "--face-difference": ["2", "8"], "--min-face": ["100", "1000"],
-        "--max-faces": ["3000"], "--no-self-occluded": [""], "--no-reject": [""], "--reject-difference": ["20", "90"],
-        "--reject-correlation": ["0", "0.5"], "--alpha": ["0", "1"], "--gamma1": ["2", "30"], "--soft": ["0", "8"],
-        "--max-size": ["256"],
+        "--match": ["device"], "--faces": ["2000"], "--adjust": ["0"], "--keep-shape": [""], "--measure": ["ncc"],
+        "--radius": ["8"], "--later-radius": ["12"], "--min-texture": ["4"], "--smoothness": ["0"], "--complement-px": ["0", "2"],
+        "--inconsistent-size": ["0"], "--inconsistent-difference": ["24"], "--inconsistent-share": ["0.02"],
+        "--rounds": ["1", "3"], "--mean-difference": ["4"], "--face-difference": ["8"], "--min-face": ["1000"],
+        "--max-faces": ["3000"], "--no-self-occluded": [""], "--no-reject": [""], "--reject-difference": ["90"],
+        "--reject-correlation": ["0.5"], "--alpha": ["0", "1"], "--gamma1": ["2", "30"], "--soft": ["0"], "--max-size": ["256"],
     },
     "ibr htm eval": {"--gamma": ["10", "200"], "--weight-cut": ["0", "0.05"]},
 }
@@ -118,7 +116,7 @@ class Bench:
 
     def harmonise(self, extra, eval_extra=()):
         studio, model, result = self.datasets / "studio", self.out / "model", self.out / "htm.json"
-        words = [] if "--max-size" in extra else ["--max-size", 512]
+        words = [] if "--max-size" in extra else ["--max-size", 400]
         seconds = self.run(self.ibr, "htm", "build", "--mesh", studio / "mesh_inexact.ply", "--model", studio / "sparse_noisy",
                            "--images", studio / "images", "--masks", studio / "masks", "-o", model, *words, *extra)
         self.run(self.ibr, "htm", "eval", model, "--truth", studio / "gt", "--json", result, *eval_extra)
