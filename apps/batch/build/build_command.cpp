@@ -122,8 +122,9 @@ std::string summaryText(const BuildReport& report, const BuildOptions& options) 
   if (!report.masks.empty()) text += masksText(report);
   for (const std::string& line : {report.exposures.text, report.exposures.vignetting})
     if (!line.empty()) text += line + '\n';
-  return text + fmt::format("took {} ({} predicted), peak memory {} ({} predicted)\n", durationText(report.seconds),
-                            durationText(report.prediction.seconds), bytesText(report.memory),
+  return text + fmt::format("took {} ({} predicted{}), peak memory {} ({} predicted)\n", durationText(report.seconds),
+                            durationText(report.prediction.seconds),
+                            report.prediction.posesKnown ? "" : ", without COLMAP", bytesText(report.memory),
                             bytesText(report.prediction.memory));
 }
 
