@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured effects of settings: of the renderer from tradeoff.md, of other commands from measured.json (measure.py), and
 sentences of effects.json that name a page with figures. effects.json also lists the options that are inputs, outputs or
-diagnostics and have no effect to measure."""
+diagnostics and have no effect to measure, and the settings that are not measured yet."""
 import json
 import pathlib
 import re
@@ -10,6 +10,9 @@ from descriptions import COMMON
 
 HERE = pathlib.Path(__file__).resolve().parent
 ALL_VALUES = "[all values](tradeoff.md#what-each-knob-costs-and-gives)"
+
+
+NOT_YET = "not measured yet"
 
 
 class Missing(Exception):
@@ -44,10 +47,11 @@ def knob_text(rows):
 def measured_text(rows):
     parts = []
     for words, figures in rows.items():
-        part = f"`{words}`: processor time × {figures['cpu']:.2f}, PSNR {figures['psnr']:+.2f} dB"
-        for name, form in (("flip", "FLIP × {:.3f}"), ("ecc", "ECC {:+.4f}"), ("ssim", "SSIM {:+.4f}")):
+        part = f"`{words}`: processor time × {figures['cpu']:.2f}"
+        for name, label, form in (("psnr", "PSNR, dB,", "{:+.2f}"), ("flip", "FLIP", "{:+.3f}"), ("ecc", "ECC", "{:+.4f}"),
+                                  ("ssim", "SSIM", "{:+.4f}")):
             if name in figures:
-                part += ", " + form.format(figures[name])
+                part += f", {label} " + " and ".join(f"{form.format(value)} ({scene})" for scene, value in figures[name].items())
         parts.append(part)
     return "; ".join(parts)
 
@@ -72,11 +76,17 @@ def effects_of(programs):
                 effects[option.name] = knob_text(of_knobs[camel(option.name)])
             elif rows:
                 effects[option.name] = measured_text(rows)
+            elif option.name in given.get("unmeasured", []):
+                effects[option.name] = NOT_YET
             else:
                 raise Missing(f"{line} {option.name} has no measured effect: measure it (measure.py, tradeoff.sh), or "
                               f"list it in {HERE.name}/effects.json")
         names = {option.name for option in command.options}
-        unknown = [name for name in [*effects, *given["inputs"]] if name not in names]
+        listed = [*given["effects"], *given["inputs"], *given.get("unmeasured", [])]
+        unknown = [name for name in listed if name not in names]
+        stale = [name for name in given.get("unmeasured", []) if effects.get(name) != NOT_YET]
+        if stale:
+            raise Missing(f"{HERE.name}/effects.json: {line} {', '.join(stale)} is measured, but listed as unmeasured")
         if unknown:
             raise Missing(f"{HERE.name}/effects.json: {line} has no option {', '.join(unknown)}")
         result.append((command, effects))

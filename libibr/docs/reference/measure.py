@@ -7,7 +7,7 @@ libibr/docs/tradeoff.sh.
   python3 libibr/docs/reference/measure.py build/release/apps DATASETS OUT [--only "ibr build"] [--write]
 
 One setting at a time differs from the defaults. Cost is the processor time of the command, relative to the defaults. Gain
-is the difference of PSNR, and the ratio of FLIP, of views that were held out or generated. Results in OUT are reused.
+is the difference of PSNR, and of other scores, of views that were held out or generated, for each scene. Results in OUT are reused.
 Takes two hours on two cores.
 """
 import argparse
@@ -140,19 +140,12 @@ def words_of(option, value):
 
 
 def compared(figures, base):
-    """Means over the scenes of the ratios and differences."""
-    def mean(values):
-        values = list(values)
-        return sum(values) / len(values)
-
-    scenes = [(figures[scene], base[scene]) for scene in base]
-    result = {"cpu": round(math.exp(mean(math.log(a["cpu"] / b["cpu"]) for a, b in scenes)), 2),
-              "psnr": round(mean(a["psnr"] - b["psnr"] for a, b in scenes), 2)}
-    if "flip" in scenes[0][0]:
-        result["flip"] = round(math.exp(mean(math.log(a["flip"] / b["flip"]) for a, b in scenes)), 3)
-    for name in ("ecc", "ssim"):
-        if name in scenes[0][0]:
-            result[name] = round(mean(a[name] - b[name] for a, b in scenes), 4)
+    """The ratio of processor times, as a mean over the scenes, and the differences of each scene."""
+    logs = [math.log(figures[scene]["cpu"] / base[scene]["cpu"]) for scene in base]
+    result = {"cpu": round(math.exp(sum(logs) / len(logs)), 2)}
+    for name, digits in (("psnr", 2), ("flip", 3), ("ecc", 4), ("ssim", 4)):
+        if name in figures[next(iter(base))]:
+            result[name] = {scene: round(figures[scene][name] - base[scene][name], digits) for scene in base}
     return result
 
 
@@ -186,7 +179,7 @@ def main():
         if options.only not in (None, command):
             continue
         base = figures_of(command, [])
-        measured[command] = {}
+        measured.setdefault(command, {})
         for option, values in settings.items():
             rows = {}
             for value in values:
@@ -199,8 +192,8 @@ def main():
                     rows[" ".join(words)] = compared(figures, reference)
             measured[command][option] = rows
             print(command, option, json.dumps(rows), flush=True)
-    if options.write:
-        measured_file.write_text(json.dumps(measured, indent=1) + "\n")
+            if options.write:
+                measured_file.write_text(json.dumps(measured, indent=1) + "\n")
 
 
 if __name__ == "__main__":
