@@ -9,8 +9,9 @@ from effects import effects_of
 
 
 def cell(text):
-    """Text of a table's cell."""
-    return text.replace("|", "\\|").replace("\n", " ")
+    """Text of a table's cell. Options are code: Markdown makes dashes of --."""
+    parts = re.split(r"(`[^`]*`)", text.replace("|", "\\|").replace("\n", " "))
+    return "".join(part if part.startswith("`") else re.sub(r"(?<![\w-])(--[a-z][\w-]*)", r"`\1`", part) for part in parts)
 
 
 def code(text):
