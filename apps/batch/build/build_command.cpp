@@ -214,6 +214,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   if (context.options().verbose) context.print("{}", tablesText(report, stages));
   context.print("{}", summaryText(report, build));
   Json json = reportJson(report, stages, build);
+  if (inSteps) json["usage"] = stepUsage(options.steps.step);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   if (build.draft) {
     context.print("draft without cells: run the same command without --draft for the complete scene\n");

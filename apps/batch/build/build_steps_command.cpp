@@ -31,6 +31,14 @@ Json json(const BuildStep& step, const StepChoices& choices) {
 
 }  // namespace
 
+nlohmann::ordered_json stepUsage(const std::string& step) {
+  return {{"step", step},
+          {"processorSeconds", cpuSeconds()},
+          {"memory", peakMemory()},
+          {"readBytes", readBytes()},
+          {"writtenBytes", writtenBytes()}};
+}
+
 void declareStepOptions(CLI::App& app, StepChoices& choices) {
   addFlag(app, "--steps", choices.list,
           "List the steps of the build as JSON, for many processes or machines on one folder; build nothing");
@@ -58,7 +66,7 @@ ExitCode listSteps(const StepChoices& choices, const BuildOptions& options, cons
 ExitCode runStep(const StepChoices& choices, const BuildOptions& options, const Context& context) {
   ProgressLine progress(context);
   runBuildStep(options, std::size_t(choices.photographs), choices.step, progress.callback(), context.log());
-  context.report({{"step", choices.step}, {"processorSeconds", cpuSeconds()}, {"memory", peakMemory()}});
+  context.report(stepUsage(choices.step));
   return kExitOk;
 }
 

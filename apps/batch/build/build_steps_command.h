@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,8 @@ ExitCode listSteps(const StepChoices& choices, const BuildOptions& options, cons
 
 /// Runs a step other than kSceneStep. Throws Error.
 ExitCode runStep(const StepChoices& choices, const BuildOptions& options, const Context& context);
+
+/// Resources that this process has used so far, for the report of a step.
+nlohmann::ordered_json stepUsage(const std::string& step);
 
 }  // namespace ibr::app
