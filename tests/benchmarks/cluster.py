@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""cluster.py FOLDER --ibr IBR --lab IBR_LAB [--photographs 60] [--size 512x512] [--workers 2] [--option WORD ...]
+"""cluster.py FOLDER --ibr IBR --lab IBR_LAB [--photographs 60] [--size 512x512] [--workers 2]
+                  [--fresh] [--option WORD ...]
 
 Builds a generated court in steps by Snakemake (examples/cluster), and in one process, and compares the scenes byte for
-byte. One step is killed half way. Prints time, bytes and memory of the steps. FOLDER keeps photographs and scenes: a
+byte. One step is killed half way. Exit code 77 without snakemake. Prints time, bytes and memory of the steps. FOLDER keeps photographs and scenes: a
 second call builds only what is missing.
 """
 import argparse
@@ -12,6 +13,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -86,10 +88,17 @@ def main():
     parser.add_argument("--size", default="512x512")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--option", nargs="*", default=[], help="options of ibr build, with + for -: ++depth fast")
+    parser.add_argument("--fresh", action="store_true", help="delete FOLDER first")
+    parser.add_argument("--kill-after", type=float, default=1.0, metavar="S", help="age of the depth step to kill, s")
     parser.add_argument("--no-comparison", action="store_true", help="do not build in one process")
     given = parser.parse_args()
     options = [re.sub(r"^\++", lambda plus: "-" * len(plus[0]), word) for word in given.option]
+    if not shutil.which("snakemake"):
+        print("skipped: snakemake is not installed")
+        sys.exit(77)
     folder = given.folder.resolve()
+    if given.fresh:
+        shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
     court, one, scene, reports = (folder / name for name in ("court", "one", "scene", "reports"))
     if not (court / "sparse/points3D.txt").exists():
@@ -107,7 +116,7 @@ def main():
             ["snakemake", "-s", CLUSTER / "Snakefile", "--profile", CLUSTER / "profiles/local", "--cores",
              str(given.workers), "--config", "steps=steps.json", f"ibr={given.ibr}"],
             cwd=folder, stdout=log, stderr=log)
-        print("killed half way:", kill_one(process, "depth", 1.0), flush=True)
+        print("killed half way:", kill_one(process, "depth", given.kill_after), flush=True)
         code = process.wait()
     print(f"Snakemake ended with code {code} after {time.monotonic() - start:.0f} s", flush=True)
     if code:

@@ -271,11 +271,12 @@ const Command kBuildCommand{
         "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
         "be deleted. After photographs are added, a build matches only what the new photographs\n"
         "change. COLMAP adds the new photographs to the poses in SCENE/.poses.\n\n"
-        "--steps prints {\"steps\": [{\"name\", \"arguments\", \"inputs\", \"output\", \"seconds\", \"memory\"}]}:\n"
-        "the arguments of ibr that run a step, the files that must exist before, the file that the\n"
-        "step writes, predicted processor time (s) and memory (bytes). Steps may run at the same\n"
-        "time, on all machines that share the folders, and be repeated. The last one, scene, gives\n"
-        "the same scene as one process. examples/cluster has a workflow for Snakemake and Slurm.",
+        "--steps prints a JSON object: its field steps lists name, arguments (of ibr, to run the\n"
+        "step), inputs (files that must exist before), output (the file that the step writes),\n"
+        "seconds (predicted processor time) and memory (predicted, bytes). Steps may run at the\n"
+        "same time, on all machines that share the folders, and may be repeated. The last step,\n"
+        "scene, gives the same scene as one process. examples/cluster has a workflow for Snakemake\n"
+        "and Slurm.",
     .afterInterrupt = "finished work is cached; run the same command again to resume",
     .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

@@ -54,7 +54,7 @@ void noteArguments(const CLI::App& app, StepChoices& choices) {
 }
 
 ExitCode listSteps(const StepChoices& choices, const BuildOptions& options, const Context& context) {
-  Json report{{"steps", Json::array()}};
+  Json report{{"version", 1}, {"scene", options.output.string()}, {"steps", Json::array()}};
   for (const BuildStep& step : buildSteps(options, std::size_t(choices.photographs), context.log()))
     report["steps"].push_back(json(step, choices));
   CommonOptions output = context.options();
