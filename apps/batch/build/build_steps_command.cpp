@@ -48,8 +48,8 @@ void declareStepOptions(CLI::App& app, StepChoices& choices) {
 }
 
 void noteArguments(const CLI::App& app, StepChoices& choices) {
-  static const std::set<std::string> kLeftOut{"--steps", "--step",   "--photographs-per-step", "--json", "--threads",
-                                              "--quiet", "--verbose"};
+  static const std::set<std::string> kLeftOut{
+      "--steps", "--step", "--photographs-per-step", "--json", "--threads", "--memory", "--quiet", "--verbose"};
   choices.arguments = givenArguments(app, kLeftOut);
 }
 

@@ -18,7 +18,7 @@ struct StepChoices {
   bool list = false;  // --steps
   std::string step;   // --step; empty: the whole build
   int photographs = kPhotographsPerStep;
-  std::vector<std::string> arguments;  // of the command, without these options, threads and output of messages
+  std::vector<std::string> arguments;  // of the command, without these options, threads, memory and output
 };
 
 void declareStepOptions(CLI::App& app, StepChoices& choices);

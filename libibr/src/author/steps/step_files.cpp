@@ -10,6 +10,7 @@
 #include "author/steps/parts_file.h"
 #include "base/check.h"
 #include "base/hash.h"
+#include "ibr/version.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -69,6 +70,7 @@ std::vector<Batch> batchesOf(std::size_t photographs, std::size_t photographsPer
 std::uint64_t optionsKey(const BuildOptions& options, std::size_t photographsPerStep) {
   Hash hash;
   hash.add(kVersion);
+  hash.add(version());  // machines with different versions do not share steps
   hash.add(photographsPerStep);
   for (const std::string& name : options.exclude) hash.add(std::string_view(name));
   for (const bool flag :
@@ -83,7 +85,7 @@ std::uint64_t optionsKey(const BuildOptions& options, std::size_t photographsPer
 }
 
 fs::path stepFile(const BuildOptions& options, const std::string& step) {
-  return buildCacheFolder(options) / "steps" / step;
+  return options.output / ".build" / "steps" / step;  // scenes may share a cache folder
 }
 
 std::string batchStep(const char* kind, std::size_t batch) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outputs of the steps: small files in the folder "steps" of the cache. They hold the plan of the build, and name the
+// Outputs of the steps: files in the folder ".build/steps" of the scene. They hold the plan of the build, and name the
 // cache files that a step made.
 #pragma once
 

@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kConfirmedKind = "confirmed";  // of cache files
+constexpr double kBytesToFetch = 1e7;                // memory of reading a depth map from the cache
 
 std::uint64_t hashOfFile(const fs::path& file) {
   const std::vector<std::byte> bytes = readFile(file);
@@ -274,11 +275,12 @@ void StepRunner::confirmDepth() const {
       build.input, options_.depth,
       {.matches = [&](std::size_t view) { return matcher.fetch(view); },
        .points = [&](std::uint32_t i) { return planned[i / photographsPerStep_].points[i % photographsPerStep_]; },
-       .residualPx = build.residualPx},
+       .residualPx = build.residualPx,
+       .bytesToMatch = kBytesToFetch},
       jobs_);
   const MemberDepths confirmed = memberDepths(depths);
   names.resize(1 + depths.size());
-  jobs_.runAll("storing depth", depths.size(), 1e7,
+  jobs_.runAll("storing depth", depths.size(), kBytesToFetch,
                [&](std::size_t i) { names[1 + i] = storeConfirmed(folder, confirmed(std::uint32_t(i))); });
   storeNames(options_, "confirmed", names);
 }
