@@ -4,8 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/check.h"
 #include "batch/build/build_options.h"
 #include "batch/build/build_sources.h"
+#include "batch/build/build_steps_command.h"
 #include "batch/build/refinement_report.h"
 #include "batch/command.h"
 #include "batch/inspect/advice_report.h"
@@ -26,6 +28,7 @@ struct Options {
   std::string output;
   int videoFrames = 0;
   bool dryRun = false;
+  StepChoices steps;
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -175,6 +178,9 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
 }
 
 ExitCode buildScene(const Options& options, const Context& context) {
+  const bool inSteps = options.steps.list || !options.steps.step.empty();
+  check(!inSteps || (options.photographs.size() == 1 && std::filesystem::is_directory(options.photographs[0])),
+        ErrorCode::invalidInput, "steps need one folder of photographs; extract the frames of videos before");
   VideoOptions video;
   video.frames = std::size_t(options.videoFrames);
   video.keepMetadata = !options.choices.build.stripMetadata;
@@ -184,6 +190,9 @@ ExitCode buildScene(const Options& options, const Context& context) {
   // A model of all frames of a video has more than are chosen.
   build.skipMissing = std::ranges::any_of(
       options.photographs, [](const std::string& source) { return !std::filesystem::is_directory(source); });
+  if (options.steps.list) return listSteps(options.steps, build, context);
+  if (inSteps && options.steps.step != kSceneStep) return runStep(options.steps, build, context);
+  if (inSteps) build = sceneStepOptions(build);
   build.onPrediction = [&](const BuildPrediction& prediction) {
     if (options.dryRun)
       context.print("{}\n", predictionText(prediction));
@@ -206,6 +215,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   if (context.options().verbose) context.print("{}", tablesText(report, stages));
   context.print("{}", summaryText(report, build));
   Json json = reportJson(report, stages, build);
+  if (inSteps) json["usage"] = stepUsage(options.steps.step);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   if (build.draft) {
     context.print("draft without cells: run the same command without --draft for the complete scene\n");
@@ -237,6 +247,8 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --masks masks\n"
         "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
         "ibr build photographs -o scene --refine-poses on\n"
+        "ibr build photographs -o scene --steps\n"
+        "ibr build photographs -o scene --step depth-0003\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
         "PHOTOS is a folder of photographs: JPEG, PNG, TIFF, HEIC, AVIF, WebP and raw (DNG, CR2,\n"
@@ -259,7 +271,13 @@ const Command kBuildCommand{
         "unchanged. The same input, options and seed give the same scene.\n\n"
         "A stopped build resumes from the cached depth and cells in SCENE/.build. This folder may\n"
         "be deleted. After photographs are added, a build matches only what the new photographs\n"
-        "change. COLMAP adds the new photographs to the poses in SCENE/.poses.",
+        "change. COLMAP adds the new photographs to the poses in SCENE/.poses.\n\n"
+        "--steps prints a JSON object: its field steps lists name, arguments (of ibr, to run the\n"
+        "step), inputs (files that must exist before), output (the file that the step writes),\n"
+        "seconds (predicted processor time) and memory (predicted, bytes). Steps may run at the\n"
+        "same time, on all machines that share the folders, and may be repeated. The last step,\n"
+        "scene, gives the same scene as one process. examples/cluster has a workflow for Snakemake\n"
+        "and Slurm.",
     .afterInterrupt = "finished work is cached; run the same command again to resume",
     .mainOptions = "output model masks movers refine-poses draft exclude texture optimise dry-run",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
@@ -270,6 +288,8 @@ const Command kBuildCommand{
       addInt(app, "--video-frames", options->videoFrames, 2, 100000,
              "About how many frames of each video to use [40 to 80 a minute while the camera moves]");
       addFlag(app, "--dry-run", options->dryRun, "Only predict time, memory and disk space; build nothing");
+      declareStepOptions(app, options->steps);
+      afterParsing(app, [options, &app] { noteArguments(app, options->steps); });
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <random>
 #include <utility>
 
 #include "base/check.h"
@@ -115,8 +116,12 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   std::error_code ignored;
   const auto kind = fs::status(path, ignored).type();
   const bool inPlace = kind == fs::file_type::character || kind == fs::file_type::fifo;
-  static std::atomic<unsigned> drafts = 0;  // threads may write the same file at the same time
-  const fs::path draft = inPlace ? path : fs::path(path.string() + fmt::format(".{}.{}.tmp", ::getpid(), ++drafts));
+  // Threads, processes and machines that share a folder may write the same file at the same time. Process numbers
+  // differ only within a machine, hence the random number.
+  static const unsigned process = std::random_device()();
+  static std::atomic<unsigned> drafts = 0;
+  const fs::path draft =
+      inPlace ? path : fs::path(path.string() + fmt::format(".{}-{:08x}.{}.tmp", ::getpid(), process, ++drafts));
   auto giveUp = [&](int error) {
     if (!inPlace) fs::remove(draft, ignored);
     fail(ErrorCode::io, "{}: cannot be written: {}", path.string(), std::strerror(error));

@@ -76,6 +76,25 @@ double peakMemory() {
   return 1024.0 * double(usage.ru_maxrss);
 }
 
+namespace {
+
+// A line "name: number" of /proc/self/io.
+double countedBytes(std::string_view name) {
+  const std::string counts = textOf("/proc/self/io");
+  const std::size_t at = counts.find(name);
+  return at == counts.npos ? 0 : firstNumber(std::string_view(counts).substr(at + name.size())).value_or(0);
+}
+
+}  // namespace
+
+double readBytes() {
+  return countedBytes("rchar: ");
+}
+
+double writtenBytes() {
+  return countedBytes("wchar: ");
+}
+
 double cpuSeconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

@@ -16,6 +16,10 @@ double memoryLimit();
 double residentMemory();
 double peakMemory();
 
+/// Bytes that this process has read from files and written to files so far, also from and to the page cache; 0 where
+/// the kernel does not count them.
+double readBytes();
+double writtenBytes();
 /// Processor time of all threads of this process so far, s.
 double cpuSeconds();
 

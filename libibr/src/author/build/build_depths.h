@@ -11,6 +11,21 @@
 
 namespace ibr {
 
+/// Reprojection error of the model's points, px of the stored photographs.
+double storedResidualPx(const BuildInput& input);
+
+/// Depth of the photographs' views, and what is known of photographs without it.
+struct MatchedViews {
+  DepthMatches matches;     // thread-safe
+  PhotographPoints points;  // of a photograph without a match; thread-safe
+  double residualPx = 0;    // storedResidualPx
+  double bytesToMatch = 0;  // peak memory of `matches`
+};
+
+/// Counts the evidence of the views' depth. The result is in the order of the photographs. Throws Error.
+std::vector<PhotographDepth> confirmDepths(const BuildInput& input, DepthSearch search, const MatchedViews& matched,
+                                           const BuildJobs& jobs);
+
 /// Depth maps in the order of the photographs. Finished maps are cached. Throws Error.
 std::vector<PhotographDepth> findDepths(const BuildInput& input, DepthSearch search, const BuildOptions& options,
                                         const BuildJobs& jobs);

@@ -184,7 +184,7 @@ class Builder {
 
   // `depths`: of the photographs, from which the cells take theirs; empty: the cells are swept.
   void makeCells(std::span<const PhotographDepth> depths) {
-    const CellMaker maker(input_, options_, depths);
+    const CellMaker maker(input_, options_, depths.empty() ? MemberDepths() : memberDepths(depths));
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching replacement cells") {
       std::vector<CellResult> made(wanted.size());

@@ -11,17 +11,21 @@ constexpr const char* kKind = "cell";  // of cache files
 
 }  // namespace
 
+std::filesystem::path cellFile(const std::filesystem::path& folder, std::uint64_t key) {
+  return cacheFile(folder, key, kKind);
+}
+
 void storeCell(const std::filesystem::path& folder, std::uint64_t key, const CellMesh& cell) {
   CacheWriter out;
   out.mesh(cell.mesh);
   out.value(cell.quality.coverage);
   out.value(cell.quality.ecc);
   out.value(cell.quality.residualPx);
-  storeCached(cacheFile(folder, key, kKind), out.take());
+  storeCached(cellFile(folder, key), out.take());
 }
 
 std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key) {
-  auto bytes = fetchCached(cacheFile(folder, key, kKind));
+  auto bytes = fetchCached(cellFile(folder, key));
   if (!bytes) return std::nullopt;
   CacheReader in(std::move(*bytes));
   CellMesh cell;

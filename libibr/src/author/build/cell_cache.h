@@ -11,6 +11,9 @@
 
 namespace ibr {
 
+/// Path of a cell's file.
+std::filesystem::path cellFile(const std::filesystem::path& folder, std::uint64_t key);
+
 void storeCell(const std::filesystem::path& folder, std::uint64_t key, const CellMesh& cell);
 
 /// Returns nullopt if the file is missing or damaged.

@@ -62,15 +62,8 @@ SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32
   return shared;
 }
 
-std::vector<MemberDepth> depthsOf(std::span<const PhotographDepth> depths, const std::vector<std::uint32_t>& members) {
-  std::vector<MemberDepth> result;
-  for (const std::uint32_t i : members)
-    result.push_back({depths[i].matched.map.camera, filteredDepth(depths[i]), depths[i].matched.step});
-  return result;
-}
-
-CellMatchPlan planCellMatch(const BuildInput& input, const BuildOptions& options,
-                            std::span<const PhotographDepth> depths, const std::vector<std::uint32_t>& members) {
+CellMatchPlan planCellMatch(const BuildInput& input, const BuildOptions& options, const MemberDepths& depths,
+                            const std::vector<std::uint32_t>& members) {
   SharedPoints shared = sharedPoints(input, members);
   CellMatchPlan planned;
   planned.points = std::move(shared.points);
@@ -83,7 +76,8 @@ CellMatchPlan planCellMatch(const BuildInput& input, const BuildOptions& options
     planned.match.matcher = resolveMatcher(options.matcher, error);
     planned.match.posesUsable = error <= kMaxSweepErrorPx;
   }
-  if (!depths.empty() && planned.match.matcher == MatchMethod::sweep) planned.depths = depthsOf(depths, members);
+  if (depths && planned.match.matcher == MatchMethod::sweep)
+    for (const std::uint32_t i : members) planned.depths.push_back(depths(i));
   return planned;
 }
 
@@ -164,6 +158,12 @@ CellWork workOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 }
 
 }  // namespace
+
+MemberDepths memberDepths(std::span<const PhotographDepth> depths) {
+  return [depths](std::uint32_t i) {
+    return MemberDepth{depths[i].matched.map.camera, filteredDepth(depths[i]), depths[i].matched.step};
+  };
+}
 
 std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members) {
   std::vector<Camera> cameras, matched;

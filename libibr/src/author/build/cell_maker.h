@@ -6,12 +6,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "author/build/build_cost.h"
 #include "author/build/build_input.h"
 #include "author/depth/photograph_depth.h"
+#include "author/match/frame_depth.h"
 #include "author/match/match.h"
 #include "author/mesh/mesh.h"
 
@@ -33,12 +36,18 @@ MatchView viewOf(const Photograph& photograph, Image8* whole = nullptr);
 /// model's poses render better. The scene stores the model's poses. Precondition: no panoramas.
 std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members);
 
+/// Confirmed depth of a photograph. Thread-safe.
+using MemberDepths = std::function<MemberDepth(std::uint32_t photograph)>;
+
+/// Confirmed depth (filteredDepth) from the depth of all photographs, which must outlive the result.
+MemberDepths memberDepths(std::span<const PhotographDepth> depths);
+
 class CellMaker {
  public:
-  /// All arguments must outlive the object. `depths`: of all photographs (depthOfPhotographs); cells with
-  /// MatchMethod::sweep use the confirmed depth of their members. Empty: the cells are swept.
-  CellMaker(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths = {})
-      : input_(input), options_(options), depths_(depths) {}
+  /// `input` and `options` must outlive the object. Cells with MatchMethod::sweep use the `depths` of their members.
+  /// Empty: the cells are swept.
+  CellMaker(const BuildInput& input, const BuildOptions& options, MemberDepths depths = {})
+      : input_(input), options_(options), depths_(std::move(depths)) {}
 
   /// `members`: 2 to 4 photographs, all panoramas or none. Thread-safe. Throws Error.
   CellResult make(const std::vector<std::uint32_t>& members) const;
@@ -52,7 +61,7 @@ class CellMaker {
 
   const BuildInput& input_;
   const BuildOptions& options_;
-  std::span<const PhotographDepth> depths_;
+  MemberDepths depths_;
 };
 
 }  // namespace ibr

@@ -12,6 +12,7 @@
 #include "author/jobs/cached_file.h"
 #include "author/jobs/cached_values.h"
 #include "author/photographs/masks.h"
+#include "base/check.h"
 #include "ibr/author/panorama.h"
 #include "ibr/author/photographs.h"
 
@@ -97,18 +98,24 @@ SweepView DepthMatcher::ViewImages::view() const {
   return view;
 }
 
-DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder,
-                           const BuildJobs& jobs)
-    : input_(input), search_(search), cacheFolder_(std::move(cacheFolder)), plan_(input) {
-  double bytes = 0;
-  for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToReadViews(photo));
+DepthMatcher::DepthMatcher(const BuildInput& input, ViewSweeps sweeps, DepthSearch search,
+                           std::filesystem::path cacheFolder)
+    : input_(input), search_(search), cacheFolder_(std::move(cacheFolder)), sweeps_(std::move(sweeps)) {
+  std::vector<Camera> cameras;
+  for (const Photograph& photo : input.photographs) cameras.push_back(photo.camera);
+  views_ = depthViews(cameras);
   sweptImages_.resize(views_.size());
   refinedImages_.resize(views_.size());
+}
+
+void DepthMatcher::read(std::span<const std::uint32_t> photographs, const BuildJobs& jobs) {
+  double bytes = 0;
+  for (const std::uint32_t i : photographs) bytes = std::max(bytes, bytesToReadViews(input_.photographs[i]));
   std::vector<std::size_t> first;  // first view of each photograph
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].node == first.size()) first.push_back(v);
-  jobs.runAll("reading photographs", first.size(), bytes,
-              [&](std::size_t i) { readViews(input_.photographs[i], first[i]); });
+  jobs.runAll("reading photographs", photographs.size(), bytes,
+              [&](std::size_t i) { readViews(input_.photographs[photographs[i]], first[photographs[i]]); });
 }
 
 void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
@@ -149,8 +156,23 @@ std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<ViewImages>& pict
   return views;
 }
 
+std::filesystem::path DepthMatcher::cachedFile(std::size_t view) const {
+  const std::optional<ViewSweep> planned = sweeps_(view);
+  return planned ? cacheFile(cacheFolder_, keyOf(view, planned->sources, planned->range), kKind)
+                 : std::filesystem::path();
+}
+
+std::optional<SweptDepth> DepthMatcher::fetch(std::size_t view) const {
+  const std::filesystem::path file = cachedFile(view);
+  if (file.empty()) return std::nullopt;
+  std::optional<SweptDepth> depth = fetchDepth(file);
+  check(depth.has_value(), ErrorCode::io, "{}: the depth of {} is missing or damaged; find it again", file.string(),
+        input_.photographs[views_[view].node].name);
+  return depth;
+}
+
 std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
-  const std::optional<ViewSweep> planned = plan_.sweep(view);
+  const std::optional<ViewSweep> planned = sweeps_(view);
   if (!planned) return std::nullopt;
   const auto& [sources, range] = *planned;
   const std::filesystem::path file = cacheFile(cacheFolder_, keyOf(view, sources, range), kKind);

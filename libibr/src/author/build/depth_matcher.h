@@ -35,15 +35,26 @@ double bytesToReadViews(const Photograph& photograph);
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. `cacheFolder`: of depth maps. `input` must outlive the object. Throws as loadPhotograph and
-  /// BuildJobs::runAll do.
-  DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path cacheFolder, const BuildJobs& jobs);
+  /// `sweeps`: of the depthViews() of the input's photographs; thread-safe. `cacheFolder`: of depth maps. `input` must
+  /// outlive the object.
+  DepthMatcher(const BuildInput& input, ViewSweeps sweeps, DepthSearch search, std::filesystem::path cacheFolder);
   DepthMatcher(const DepthMatcher&) = delete;
   DepthMatcher& operator=(const DepthMatcher&) = delete;
 
-  /// Depth of one of the photographs' depthViews(), at sweptSize() (DepthSearch::fine: kFineScale times that). Returns
-  /// nullopt if no other view overlaps. Uses the cache. Thread-safe.
+  /// Reads photographs for `match`. Throws as loadPhotograph and BuildJobs::runAll do.
+  void read(std::span<const std::uint32_t> photographs, const BuildJobs& jobs);
+
+  const std::vector<DepthView>& views() const { return views_; }
+
+  /// Depth of one of the views, at sweptSize() (DepthSearch::fine: kFineScale times that). Returns
+  /// nullopt if no other view overlaps. Uses the cache. Thread-safe. Precondition: the view's photograph and those of
+  /// its sources are read.
   std::optional<SweptDepth> match(std::size_t view) const;
+
+  /// Cache file of a view's depth; empty if match() returns nullopt. Thread-safe.
+  std::filesystem::path cachedFile(std::size_t view) const;
+  /// As `match`, but only from the cache. Throws Error{io} if the depth is not cached.
+  std::optional<SweptDepth> fetch(std::size_t view) const;
 
   /// Peak memory of `match`, bytes, in addition to the data held of each photograph from the beginning.
   double bytesToMatch() const;
@@ -64,8 +75,8 @@ class DepthMatcher {
   const BuildInput& input_;
   DepthSearch search_;
   std::filesystem::path cacheFolder_;
-  SweepPlan plan_;
-  const std::vector<DepthView>& views_ = plan_.views();
+  ViewSweeps sweeps_;
+  std::vector<DepthView> views_;
   std::vector<ViewImages> sweptImages_, refinedImages_;  // of the views: to sweep, and to refine (if isRefined)
 };
 

@@ -27,14 +27,7 @@ std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource sourc
   return pairsWithoutTracks(model, wanted);
 }
 
-void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
-  if (options.tracks == TrackSource::model || (options.draft && !input.model.tracks.empty())) return;
-  if (options.tracks == TrackSource::own) {
-    input.model.tracks.clear();
-    input.tracksOf = tracksOfImages(input.model);
-  }
-  const std::vector<ImagePair> pairs = pairsForTracks(input.model, options.tracks);
-  if (pairs.empty()) return;
+OwnTracksInput ownTracksInput(const BuildInput& input, const BuildOptions& options) {
   OwnTracksInput own;
   own.cacheFolder = buildCacheFolder(options);
   own.view = [&](std::size_t i) { return viewOf(input.photographs[i]); };
@@ -45,6 +38,18 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
     addPhotograph(hash, input, i);
     own.hashes.push_back(hash.value());
   }
+  return own;
+}
+
+void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
+  if (options.tracks == TrackSource::model || (options.draft && !input.model.tracks.empty())) return;
+  if (options.tracks == TrackSource::own) {
+    input.model.tracks.clear();
+    input.tracksOf = tracksOfImages(input.model);
+  }
+  const std::vector<ImagePair> pairs = pairsForTracks(input.model, options.tracks);
+  if (pairs.empty()) return;
+  const OwnTracksInput own = ownTracksInput(input, options);
   const bool none = input.model.tracks.empty();
   PosedModel found{input.model.images, {}};
   found.tracks =

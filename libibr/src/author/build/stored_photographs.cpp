@@ -14,6 +14,7 @@
 #include "io/image_file.h"
 
 namespace ibr {
+namespace fs = std::filesystem;
 namespace {
 
 constexpr double kSuspiciousMaskedShare = 0.9;  // masked share of a photograph above which the mask may be inverted
@@ -37,18 +38,25 @@ double bytesToStoreOne(const BuildInput& input) {
   return bytes;
 }
 
+fs::path cachedMask(const BuildOptions& options, std::uint64_t hash) {
+  return cacheFile(buildCacheFolder(options), hash, "png");
+}
+
+void hashAndCacheMask(BuildInput& input, std::uint32_t photograph, const BuildOptions& options) {
+  Photograph& photo = input.photographs[photograph];
+  input.hashes[photograph] = hashPhotograph(photo);
+  if (photo.mask.empty()) return;
+  photo.storedMask = cachedMask(options, input.hashes[photograph]);
+  writeImage(photo.storedMask, loadMask(photo, photo.mask));
+}
+
 void hashPhotographs(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs) {
   makeFolders(buildCacheFolder(options));
   input.hashes.resize(input.photographs.size());
   double bytes = 0;
   for (const Photograph& photo : input.photographs) bytes = std::max(bytes, photo.sourcePixels + bytesToLoad(photo));
-  jobs.runAll("reading photographs", input.photographs.size(), bytes, [&](std::size_t i) {
-    Photograph& photo = input.photographs[i];
-    input.hashes[i] = hashPhotograph(photo);
-    if (photo.mask.empty()) return;
-    photo.storedMask = cacheFile(buildCacheFolder(options), input.hashes[i], "png");
-    writeImage(photo.storedMask, loadMask(photo, photo.mask));
-  });
+  jobs.runAll("reading photographs", input.photographs.size(), bytes,
+              [&](std::size_t i) { hashAndCacheMask(input, std::uint32_t(i), options); });
 }
 
 std::vector<Node> storePhotographs(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs) {

@@ -15,6 +15,12 @@ namespace ibr {
 /// Sets BuildInput::hashes. Stores masks of the stored size in the cache: there is no scene folder yet.
 void hashPhotographs(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);
 
+/// Cache file of the mask of a photograph with this hash.
+std::filesystem::path cachedMask(const BuildOptions& options, std::uint64_t hash);
+
+/// As hashPhotographs, for one photograph. Precondition: BuildInput::hashes has its size; the cache folder exists.
+void hashAndCacheMask(BuildInput& input, std::uint32_t photograph, const BuildOptions& options);
+
 /// Stores all photographs in the scene's folder, sets BuildInput::hashes, and returns the scene's nodes. Throws
 /// Error{invalidInput} that names all photographs that cannot be read.
 std::vector<Node> storePhotographs(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,13 +22,16 @@ struct ViewSweep {
   SweepRange range;
 };
 
+/// Sweep of each view; nullopt if the view sees no tracks, or no other view overlaps.
+using ViewSweeps = std::function<std::optional<ViewSweep>(std::size_t view)>;
+
 /// Immutable, hence thread-safe.
 class SweepPlan {
  public:
   explicit SweepPlan(const BuildInput& input);
 
   const std::vector<DepthView>& views() const { return views_; }
-  /// nullopt if the view sees no tracks, or no other view overlaps.
+  /// As ViewSweeps.
   std::optional<ViewSweep> sweep(std::size_t view) const;
   /// Number of levels of the view's sweep; 0 without one.
   int levels(std::size_t view) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cache of a photograph's features (features.h), private to a build on one machine.
+// Cache of a photograph's features (features.h), in native layout.
 #pragma once
 
 #include <filesystem>

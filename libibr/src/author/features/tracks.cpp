@@ -122,6 +122,17 @@ std::uint64_t featureKey(std::uint64_t photograph) {
   return hash.value();
 }
 
+fs::path featuresFile(const OwnTracksInput& input, std::uint32_t photograph) {
+  return cacheFile(input.cacheFolder, featureKey(input.hashes[photograph]), "features");
+}
+
+Features cachedFeatures(const OwnTracksInput& input, std::uint32_t photograph) {
+  std::optional<Features> features = fetchFeatures(featuresFile(input, photograph));
+  check(features.has_value(), ErrorCode::io, "{}: cached features are missing; build again",
+        input.cacheFolder.string());
+  return std::move(*features);
+}
+
 std::uint64_t matchKey(std::uint64_t a, std::uint64_t b) {
   Hash hash;
   hash.add(kMatchesVersion);
@@ -228,55 +239,55 @@ std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> joinMatches(
   return sets.take();
 }
 
+void findFeatures(const OwnTracksInput& input, std::uint32_t photograph) {
+  const fs::path file = featuresFile(input, photograph);
+  if (!fetchFeatures(file)) storeFeatures(file, detectFeatures(toGrey(input.view(photograph).picture), kMaxFeatures));
+}
+
+double bytesToFindFeatures(const OwnTracksInput& input, double pixels) {
+  return input.bytesOfView + std::min(pixels, kFeaturePixels) * kFeatureBytesPerPixel;
+}
+
+fs::path matchesFile(const OwnTracksInput& input, ImagePair pair) {
+  return cacheFile(input.cacheFolder, matchKey(input.hashes[pair.first], input.hashes[pair.second]), "matches");
+}
+
+std::vector<FeatureMatch> matchesOf(const OwnTracksInput& input, ImagePair pair) {
+  const auto [a, b] = pair;
+  const fs::path file = matchesFile(input, pair);
+  if (auto cached = fetchMatches(file)) return std::move(*cached);
+  const Features left = cachedFeatures(input, a), right = cachedFeatures(input, b);
+  std::vector<FeatureMatch> matches = matchGuided(input.cameras[a], left, input.cameras[b], right);
+  storeMatches(file, matches);
+  return matches;
+}
+
 std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair> pairs, const OwnTracksInput& input,
                               const RunJobs& run) {
   std::set<std::uint32_t> wanted;
   for (const auto& [a, b] : pairs) wanted.insert({a, b});
   const std::vector<std::uint32_t> images(wanted.begin(), wanted.end());
-  const auto featuresFile = [&](std::uint32_t i) {
-    return cacheFile(input.cacheFolder, featureKey(input.hashes[i]), "features");
-  };
   double pixels = 0;
   for (const std::uint32_t i : images) {
     const Intrinsics& k = model.images[i].camera.intrinsics;
     pixels = std::max(pixels, double(k.width) * k.height);
   }
   std::vector<glm::dvec2> scale(model.images.size());  // from px of the features to px of the model
-  std::vector<Camera> cameras(model.images.size());    // at the features' size
   for (const std::uint32_t i : images) {
-    cameras[i] = input.cameras[i];
-    const Intrinsics &small = cameras[i].intrinsics, &whole = model.images[i].camera.intrinsics;
+    const Intrinsics &small = input.cameras[i].intrinsics, &whole = model.images[i].camera.intrinsics;
     scale[i] = {double(whole.width) / small.width, double(whole.height) / small.height};
   }
-  const double bytes = input.bytesOfView + std::min(pixels, kFeaturePixels) * kFeatureBytesPerPixel;
-  run("finding features", images.size(), bytes, [&](std::size_t n) {
-    const std::uint32_t i = images[n];
-    if (!fetchFeatures(featuresFile(i)))
-      storeFeatures(featuresFile(i), detectFeatures(toGrey(input.view(i).picture), kMaxFeatures));
-  });
+  run("finding features", images.size(), bytesToFindFeatures(input, pixels),
+      [&](std::size_t n) { findFeatures(input, images[n]); });
 
   std::vector<std::vector<FeatureMatch>> matches(pairs.size());
-  constexpr double kBytesOfPair = 2.0 * kMaxFeatures * 600;
-  run("matching features", pairs.size(), kBytesOfPair, [&](std::size_t p) {
-    const auto [a, b] = pairs[p];
-    const fs::path file = cacheFile(input.cacheFolder, matchKey(input.hashes[a], input.hashes[b]), "matches");
-    if (auto kept = fetchMatches(file)) {
-      matches[p] = std::move(*kept);
-      return;
-    }
-    const auto left = fetchFeatures(featuresFile(a)), right = fetchFeatures(featuresFile(b));
-    check(left && right, ErrorCode::io, "{}: cached features are missing; build again", input.cacheFolder.string());
-    matches[p] = matchGuided(cameras[a], *left, cameras[b], *right);
-    storeMatches(file, matches[p]);
-  });
+  run("matching features", pairs.size(), kBytesToMatchPair,
+      [&](std::size_t p) { matches[p] = matchesOf(input, pairs[p]); });
 
   const auto sets = joinMatches(pairs, matches);
   std::vector<std::vector<glm::vec2>> places(model.images.size());
   for (const std::uint32_t i : images) {
-    auto features = fetchFeatures(featuresFile(i));
-    check(features.has_value(), ErrorCode::io, "{}: cached features are missing; build again",
-          input.cacheFolder.string());
-    places[i] = std::move(features->at);
+    places[i] = cachedFeatures(input, i).at;
   }
   std::vector<Track> all(sets.size());
   constexpr std::size_t kBatch = 4096;

@@ -51,6 +51,20 @@ struct OwnTracksInput {
 using RunJobs = std::function<void(std::string_view stage, std::size_t count, double bytesEach,
                                    const std::function<void(std::size_t)>& job)>;
 
+/// Finds and caches the features of a photograph, unless they are cached. Thread-safe. Throws what `view` throws, and
+/// Error{io}.
+void findFeatures(const OwnTracksInput& input, std::uint32_t photograph);
+
+/// Peak memory of findFeatures, bytes, for photographs of up to `pixels` px.
+double bytesToFindFeatures(const OwnTracksInput& input, double pixels);
+
+/// Matches the cached features of a pair, or reads the matches from the cache. Thread-safe. Throws Error{io} if the
+/// features are not cached.
+std::vector<FeatureMatch> matchesOf(const OwnTracksInput& input, ImagePair pair);
+/// Cache file of the matches.
+std::filesystem::path matchesFile(const OwnTracksInput& input, ImagePair pair);
+inline constexpr double kBytesToMatchPair = 24e6;  // peak memory of matchesOf
+
 /// Tracks of the pairs, with pixels in the model's cameras. Deterministic, including their order.
 std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair> pairs, const OwnTracksInput& input,
                               const RunJobs& run);

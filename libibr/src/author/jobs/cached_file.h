@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cached files of a build, for resuming it and for later ones, named by a hash of all that they depend on. Only for
-// builds on one machine: numbers are stored in native layout, with a hash of them at the end.
+// Cached files of a build, for resuming it and for later ones, named by a hash of all that they depend on. Several
+// processes may store and fetch the same file at the same time. Only for machines of one byte order: numbers are stored
+// in native layout, with a hash of them at the end.
 #pragma once
 
 #include <cstddef>

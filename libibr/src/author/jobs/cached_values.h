@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -28,6 +30,11 @@ class CacheWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     value(std::uint64_t(values.size()));
     const auto bytes = std::as_bytes(std::span(values));
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+  }
+  void text(std::string_view text) {
+    value(std::uint64_t(text.size()));
+    const auto bytes = std::as_bytes(std::span(text));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
   /// Leaves out confirmations and consensus, which depend on all photographs of a scene.
@@ -56,6 +63,13 @@ class CacheReader {
     std::vector<T> values(count);
     take(values.data(), values.size() * sizeof(T));
     return values;
+  }
+  std::string text() {
+    const auto size = value<std::uint64_t>();
+    check(size <= bytes_.size() - at_, ErrorCode::invalidInput, "a cached file is truncated");
+    std::string text(size, '\0');
+    take(text.data(), size);
+    return text;
   }
   MorphMesh mesh();
 
