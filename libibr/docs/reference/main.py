@@ -26,9 +26,9 @@ DOCS = ROOT / "libibr/docs"
 # Pages by purpose, in the order in which a newcomer needs them. Other pages of libibr/docs are missing here: an error.
 CHAPTERS = {
     "Start": ["start", "photographing", "capture", "poses", "photographs", "troubleshooting", "limits"],
-    "Programs": ["commands", "reference", "settings", "exit-codes", "viewer", "vr"],
+    "Programs": ["commands", "cluster", "reference", "settings", "exit-codes", "viewer", "vr"],
     "Library": ["install", "examples", "conventions", "python", "extending", "architecture"],
-    "File formats": ["schema-ibr-image-graph", "schema-ibr-harmonised-texture", "schema-tradeoff"],
+    "File formats": ["schema-ibr-image-graph", "schema-ibr-harmonised-texture", "schema-build-steps", "schema-tradeoff"],
     "Measurements": ["quality", "metrics", "tradeoff", "costs"],
     "Tests": ["promises", "numerics", "faults", "mutants", "xr"],
     "Project": ["readme", "contributing", "changelog"],

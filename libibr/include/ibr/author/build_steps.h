@@ -15,7 +15,7 @@ namespace ibr {
 
 /// Name of the last step: build() with sceneStepOptions().
 inline constexpr const char* kSceneStep = "scene";
-inline constexpr std::size_t kPhotographsPerStep = 8;
+inline constexpr std::size_t kPhotographsPerStep = 8;  // default number of photographs of a step
 
 /// A step may run once all of its inputs exist and are complete.
 struct BuildStep {
