@@ -107,7 +107,8 @@ class Bench:
                          *(["--exclude", *held] if held else []))
             report = self.out / "optimise.json"
             subprocess.run(["rm", "-rf", self.out / "scene"], check=True)
-            seconds = self.run(self.ibr, "optimise", scene, "-o", self.out / "scene", "--json", report, *extra)
+            seconds = self.run(self.ibr, "optimise", scene, "-o", self.out / "scene", "--json", report, "--cells-only", 0, 1, 2,
+                               3, *extra)
             mean = json.loads(report.read_text())["mean"]
             views = ["--views", *held] if held else []
             figures[name] = {"cpu": seconds, "ecc": mean["finalEcc"],
