@@ -170,7 +170,7 @@ def main():
                 kept[key] = bench.measure(command, words)
             except Failed as failure:
                 print(f"{key} failed: {failure}", file=sys.stderr)
-                kept[key] = None
+                return None
             kept_file.write_text(json.dumps(kept, indent=1))
         return kept[key]
 
