@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command lines as JSON: `PROGRAM --describe`. libibr/docs/reference.py makes the pages of all commands, man pages and
-// shell completion of it, so that these list what the programs accept.
+// Command lines as JSON: `PROGRAM --describe`. libibr/docs/reference/main.py makes the pages of all commands, man pages
+// and shell completion of it, so that these list what the programs accept.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
