@@ -7,7 +7,7 @@
 # GPU: the program first creates a device with validation (tests/support/gpu.h). A validation message fails the case.
 # Exit code 77 means "skipped" (no device, no datasets). With IBR_REQUIRE_DEVICE (as in CI) a missing device is a
 # failure. IBR_DATASETS names the folder of datasets for tests with label `data`.
-find_package(Catch2 2.13 REQUIRED)
+find_package(Catch2 REQUIRED)  # 2.13, or 3 as in Debian 13
 set(ibr_test_timeout 3600)  # s: about ten times the slowest test on an idle machine, for busy machines
 # -O1 compiles test cases a quarter faster. The tested library keeps its optimisation level.
 set(ibr_test_options $<$<NOT:$<CONFIG:Debug>>:-O1>)
@@ -15,6 +15,9 @@ set(ibr_test_options $<$<NOT:$<CONFIG:Debug>>:-O1>)
 find_package(nlohmann_json REQUIRED)
 add_library(ibr_test_json STATIC ${PROJECT_SOURCE_DIR}/tests/support/json.cpp)
 target_include_directories(ibr_test_json PUBLIC ${PROJECT_SOURCE_DIR}/tests)
+if(Catch2_VERSION VERSION_GREATER_EQUAL 3)
+  target_include_directories(ibr_test_json SYSTEM PUBLIC ${PROJECT_SOURCE_DIR}/tests/catch2_3)
+endif()
 target_link_libraries(ibr_test_json PUBLIC Catch2::Catch2 nlohmann_json::nlohmann_json)
 # Compiles assertions without a try block each. An exception still ends its case, but the report names the case's last
 # assertion instead of the expression that threw. All sources of an executable need the same setting.

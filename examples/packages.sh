@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2034 # scripts that source this file use the lists
-# Debian 12 packages that libibr needs, and functions that install them. Sourced by examples/demo.sh and tests/run.sh.
+# Packages of Debian 12 and 13 that libibr needs, and functions that install them. Sourced by examples/demo.sh and
+# tests/run.sh.
 
 # Packages to build the library and its programs, and to run them on any machine: mesa-vulkan-drivers has a Vulkan
 # device that needs no graphics card.
@@ -16,9 +17,13 @@ IBR_PACKAGES_PYTHON="pybind11-dev python3-dev python3-numpy"
 # Xvfb display that openbox manages; libx11 reads the viewer's window. mypy checks the types of the Python packages, and
 # python3-matplotlib draws the plot of their example. libheif-examples, libavif-bin and webp encode photographs,
 # ffmpeg videos; colmap converts models. doxygen makes the documentation, and groff checks man pages.
-IBR_PACKAGES_TEST="catch2 clang-format-14 clang-tidy-14 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
+IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs python3-pil xvfb xdotool
   openbox libx11-dev libvulkan-volk-dev mypy
   python3-matplotlib libheif-examples libavif-bin webp ffmpeg colmap doxygen groff-base"
+# Packages that check the sources' format and style. Their results depend on the version, which only Debian 12 has.
+IBR_PACKAGES_STYLE="clang-format-14 clang-tidy-14"
+# shellcheck source=/dev/null
+[ "$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")" = bookworm ] || IBR_PACKAGES_STYLE=
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.

@@ -20,7 +20,7 @@ part() {
 }
 . examples/packages.sh
 # shellcheck disable=SC2086 # lists of words
-install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_PYTHON $IBR_PACKAGES_TEST
+install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_PYTHON $IBR_PACKAGES_TEST $IBR_PACKAGES_STYLE
 part packages
 
 # shellcheck disable=SC2086 # a list of words
@@ -34,8 +34,10 @@ part "OpenXR runtime"
 cmake --preset ci
 cmake --build --preset ci
 part build
-python3 tests/check_tidy.py build/ci
-part clang-tidy
+if [ -n "$IBR_PACKAGES_STYLE" ]; then
+  python3 tests/check_tidy.py build/ci
+  part clang-tidy
+fi
 if [ -z "${IBR_NO_SANITIZERS-}" ]; then
   cmake --preset readers
   cmake --build --preset readers

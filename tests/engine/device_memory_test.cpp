@@ -23,7 +23,7 @@
 
 using namespace ibr;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -21,7 +21,7 @@
 #include "test_picture.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::testDevice;
 using test::testLog;
 

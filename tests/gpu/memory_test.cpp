@@ -13,7 +13,7 @@
 #include "test_picture.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::failEachCall;
 using test::testDevice;
 

@@ -10,7 +10,7 @@
 #include "support/gpu.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::testDevice;
 
 namespace {

@@ -12,7 +12,7 @@
 #include "test_picture.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Bytes = std::vector<std::byte>;
 
 namespace {

@@ -15,7 +15,7 @@
 #include "test_picture.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::errorOf;
 using test::testDevice;
 

@@ -15,7 +15,7 @@
 
 using namespace ibr;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace fs = std::filesystem;
 using Files = std::vector<std::string>;
 

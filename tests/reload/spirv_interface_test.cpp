@@ -14,7 +14,7 @@
 
 using namespace ibr;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using InterfaceSlot = SpirvInterface::InterfaceSlot;
 
 namespace {

@@ -76,7 +76,7 @@ WalkedFaults failEachCall(VkResult result, ErrorCode code, Call call, bool mayMa
     INFO("call " << n << ", " << which << ": " << message);
     if (!failed) ++walked.madeGood;
     CHECK((failed || mayMakeGood));
-    if (failed) CHECK_THAT(message, Catch::Matchers::Contains(which));
+    if (failed) CHECK_THAT(message, Catch::Contains(which));
     CHECK(deviceMemory().count == allocations);
     if (triedAgain.insert(which).second) CHECK_NOTHROW(call());
   }

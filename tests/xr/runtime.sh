@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds an OpenXR runtime for tests without a headset: sh tests/xr/runtime.sh [DIR]
 #
-# Builds Monado from Debian's source archive, and adds a newer Mesa than Debian 12's. The software device of Debian 12's
-# Mesa draws every view of a multiview pass into the first layer. Only DIR is changed. The default DIR is a folder of
+# Builds Monado from Debian's source archive. On Debian 12 also adds a newer Mesa: the software device of Debian 12's
+# Mesa draws every view of a multiview pass into the first layer. Debian 13's Mesa is used as it is. Only DIR is changed. The default DIR is a folder of
 # the user's cache with a hash of this file in its name, so that a changed recipe gets a new folder. An existing runtime
 # is reused. Progress goes to stderr, the name of the folder to stdout. Needs the packages IBR_PACKAGES_XR of
 # examples/packages.sh, but not root.
@@ -32,7 +32,11 @@ fi
 
 # shellcheck source=/dev/null
 debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")
-[ "$debian" = bookworm ] || die "Debian 12 is needed"
+case $debian in
+  bookworm) release='bookworm|oldstable' ;;
+  trixie) release='trixie|stable' ;;
+  *) die "Debian 12 or 13 is needed" ;;
+esac
 # shellcheck source=examples/packages.sh disable=SC1091
 . "$here/../../examples/packages.sh"
 # shellcheck disable=SC2086 # a list of words
@@ -50,15 +54,14 @@ run() { "$@" >"$log" 2>&1 </dev/null || { tail -n 40 "$log" >&2; die "failed: $*
 
 # --- Downloads: by apt, which checks signatures, from this machine's mirror, with separate package lists.
 cd "$work"
-mkdir -p lists/partial cache/archives/partial debs product
+mkdir -p lists/partial cache/archives/partial debs product/mesa
 # shellcheck disable=SC2016 # apt's variables
 mirror=$(apt-get indextargets --format '$(RELEASE) $(COMPONENT) $(LABEL) $(REPO_URI)' 'Created-By: Packages' |
-  awk '$1 ~ /^(bookworm|oldstable)$/ && $2 == "main" && (NF == 3 || $3 == "Debian") { print $NF; exit }')
-[ -n "$mirror" ] || die "apt's sources contain no mirror of Debian 12"
-cat >sources.list <<END
-deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main
-deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm-backports main
-END
+  awk -v release="^($release)\$" '$1 ~ release && $2 == "main" && (NF == 3 || $3 == "Debian") { print $NF; exit }')
+[ -n "$mirror" ] || die "apt's sources contain no mirror of Debian"
+signed='[signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]'
+echo "deb-src $signed $mirror trixie main" >sources.list
+[ "$debian" = trixie ] || echo "deb $signed $mirror bookworm-backports main" >>sources.list
 # separate_apt COMMAND…: runs apt-get with these sources and lists only. APT::Sandbox::User is root, because apt's
 # sandbox user may lack access to the folder.
 separate_apt() {
@@ -66,20 +69,29 @@ separate_apt() {
     -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root -o APT::Update::Error-Mode=any -o Acquire::Retries=3 "$@" \
     >"$log" 2>&1 </dev/null || { tail -n 20 "$log" >&2; die "apt-get $* failed; check the network"; }
 }
-say "fetching Monado $monado and Mesa"
+say "fetching Monado $monado"
 separate_apt update
 separate_apt source --download-only --tar-only monado/trixie
-(cd debs && separate_apt download mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports)
+[ "$debian" = trixie ] ||
+  (cd debs && separate_apt download mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports)
 tarball=monado_$monado+dfsg.orig.tar.xz
 echo "$monado_sha256  $tarball" | sha256sum --check --status ||
   die "$tarball is missing or has another checksum; downloaded: $(ls monado_* || true)"
 
-# --- Mesa's software device, unpacked without changing the installed one.
-for deb in debs/*.deb; do run dpkg -x "$deb" product/mesa; done
-lib=mesa/usr/lib/$(gcc -print-multiarch)
-find product/mesa -name 'libvulkan_*.so' ! -name libvulkan_lvp.so -delete
-[ -e "product/$lib/libvulkan_lvp.so" ] || die "the package of Mesa contains no libvulkan_lvp.so"
-sed "s#\"libvulkan_lvp#\"./$lib/libvulkan_lvp#" product/mesa/usr/share/vulkan/icd.d/lvp_icd*.json >product/lvp.json
+# --- Mesa's software device. On Debian 12 a newer one, unpacked without changing the installed one.
+triplet=$(gcc -print-multiarch)
+if [ "$debian" = trixie ]; then
+  lib=/usr/lib/$triplet
+  driver=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json) || die "mesa-vulkan-drivers contains no lvp_icd.json"
+else
+  for deb in debs/*.deb; do run dpkg -x "$deb" product/mesa; done
+  lib=$dir/mesa/usr/lib/$triplet
+  driver=$dir/lvp.json
+  find product/mesa -name 'libvulkan_*.so' ! -name libvulkan_lvp.so -delete
+  [ -e "product/mesa/usr/lib/$triplet/libvulkan_lvp.so" ] || die "the package of Mesa contains no libvulkan_lvp.so"
+  sed "s#\"libvulkan_lvp#\"./mesa/usr/lib/$triplet/libvulkan_lvp#" product/mesa/usr/share/vulkan/icd.d/lvp_icd*.json \
+    >product/lvp.json
+fi
 
 # --- Monado's sources, with changes for this build.
 tar xJf "$tarball"
@@ -111,16 +123,16 @@ strip -o product/libopenxr_monado.so build/src/xrt/targets/openxr/libopenxr_mona
 cat >product/monado.json <<END
 {"file_format_version": "1.0.0", "runtime": {"name": "Monado", "library_path": "./libopenxr_monado.so"}}
 END
-for library in libopenxr_monado.so "$lib/libvulkan_lvp.so"; do
-  absent=$(LD_LIBRARY_PATH=$PWD/product/$lib ldd "product/$library" | grep 'not found' || true)
+for library in product/libopenxr_monado.so $(find product/mesa -name libvulkan_lvp.so); do
+  absent=$(LD_LIBRARY_PATH=$PWD/product/mesa/usr/lib/$triplet ldd "$library" | grep 'not found' || true)
   [ -z "$absent" ] || die "$library needs libraries that are not installed: $absent"
 done
 
 cat >product/environment <<END
 XR_RUNTIME_JSON=$dir/monado.json
-VK_DRIVER_FILES=$dir/lvp.json
-VK_ICD_FILENAMES=$dir/lvp.json
-LD_LIBRARY_PATH=$dir/$lib
+VK_DRIVER_FILES=$driver
+VK_ICD_FILENAMES=$driver
+LD_LIBRARY_PATH=$lib
 P_OVERRIDE_ACTIVE_CONFIG=remote
 END
 echo "$recipe" >product/recipe

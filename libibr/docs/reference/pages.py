@@ -114,7 +114,7 @@ def type_of(schema):
 
 def fields_of(schema, path=""):
     """Yields path, schema and whether it is required, for all fields below."""
-    for variant in [schema, *schema.get("allOf", [])]:
+    for variant in [schema, *schema.get("allOf", []), schema.get("then", {})]:
         required = variant.get("required", [])
         for name, field in variant.get("properties", {}).items():
             here = f"{path}.{name}" if path else name

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the generated documentation: reference_test.py APPS. Man pages have no warnings, completion offers what the
 programs accept, and faults of the pages are found."""
+import json
 import pathlib
 import shutil
 import subprocess
@@ -20,6 +21,7 @@ import pages
 
 APPS = pathlib.Path(sys.argv.pop(1)).resolve()
 PROGRAMS = descriptions.read(APPS)
+SCHEMAS = sorted((pathlib.Path(__file__).resolve().parent.parent.parent / "schemas").glob("*.json"))
 
 
 def command(line):
@@ -100,13 +102,20 @@ class Effects(unittest.TestCase):
 
 class Pages(unittest.TestCase):
     def test_every_command_and_schema_has_a_page(self):
-        schemas = sorted((pathlib.Path(__file__).resolve().parent.parent.parent / "schemas").glob("*.json"))
-        made = pages.pages(PROGRAMS, schemas)
+        made = pages.pages(PROGRAMS, SCHEMAS)
         for program in PROGRAMS:
             for each in program.commands:
                 for option in each.options:
                     self.assertIn(f"`{option.name}`", made[f"reference-{each.page}.md"])
-        self.assertEqual(sum(name.startswith("schema-") for name in made), len(schemas))
+        self.assertEqual(sum(name.startswith("schema-") for name in made), len(SCHEMAS))
+
+    def test_every_field_of_a_schema_has_a_description(self):
+        for file in SCHEMAS:
+            schema = json.loads(file.read_text())
+            for part in [schema, *schema.get("$defs", {}).values()]:
+                for path, field, _ in pages.fields_of(part):
+                    # A definition has its own table.
+                    self.assertTrue("description" in field or "$ref" in field, f"{file.name}: {path}")
 
     def test_links_and_headings(self):
         with tempfile.TemporaryDirectory() as folder:

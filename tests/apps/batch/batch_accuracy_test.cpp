@@ -10,7 +10,7 @@
 
 namespace fs = std::filesystem;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("ibr-lab accuracy rejects invalid inputs and writes nothing") {
   const TemporaryFolder folder;

@@ -10,8 +10,8 @@
 
 using namespace ibr;
 using namespace ibr::app;
-using Catch::Matchers::Contains;
-using Catch::Matchers::StartsWith;
+using Catch::Contains;
+using Catch::StartsWith;
 
 namespace {
 

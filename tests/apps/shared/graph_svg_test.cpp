@@ -11,7 +11,7 @@
 
 using namespace ibr;
 using namespace ibr::app;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

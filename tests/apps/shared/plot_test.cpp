@@ -10,7 +10,7 @@
 #include "shared/report/svg_text.h"
 
 using namespace ibr::app;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

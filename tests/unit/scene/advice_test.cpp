@@ -17,7 +17,7 @@
 #include "support/temporary_folder.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

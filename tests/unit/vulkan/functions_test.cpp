@@ -12,7 +12,7 @@
 #include "support/error_of.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::errorOf;
 
 namespace {

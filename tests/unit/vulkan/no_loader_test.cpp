@@ -9,7 +9,7 @@
 #include "support/error_of.h"
 
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::errorOf;
 
 extern "C" void* dlopen(const char* file, int mode) noexcept {

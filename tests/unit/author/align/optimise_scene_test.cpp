@@ -29,7 +29,7 @@
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

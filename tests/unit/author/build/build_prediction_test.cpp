@@ -13,7 +13,7 @@
 
 namespace fs = std::filesystem;
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -30,7 +30,7 @@
 namespace fs = std::filesystem;
 using namespace ibr;
 using namespace ibr::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
@@ -994,7 +994,7 @@ TEST_CASE("a build removes vignetting from stored photographs if enabled") {
   options.fitVignetting = true;
   const BuildReport::ExposureSummary exposures = build(options).exposures;
   for (std::size_t n = 0; n < 4; ++n) CHECK(meanError(n) < 2);
-  CHECK_THAT(exposures.vignetting, Catch::Matchers::Matches(".*4 of 4.* 4[0-9] %.*"));
+  CHECK_THAT(exposures.vignetting, Catch::Matches(".*4 of 4.* 4[0-9] %.*"));
   const Scene scene = loadScene(options.output);
   CHECK(scene.nodes[0].gain.g / scene.nodes[1].gain.g == Approx(0.7).epsilon(0.01));
 }

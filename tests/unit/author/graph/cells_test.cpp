@@ -216,8 +216,8 @@ TEST_CASE("photographs that share too few points make no cell, and the reason is
   CHECK(cells.cells == std::vector<std::vector<std::uint32_t>>{{0, 1}});
   REQUIRE(cells.unused.size() == 1);
   CHECK(cells.unused[0].name == "002.png");
-  CHECK_THAT(cells.unused[0].reason, Catch::Matchers::Contains("points"));
-  CHECK_THAT(cells.dropped.at(0).reason, Catch::Matchers::Contains("002.png") && Catch::Matchers::Contains(" 0 "));
+  CHECK_THAT(cells.unused[0].reason, Catch::Contains("points"));
+  CHECK_THAT(cells.dropped.at(0).reason, Catch::Contains("002.png") && Catch::Contains(" 0 "));
   CHECK_THROWS_AS(planCells(model,
                             [] {
                               BuildOptions o;
@@ -341,7 +341,7 @@ TEST_CASE("rings around an object are joined even if neighbours turn by more tha
   const CellPlan none = planCells(bare, {});
   CHECK(none.cells.empty());
   REQUIRE(none.unused.size() == 12);
-  CHECK_THAT(none.unused[0].reason, Catch::Matchers::Contains("30°"));
+  CHECK_THAT(none.unused[0].reason, Catch::Contains("30°"));
 }
 
 TEST_CASE("a row of clusters has triangles within clusters and lines between them") {
@@ -383,7 +383,7 @@ TEST_CASE("photographs in no cell are reported with a reason") {
   const CellPlan cells = plan(cameras);
   std::map<std::string, std::string> why;
   for (const auto& [name, reason] : cells.unused) why[name] = reason;
-  CHECK_THAT(why["004.png"], Catch::Matchers::Contains("50°"));
+  CHECK_THAT(why["004.png"], Catch::Contains("50°"));
   CHECK(why.size() == 5 - count(cells).used);
 }
 

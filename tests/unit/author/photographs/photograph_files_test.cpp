@@ -17,7 +17,7 @@
 
 namespace fs = std::filesystem;
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::storedAs, test::writeTurned;
 
 namespace {

@@ -11,7 +11,7 @@
 
 namespace fs = std::filesystem;
 using namespace ibr;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 namespace {

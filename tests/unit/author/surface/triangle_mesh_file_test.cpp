@@ -12,7 +12,7 @@
 namespace ibr {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 const char* const kPly =
     "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
