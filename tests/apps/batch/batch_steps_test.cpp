@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr build --steps` and `--step`.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
@@ -13,6 +15,7 @@
 #include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
+#include "lab/generate/synthetic.h"
 #include "support/contents_below.h"
 #include "support/json.h"
 #include "support/temporary_folder.h"
@@ -39,6 +42,24 @@ Words joined(Words words, const Words& more) {
 // A row of five photographs with a step for each two of them.
 Words rowArguments(const test::TemporaryFolder& folder, const std::string& scene) {
   return {"build", folder / "row", "-o", folder / scene, "--photographs-per-step", "2"};
+}
+
+// Writes three panoramas of a generated room, and panoramas.json, into `folder`.
+void writePanoramas(const fs::path& folder) {
+  SyntheticOptions options;
+  for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0.6, 0, 0}, {0.3, 0.05, -0.5}})
+    options.cameras.push_back({{CameraModel::equirectangular, 256, 128}, {at, {1, 0, 0, 0}}});
+  options.planes = roomPlanes({-2.5, -1.6, -3.5}, {3.6, 1.9, 2.2}, 0.25, 7);
+  const SyntheticScene room = makeScene(options);
+  std::string entries;
+  for (std::size_t i = 0; i < options.cameras.size(); ++i) {
+    const glm::dvec3 at = options.cameras[i].pose.position;
+    writeImage(folder / fmt::format("{}.png", i), room.photographs[i]);
+    entries +=
+        fmt::format(R"({}{{"name": "{}.png", "position": [{}, {}, {}], "q_world_to_camera_wxyz": [0, 1, 0, 0]}})",
+                    i ? ", " : "", i, at.x, at.y, at.z);
+  }
+  writeFile(folder / "panoramas.json", R"({"width": 256, "height": 128, "panoramas": [)" + entries + "]}");
 }
 
 std::vector<Step> stepsOf(const Words& build) {
@@ -152,6 +173,12 @@ TEST_CASE("steps in any order of their dependencies give the scene of one proces
   test::makeRow(folder / "row");
   Words options;
   SECTION("tracks of the model") {}
+  SECTION("panoramas") {
+    fs::remove_all(folder / "row");
+    fs::create_directories(folder / "row");
+    writePanoramas(folder / "row");
+    options = {"--panoramas", folder / "row/panoramas.json"};
+  }
   SECTION("own tracks") {
     options = {"--tracks", "own", "--depth", "fine"};
   }
