@@ -271,9 +271,9 @@ void ViewerSession::showPanels() {
 }
 
 void ViewerSession::handleInput(double seconds) try {
-  press(viewer_, window_.takeKeys());
+  press(viewer_, window_.takeKeys(), interface_.keys());
   if (OpenItem* item = viewer_.item())
-    if (control(viewer_, *item, seconds)) imageOutdated_ = true;
+    if (control(viewer_, *item, interface_.keys(), seconds)) imageOutdated_ = true;
 } catch (const Error& e) {
   viewer_.logMessage(LogLevel::error, e.what());  // the request is invalid; the scene stays as it is
 }

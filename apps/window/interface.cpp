@@ -4,9 +4,9 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <cmath>
-#include <set>
 #include <utility>
 
 namespace fs = std::filesystem;
@@ -48,26 +48,25 @@ Interface::~Interface() {
   ImGui::DestroyContext();
 }
 
-// ImGui 1.86 samples key states once per frame. On a slow device most keys go down and up between two frames and would
-// be missed. Each frame therefore applies the changes in order, at most one per key.
-void Interface::applyKeyChanges() {
-  ImGuiIO& io = ImGui::GetIO();
-  for (const KeyChange& change : window_.takeKeyChanges())
-    if (change.key >= 0 && change.key < IM_ARRAYSIZE(io.KeysDown)) keyChanges_.push_back(change);
-  std::set<int> waiting;
-  for (const KeyChange& change : keyChanges_)
-    if (waiting.insert(change.key).second) io.KeysDown[change.key] = !change.down;  // the state in the previous frame
-  for (; !keyChanges_.empty() && waiting.erase(keyChanges_.front().key) > 0; keyChanges_.pop_front())
-    io.KeysDown[keyChanges_.front().key] = keyChanges_.front().down;
-  io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
-  io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT] || io.KeysDown[GLFW_KEY_RIGHT_SHIFT];
-  io.KeyAlt = io.KeysDown[GLFW_KEY_LEFT_ALT] || io.KeysDown[GLFW_KEY_RIGHT_ALT];
-}
-
 void Interface::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
-  applyKeyChanges();
+  keys_.beginFrame(window_.takeKeyChanges());
+#if IMGUI_VERSION_NUM < 18700
+  // This version samples key states once per frame. Later ones queue the changes themselves.
+  ImGuiIO& io = ImGui::GetIO();
+  for (int key = 0; key < IM_ARRAYSIZE(io.KeysDown); ++key) io.KeysDown[key] = keys_.isDown(key);
+  io.KeyCtrl = keys_.isDown(GLFW_KEY_LEFT_CONTROL) || keys_.isDown(GLFW_KEY_RIGHT_CONTROL);
+  io.KeyShift = keys_.isDown(GLFW_KEY_LEFT_SHIFT) || keys_.isDown(GLFW_KEY_RIGHT_SHIFT);
+  io.KeyAlt = keys_.isDown(GLFW_KEY_LEFT_ALT) || keys_.isDown(GLFW_KEY_RIGHT_ALT);
+#endif
   ImGui::NewFrame();
+}
+
+bool Interface::hasPendingKeys() const noexcept {
+#if IMGUI_VERSION_NUM >= 18700
+  if (!ImGui::GetCurrentContext()->InputEventsQueue.empty()) return true;
+#endif
+  return keys_.hasPending();
 }
 
 }  // namespace ibr::app

@@ -2,10 +2,10 @@
 // Dear ImGui in a window: its context and input. An InterfaceDrawer draws it.
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <string>
 
+#include "window/frame_keys.h"
 #include "window/window.h"
 
 namespace ibr::app {
@@ -25,15 +25,15 @@ class Interface {
   /// Begins an ImGui frame. Call InterfaceDrawer::beginFrame() first.
   void beginFrame();
 
-  /// Returns true if key changes are waiting for the next frame: one frame applies at most one change per key.
-  bool hasPendingKeys() const noexcept { return !keyChanges_.empty(); }
+  /// Returns the keys that are down in this frame.
+  const FrameKeys& keys() const noexcept { return keys_; }
+  /// Returns true if key changes are waiting for the next frame.
+  bool hasPendingKeys() const noexcept;
 
  private:
-  void applyKeyChanges();
-
   std::string layout_;
   Window& window_;
-  std::deque<KeyChange> keyChanges_;  // not yet applied to a frame
+  FrameKeys keys_;
   float scale_ = 0;
 };
 

@@ -72,8 +72,13 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, VkFormat format, std::uin
   info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   info.CheckVkResultFn = [](VkResult result) { vk(result, "drawing the interface"); };
   check(ImGui_ImplVulkan_Init(&info, renderPass_.get()), ErrorCode::vulkan, "cannot start Dear ImGui's Vulkan backend");
+#if IMGUI_VERSION_NUM < 19000
   submitAndWait(device, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
   ImGui_ImplVulkan_DestroyFontUploadObjects();
+#else
+  const QueueLock lock(device);
+  check(ImGui_ImplVulkan_CreateFontsTexture(), ErrorCode::vulkan, "cannot upload the interface's fonts");
+#endif
 }
 
 InterfaceDrawer::~InterfaceDrawer() {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "window/frame_keys.h"
+
 struct GLFWwindow;
 
 namespace ibr::app {
@@ -17,12 +19,6 @@ struct KeyPress {
   int key = 0;
   int physicalKey = 0;  // key code of this position on a US keyboard
   bool control = false, shift = false;
-};
-
-/// A key that went down or up; GLFW key code, by position on a US keyboard.
-struct KeyChange {
-  int key = 0;
-  bool down = false;
 };
 
 class Window {

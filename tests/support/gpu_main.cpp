@@ -22,7 +22,8 @@ extern "C" IBR_API const char* __lsan_default_suppressions() {
 namespace {
 
 struct Listener : Catch::TestEventListenerBase {
-  using TestEventListenerBase::TestEventListenerBase;
+  using Base = Catch::TestEventListenerBase;
+  using Base::Base;
   void testCaseStarting(const Catch::TestCaseInfo&) override { ibr::test::beginTestCase(); }
   void testCaseEnded(const Catch::TestCaseStats&) override { ibr::test::endTestCase(); }
 };

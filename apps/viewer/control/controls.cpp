@@ -52,7 +52,7 @@ bool panelUsesKeyboard(const Viewer& viewer) {
   return io.WantTextInput || io.NavVisible || viewer.panelFocused || viewer.showOpenDialog;
 }
 
-NavigationInput readNavigationInput(const Viewer& viewer, OpenItem& item, double seconds) {
+NavigationInput readNavigationInput(const Viewer& viewer, OpenItem& item, const FrameKeys& keys, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
   NavigationInput input{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
   const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
@@ -70,7 +70,7 @@ NavigationInput readNavigationInput(const Viewer& viewer, OpenItem& item, double
   else if (!io.WantCaptureMouse)
     input.wheel = double(io.MouseWheel);
   if (io.KeyCtrl || panelUsesKeyboard(viewer)) return input;
-  const auto down = [&](int key) { return ImGui::IsKeyDown(key) && !viewer.shortcutKeys.contains(key) ? 1.0 : 0.0; };
+  const auto down = [&](int key) { return keys.isDown(key) && !viewer.shortcutKeys.contains(key) ? 1.0 : 0.0; };
   // Arrows navigate inside a panel as soon as the panel has been clicked.
   constexpr double kArrow = 400;  // px/s
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow))
@@ -228,15 +228,15 @@ std::span<const KeyHelp> keyHelp() {
   return kKeys;
 }
 
-void press(Viewer& viewer, std::span<const KeyPress> keys) {
-  std::erase_if(viewer.shortcutKeys, [](int key) { return !ImGui::IsKeyDown(key); });
+void press(Viewer& viewer, std::span<const KeyPress> keys, const FrameKeys& down) {
+  std::erase_if(viewer.shortcutKeys, [&](int key) { return !down.isDown(key); });
   for (const KeyPress& key : keys) handleKeyPress(viewer, key);
 }
 
-bool control(Viewer& viewer, OpenItem& item, double seconds) {
+bool control(Viewer& viewer, OpenItem& item, const FrameKeys& keys, double seconds) {
   const Pose before = item.navigation.pose;
   const double fovBefore = item.navigation.fovY;
-  const NavigationInput input = readNavigationInput(viewer, item, seconds);
+  const NavigationInput input = readNavigationInput(viewer, item, keys, seconds);
   if (!ImGui::GetIO().WantCaptureMouse && ImGui::IsAnyMouseDown()) ImGui::SetWindowFocus(nullptr);
   item.playingPath = item.playingPath && !endsPlayback(input) && !movedByUser(item);
   bool goesOn = item.playingPath ? advancePlayback(item, seconds)

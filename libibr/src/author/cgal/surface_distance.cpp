@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/cgal/surface_distance.h"
 
+#define CGAL_NO_DEPRECATION_WARNINGS  // CGAL 6 (Debian 13) has new names, which CGAL 5 (Debian 12) lacks
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
