@@ -239,21 +239,19 @@ const Command kSynthCommand{
       addFlag(app, "--variable-rate", walk.variableRate, "walk: times between frames vary by a quarter");
       const Option model =
           addOption(app, "--model", options->noise.model, "noise: COLMAP model to add errors to").type("DIR");
-      for (const Option& option :
-           {addDouble(app, "--pixels", options->noise.pixels, 0, 1000,
-                      "noise: root mean square shift of the image centre by rotation errors, px"),
-            addDouble(app, "--shift", options->noise.shift, 0, 1e9,
-                      "noise: root mean square error of positions, world "
-                      "units"),
-            addDouble(app, "--focal", options->noise.focalPercent, -50, 100,
-                      "noise: increase of all focal lengths, "
-                      "percent"),
-            addDouble(app, "--track-pixels", options->noise.trackPixels, 0, 1000,
-                      "noise: standard deviation of observations along each axis, px"),
-            addFlagCallback(
-                app, "--no-tracks", [options] { options->noise.tracks = false; },
-                "noise: leave out the model's points")})
-        option.needs(model);
+      addDouble(app, "--pixels", options->noise.pixels, 0, 1000,
+                "noise: root mean square shift of the image centre by rotation errors, px")
+          .needs(model);
+      addDouble(app, "--shift", options->noise.shift, 0, 1e9, "noise: root mean square error of positions, world units")
+          .needs(model);
+      addDouble(app, "--focal", options->noise.focalPercent, -50, 100, "noise: increase of all focal lengths, percent")
+          .needs(model);
+      addDouble(app, "--track-pixels", options->noise.trackPixels, 0, 1000,
+                "noise: standard deviation of observations along each axis, px")
+          .needs(model);
+      addFlagCallback(
+          app, "--no-tracks", [options] { options->noise.tracks = false; }, "noise: leave out the model's points")
+          .needs(model);
       declareTextureFormat(app, options->texture);
       addSize(app, "--size", options->size,
               "Size of the photographs [640x480; panoramas 1024x512; moving 512x512; "
