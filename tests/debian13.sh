@@ -37,4 +37,4 @@ git -C "$source" ls-files -z --cached --others --exclude-standard |
   tar -C "$source" --null --ignore-failed-read --files-from=- -cf - | tar -C "$copy" -xf -
 exec chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 TERM=dumb \
   IBR_REQUIRE_DEVICE=1 IBR_DATASETS="$datasets" IBR_REQUIRE_XR="${IBR_REQUIRE_XR-}" \
-  IBR_NO_SANITIZERS="${IBR_NO_SANITIZERS-}" sh -eu -c 'apt-get -q update; sh libibr/tests/run.sh "$@"' run.sh "$@"
+  IBR_NO_SANITIZERS="${IBR_NO_SANITIZERS-}" sh -eu -c 'cd /root/libibr; apt-get -q update; sh tests/run.sh "$@"' run.sh "$@"
