@@ -39,7 +39,7 @@ class Option:
     @property
     def text(self):
         """The description, with what it needs and excludes."""
-        parts = [re.sub(r"\s*\n\s*", "; ", self.description)]
+        parts = [re.sub(r"(?<!:)\s*\n\s*", "; ", self.description).replace("\n", " ")]
         if self.required:
             parts.append("required")
         if self.needs:

@@ -70,7 +70,7 @@ def path():
 
 
 def grid():
-    plan = Plan(560, 330)
+    plan = Plan(560, 350)
     step, rows = 130, []
     for row in range(3):
         rows.append([(85 + step * (column + row % 2 / 2), 60 + round(step * row * 0.8)) for column in range(4 - row % 2)])
@@ -81,8 +81,8 @@ def grid():
                 plan.cell(lower[i], lower[i + 1], upper[i + 1])
     for row in rows:
         for x, y in row:
-            plan.camera(x, y, *range(0, 360, 60), reach=34)
-    plan.span(rows[2][0][0], rows[2][1][0], 306, "0.5 to 2 m on foot")
+            plan.camera(x, y, *range(0, 360, 45), reach=42)
+    plan.span(rows[2][0][0], rows[2][1][0], 324, "0.5 to 2 m on foot")
     plan.write("grid")
 
 

@@ -195,6 +195,15 @@ TEST_CASE("too few photographs, or photographs from one position, are reported")
   CHECK_THAT(sentences(unjoined)[0], Contains("3"));
   CHECK_THAT(sentences(unjoined)[1] + sentences(unjoined)[2],
              Contains("view1") && Contains("it shares nothing") && Contains("elsewhere.jpg"));
+  CHECK(unjoined.advice[0].severity == Severity::serious);
+
+  loose.settings = R"({"draft": true})";
+  CHECK(adviseCapture(loose).advice[0].severity == Severity::hint);
+  CHECK_THAT(sentences(adviseCapture(loose))[0], Contains("draft"));
+  for (const char* settings : {R"({"draft": false})", R"({"draft": 1})", "[]", "{"}) {
+    loose.settings = settings;
+    CHECK(adviseCapture(loose).advice[0].severity == Severity::serious);
+  }
 }
 
 TEST_CASE("a single row gives a hint and a next-best view beside the row") {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "ibr/author/lens.h"
+
 namespace ibr::colmap {
 
 /// Position of a record in a file, for messages.
@@ -38,7 +40,8 @@ inline constexpr std::array<ModelKind, 12> kModelKinds{{{0, "SIMPLE_PINHOLE", 3}
                                                         {9, "RADIAL_FISHEYE", 5},
                                                         {10, "THIN_PRISM_FISHEYE", 12},
                                                         {17, "EQUIRECTANGULAR", 2}}};
-inline constexpr std::size_t kEquirectangular = 11;  // those before it are in LensModel's order (ibr/author/lens.h)
+inline constexpr std::size_t kEquirectangular = kModelKinds.size() - 1;
+static_assert(kEquirectangular == kLensModelCount);  // those before it are in LensModel's order
 
 inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation without a point
 inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered

@@ -9,6 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -67,6 +68,13 @@ SimilarPair mostSimilar(const Scene& scene, const CaptureSite& a, const CaptureS
   return {best.first, best.second, glm::degrees(std::acos(std::clamp(most, -1.0, 1.0)))};
 }
 
+// True for a scene of `ibr build --draft`, which makes no cells.
+bool isDraft(const Scene& scene) {
+  const nlohmann::json settings = nlohmann::json::parse(scene.settings, nullptr, false);
+  const auto draft = settings.find("draft");
+  return draft != settings.end() && *draft == true;
+}
+
 // Entry about neighbours that are not connected because their viewing directions differ.
 Advice turnedHole(const Scene& scene, const SimilarPair& pair, double shown) {
   return adviceEntry(
@@ -106,6 +114,10 @@ std::vector<Advice> tooFewAdvice(const CaptureFacts& facts) {
         "No other viewpoint can be shown. Step sideways by a tenth of the distance to near objects, and take the "
         "photographs again from there.")};
   if (!scene.cells.empty()) return {};
+  if (isDraft(scene))
+    return {adviceEntry(scene, AdviceKind::tooFew, Severity::hint, {}, 0,
+                        "The scene is a draft, whose photographs are not connected.",
+                        "Build it without --draft for advice on the photographs.")};
   return {adviceEntry(
       scene, AdviceKind::tooFew, Severity::serious, {}, 0,
       fmt::format("None of the {} photographs could be connected to another.", count),
