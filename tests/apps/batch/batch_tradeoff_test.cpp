@@ -33,7 +33,7 @@ std::vector<std::string> tradeoffOfTiny(const fs::path& output) {
           "-o",       output};
 }
 
-const Json& settingOf(const Json& report, const std::string& name) {
+const Json& settingOf(const Json& report, std::string_view name) {
   for (const Json& row : report.at("settings"))
     if (row.at("setting") == name) return row;
   FAIL(name);
