@@ -5,6 +5,7 @@ import dataclasses
 import hashlib
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import time
@@ -74,6 +75,8 @@ def check_run(run, what, log):
 
 def describe():
     """Returns the commit of the source tree. The program may be from another commit, so pages also show its hash."""
+    if not shutil.which("git"):
+        return "source tree unknown"
     git = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True,
                          check=False)
     return "source tree " + (git.stdout.strip() or "unknown")
