@@ -22,8 +22,13 @@ IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nod
   python3-matplotlib libheif-examples libavif-bin webp ffmpeg colmap doxygen groff-base"
 # Packages that check the sources' format and style. Their results depend on the version, which only Debian 12 has.
 IBR_PACKAGES_STYLE="clang-format-14 clang-tidy-14"
+# Debian 13 has the codecs of HEIC and AVIF in packages of their own.
 # shellcheck source=/dev/null
-[ "$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")" = bookworm ] || IBR_PACKAGES_STYLE=
+if [ "$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")" = trixie ]; then
+  IBR_PACKAGES_BUILD="$IBR_PACKAGES_BUILD libheif-plugin-libde265 libheif-plugin-dav1d"
+  IBR_PACKAGES_TEST="$IBR_PACKAGES_TEST libheif-plugin-x265 libheif-plugin-aomenc"
+  IBR_PACKAGES_STYLE=
+fi
 
 # Packages to build the OpenXR runtime of the headset tests (tests/xr/runtime.sh). The runtime's newer Mesa driver has
 # the same dependencies as the installed one.
