@@ -2,6 +2,8 @@
 // Videos by the programs ffmpeg and ffprobe: properties, colours, rotation, rates.
 #include "author/video/video_file.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
