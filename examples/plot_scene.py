@@ -12,6 +12,7 @@ import sys
 import matplotlib
 import numpy as np
 import numpy.typing as npt
+from matplotlib.axes import Axes
 
 import ibr
 
@@ -45,7 +46,7 @@ def render(
     return pictures, np.where(np.isfinite(depth), depth, np.nan)
 
 
-def draw_cameras(axes: plt.Axes, scene: ibr.Scene, cameras: list[ibr.Camera]) -> None:
+def draw_cameras(axes: Axes, scene: ibr.Scene, cameras: list[ibr.Camera]) -> None:
     """Photographs as arrows along their viewing axes, seen from above, and the path."""
     positions = np.array([node.camera.pose.position for node in scene.nodes])
     directions = np.array([node.camera.pose.axis for node in scene.nodes])
@@ -76,7 +77,7 @@ def main() -> None:
     picture.imshow(pictures[STEPS // 2])
     picture.set_title("picture")
     axes = figure.add_subplot(rows[0, 4])
-    shown = axes.imshow(depth, vmax=np.nanpercentile(depth, 95))
+    shown = axes.imshow(depth, vmax=float(np.nanpercentile(depth, 95)))
     axes.set_title("depth")
     figure.colorbar(shown, ax=axes, location="bottom", label="world units")
     for step, image in enumerate(pictures):
