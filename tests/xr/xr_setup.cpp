@@ -56,6 +56,14 @@ std::string runtimeFolder() {
   return folder;
 }
 
+// Mesa's description of the installed software device; its name depends on Mesa's version.
+std::filesystem::path installedDevice() {
+  for (const auto& entry : std::filesystem::directory_iterator("/usr/share/vulkan/icd.d"))
+    if (entry.path().filename().string().starts_with("lvp_icd")) return entry.path();
+  FAIL("no software device is installed (Debian: mesa-vulkan-drivers)");
+  return {};
+}
+
 }  // namespace
 
 XrSetup::XrSetup(std::string faults, XrCompositor compositor)
@@ -72,7 +80,7 @@ std::vector<std::string> XrSetup::environment() const {
   REQUIRE(!variables.empty());
   if (stock_)
     for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
-      variables.push_back(std::string(name) + "=/usr/share/vulkan/icd.d/lvp_icd.x86_64.json");
+      variables.push_back(std::string(name) + '=' + installedDevice().string());
   if (stock_) variables.push_back("LD_LIBRARY_PATH=");
   variables.push_back("IBR_XR_RUNTIME_BEHIND=" + runtimeFolder() + "/libopenxr_monado.so");
   variables.push_back("XR_RUNTIME_JSON=" IBR_XR_FAULTS_MANIFEST);

@@ -37,7 +37,7 @@ class XrSetup {
   std::vector<Image8> pictures(RunningProgram& program);
   void readPictures() { reads_ = true; }
 
-  /// Uses Debian 12's own software device, whose multiview is broken, instead of the device installed for the tests.
+  /// Uses Debian's own software device, whose multiview is broken in Debian 12, instead of the runtime's device.
   void useStockDevice() { stock_ = true; }
 
   /// Lines of the record (frame_record.h): all lines, or only those of frames.
