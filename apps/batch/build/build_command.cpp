@@ -42,8 +42,8 @@ std::string predictionText(const BuildPrediction& p) {
   std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
                                  p.megapixels, p.cellCountKnown ? "" : "perhaps ", p.cells, p.backdrops);
   if (!p.posesKnown) text += "COLMAP estimates the poses first, which may take long and needs memory of its own; then ";
-  text += fmt::format("about {} on {} threads, at most {} of memory and {} of disk space", durationText(p.seconds),
-                      p.threads, bytesText(p.memory), bytesText(p.disk));
+  text += fmt::format("about {} on {} {}, at most {} of memory and {} of disk space", durationText(p.seconds),
+                      p.threads, p.threads == 1 ? "thread" : "threads", bytesText(p.memory), bytesText(p.disk));
   return p.diskFreeBytes > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFreeBytes)) : text;
 }
 

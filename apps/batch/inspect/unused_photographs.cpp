@@ -11,7 +11,7 @@ namespace ibr::app {
 std::string unusedText(const std::vector<UnusedPhotograph>& unused) {
   if (unused.empty()) return "every photograph is used\n";
   constexpr std::size_t kShown = 5;
-  std::string text = fmt::format("{} photographs are unused:\n", unused.size());
+  std::string text = fmt::format("unused photographs: {}\n", unused.size());
   for (std::size_t i = 0; i < std::min(unused.size(), kShown); ++i)
     text += fmt::format("  {}: {}\n", unused[i].name, unused[i].reason);
   if (unused.size() > kShown) text += fmt::format("  and {} more (--json lists them)\n", unused.size() - kShown);

@@ -133,8 +133,8 @@ void checkReadable(std::vector<std::string> faults) {
 }
 
 void checkEnoughForPoses(const fs::path& folder, std::size_t photographs) {
-  check(photographs >= 2, ErrorCode::invalidInput,
-        "{}: estimating poses needs at least 2 photographs, but there are {}", folder.string(), photographs);
+  check(photographs >= 2, ErrorCode::invalidInput, "{}: estimating poses needs at least 2 photographs, found {}",
+        folder.string(), photographs);
 }
 
 bool isFileError(const Error& error) {
