@@ -76,13 +76,15 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
 
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();
   const std::uint32_t corners = 3 * set.model().triangleCount;
-  if (draws) set.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, set.frame(plan));
-
+  // Once for each pipeline: after a pipeline without a fragment stage, Mesa's lavapipe 25.0 no longer passes push
+  // constants to the fragment stage of the next one.
+  const auto bindFrame = [&] { set.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, set.frame(plan)); };
   const VkRenderingAttachmentInfo written =
       depthAttachment(depth_.view(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);
   beginRendering(commands, target.extent, {}, &written);
   if (draws) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, depthPipeline_.get());
+    bindFrame();
     vkCmdDraw(commands, corners, 1, 0, 0);
   }
   vkCmdEndRendering(commands);
@@ -99,6 +101,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
                             : htmDisplaces(set.model(), plan)                ? kDisplaced
                                                                              : kPlain;
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, found->pipelines[shading].get());
+    bindFrame();
     vkCmdDraw(commands, corners, 1, 0, 0);
   }
   vkCmdEndRendering(commands);
