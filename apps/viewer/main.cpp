@@ -47,8 +47,7 @@ void declare(CLI::App& app, Options& o) {
          "Number of frames of the opened scene after which the program exits; 0: exit when the window is closed");
   addOption(app, "--screenshot", o.screenshot, "Image of the view, written when the program exits").type("FILE");
   addOption(app, "--screenshots", o.screenshots,
-            "Folder for screenshots, camera paths and videos [ibr in the user's pictures; without such a folder the "
-            "current one]")
+            fmt::format("Folder for screenshots, camera paths and videos [{}]", o.screenshots))
       .type("DIR");
   addParsed(
       app, "--interface-scale",

@@ -66,9 +66,7 @@ void declareOptions(CLI::App& app, Options& o) {
   addOption(app, "--log", o.log, "Log of every frame, one line of JSON per frame").type("FILE");
   addOption(app, "--screenshot", o.screenshot, "Last images of both eyes, FILE_l.png and FILE_r.png; requires --frames")
       .type("FILE.png");
-  addOption(app, "--screenshots", o.screenshots,
-            "Folder for screenshots [ibr in the user's pictures; without such a folder the current one]")
-      .type("DIR");
+  addOption(app, "--screenshots", o.screenshots, fmt::format("Folder for screenshots [{}]", o.screenshots)).type("DIR");
   addFlag(app, "--no-mirror", o.noMirror, "Open no window that mirrors the left eye");
   addFlag(app, "--no-governor", o.noGovernor, "Draw all requested detail, even if frames are missed");
   addFlag(app, "--forget", o.forget, "Neither load nor save state between runs, such as scales and pipelines");

@@ -2,9 +2,11 @@
 """Descriptions of the programs' command lines, as `PROGRAM --describe` prints them."""
 import dataclasses
 import json
+import os
 import pathlib
 import re
 import subprocess
+import tempfile
 
 PROGRAMS = {"ibr": "batch/ibr", "ibr-lab": "lab/ibr-lab", "ibr-viewer": "viewer/ibr-viewer", "ibr-vr": "vr/ibr-vr"}
 INSTALLED = ("ibr", "ibr-viewer", "ibr-vr")
@@ -91,6 +93,17 @@ def split_help(text):
     return [line.strip() for line in examples.splitlines()], " ".join(rest.split())
 
 
+def described(program):
+    """Returns what `PROGRAM --describe` prints, without a folder of this machine: in an empty home, the folder for
+    pictures is the current one."""
+    with tempfile.TemporaryDirectory() as home:
+        here = os.path.realpath(home)
+        environment = {name: value for name, value in os.environ.items() if name != "XDG_CONFIG_HOME"} | {"HOME": here}
+        text = subprocess.run([program.resolve(), "--describe"], check=True, capture_output=True, text=True, cwd=here,
+                              env=environment).stdout
+    return json.loads(text.replace(f"[{here}]", "[ibr in the user's folder for pictures; without it the current one]"))
+
+
 def read(apps, names=tuple(PROGRAMS)):
     """Returns the programs in the folder `apps` of a build; those that were not built are left out."""
     programs = []
@@ -98,7 +111,7 @@ def read(apps, names=tuple(PROGRAMS)):
         file = pathlib.Path(apps) / PROGRAMS[name]
         if not file.exists():
             continue
-        said = json.loads(subprocess.run([file, "--describe"], check=True, capture_output=True).stdout)
+        said = described(file)
         examples, summary = split_help(said["help"])
         if "commands" in said:
             commands = [Command(name, c["command"], c["summary"], c["examples"].split("\n"), c["details"],

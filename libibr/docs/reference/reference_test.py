@@ -48,6 +48,12 @@ class Descriptions(unittest.TestCase):
                 for option in each.options:
                     self.assertIn(option.names[-1], said, each.line)
 
+    def test_descriptions_name_no_folder_of_this_machine(self):
+        here = {str(pathlib.Path.cwd()), str(pathlib.Path.home()), str(APPS), "/tmp"}
+        for program in PROGRAMS:
+            for option in (option for each in program.commands for option in each.options):
+                self.assertFalse(any(f"[{folder}" in option.description for folder in here), option.description)
+
     def test_every_option_and_command_has_a_description(self):
         for program in PROGRAMS:
             for each in program.commands:
