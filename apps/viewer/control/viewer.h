@@ -56,6 +56,7 @@ struct Viewer {
   bool closeRequested = false;
   bool showOpenDialog = false;  // ctrl O
   std::string openDialogText;   // text of that dialog
+  bool openDialogHasKeyboard = false;
   std::set<int>
       shortcutKeys;  // keys pressed with ctrl and still down: they must not move the camera if ctrl is released first
   std::string message;            // shown over the image for some seconds

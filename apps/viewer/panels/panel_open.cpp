@@ -25,16 +25,17 @@ void showOpen(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("open", {0.5f * size.x, 0.3f * size.y}, {0.5f, 0.5f}, ImGuiWindowFlags_None);
   ImGui::TextUnformatted("Folder of a scene, a harmonised model, 3D video or photographs:");
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(std::min(36 * ImGui::GetFontSize(), 0.9f * size.x));
   const bool entered =
       ImGui::InputText("##folder", &viewer.openDialogText,
                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackCompletion, complete);
+  viewer.openDialogHasKeyboard |= ImGui::IsItemActive();
+  if (!viewer.openDialogHasKeyboard) ImGui::SetKeyboardFocusHere(-1);  // a request before the field fails in 1.90
   const bool left = ImGui::IsItemDeactivated();
   ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: cancel");
   ImGui::End();
   if (!entered && !left) return;
-  viewer.showOpenDialog = false;
+  viewer.showOpenDialog = viewer.openDialogHasKeyboard = false;
   ImGui::SetWindowFocus(nullptr);  // gives the keyboard back to the view
   if (const std::filesystem::path folder = typedPath(viewer.openDialogText); entered && !folder.empty())
     viewer.open(folder);
