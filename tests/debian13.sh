@@ -5,7 +5,7 @@
 #
 #   debian13.sh ROOT [CTEST-ARGUMENT…]     ROOT: folder of the root; a missing one is created, an existing one reused
 #
-# Needs root, the Debian package mmdebstrap, 12 GB in ROOT, and about an hour on two cores. A second run builds what
+# Needs root, the Debian package mmdebstrap, 6 GB in ROOT, and about an hour on two cores. A second run builds what
 # has changed. ROOT/root/libibr contains the sources and the build. The variables of tests/run.sh are passed on, and
 # DEBIAN_MIRROR names a mirror. rm -r removes ROOT: all mounts end with this script.
 set -eu
