@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured effects of settings: of the renderer from tradeoff.md, of other commands from measured.json (measure.py), and
 sentences of effects.json that name a page with figures. effects.json also lists the options that are inputs, outputs or
-diagnostics and have no effect to measure, and the settings that are not measured yet."""
+diagnostics and have no effect to measure."""
 import json
 import pathlib
 import re
@@ -10,9 +10,6 @@ from descriptions import COMMON
 
 HERE = pathlib.Path(__file__).resolve().parent
 ALL_VALUES = "[all values](tradeoff.md#what-each-knob-costs-and-gives)"
-
-
-NOT_YET = "not measured yet"
 
 
 class Missing(Exception):
@@ -51,7 +48,7 @@ def measured_text(rows):
         for name, label, form in (("psnr", "PSNR, dB,", "{:+.2f}"), ("flip", "FLIP", "{:+.3f}"), ("ecc", "ECC", "{:+.4f}"),
                                   ("ssim", "SSIM", "{:+.4f}")):
             if name in figures:
-                part += f", {label} " + " and ".join(f"{form.format(value)} ({scene})" for scene, value in figures[name].items())
+                part += f", {label} " + " and ".join(f"{form.format(value + 0.0)} ({scene})" for scene, value in figures[name].items())
         parts.append(part)
     return "; ".join(parts)
 
@@ -76,17 +73,11 @@ def effects_of(programs):
                 effects[option.name] = knob_text(of_knobs[camel(option.name)])
             elif rows:
                 effects[option.name] = measured_text(rows)
-            elif option.name in given.get("unmeasured", []):
-                effects[option.name] = NOT_YET
             else:
                 raise Missing(f"{line} {option.name} has no measured effect: measure it (measure.py, tradeoff.sh), or "
                               f"list it in {HERE.name}/effects.json")
         names = {option.name for option in command.options}
-        listed = [*given["effects"], *given["inputs"], *given.get("unmeasured", [])]
-        unknown = [name for name in listed if name not in names]
-        stale = [name for name in given.get("unmeasured", []) if effects.get(name) != NOT_YET]
-        if stale:
-            raise Missing(f"{HERE.name}/effects.json: {line} {', '.join(stale)} is measured, but listed as unmeasured")
+        unknown = [name for name in [*given["effects"], *given["inputs"]] if name not in names]
         if unknown:
             raise Missing(f"{HERE.name}/effects.json: {line} has no option {', '.join(unknown)}")
         result.append((command, effects))
