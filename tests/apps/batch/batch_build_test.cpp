@@ -324,7 +324,7 @@ TEST_CASE("a dry run predicts time, memory and disk space, and writes nothing") 
   const auto dry = runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run"});
   INFO(dry.err);
   REQUIRE(dry.code == 0);
-  CHECK_THAT(dry.out, Contains("3 photographs") && Contains("threads") && Contains("memory") && Contains("disk"));
+  CHECK_THAT(dry.out, Contains("3 photographs") && Contains("thread") && Contains("memory") && Contains("disk"));
   CHECK(!fs::exists(folder / "scene"));
   const auto dryReport =
       test::parseJson(runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run", "--json", "-"}).out);
