@@ -7,7 +7,10 @@
 # GPU: the program first creates a device with validation (tests/support/gpu.h). A validation message fails the case.
 # Exit code 77 means "skipped" (no device, no datasets). With IBR_REQUIRE_DEVICE (as in CI) a missing device is a
 # failure. IBR_DATASETS names the folder of datasets for tests with label `data`.
-find_package(Catch2 REQUIRED)  # 2.13, or 3 as in Debian 13
+find_package(Catch2 REQUIRED)
+if(Catch2_VERSION VERSION_LESS 2.13)
+  message(FATAL_ERROR "Catch2 ${Catch2_VERSION} is too old: the tests need 2.13 or newer")
+endif()
 set(ibr_test_timeout 3600)  # s: about ten times the slowest test on an idle machine, for busy machines
 # -O1 compiles test cases a quarter faster. The tested library keeps its optimisation level.
 set(ibr_test_options $<$<NOT:$<CONFIG:Debug>>:-O1>)

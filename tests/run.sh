@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs missing packages, builds with warnings as errors, checks the runtime with clang-tidy, and runs all tests.
+# Installs missing packages, builds with warnings as errors, checks the runtime with clang-tidy (not on Debian 13), and
+# runs all tests.
 # Arguments are passed to ctest.
 #   IBR_DATASETS=DIR          also runs the tests that need more than the bundled photographs
 #   IBR_REQUIRE_DEVICE=1      tests fail instead of being skipped on a machine without a Vulkan device

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds an OpenXR runtime for tests without a headset: sh tests/xr/runtime.sh [DIR]
 #
-# Builds Monado from Debian's source archive. On Debian 12 also adds a newer Mesa: the software device of Debian 12's
-# Mesa draws every view of a multiview pass into the first layer. Debian 13's Mesa is used as it is. Only DIR is changed. The default DIR is a folder of
-# the user's cache with a hash of this file in its name, so that a changed recipe gets a new folder. An existing runtime
-# is reused. Progress goes to stderr, the name of the folder to stdout. Needs the packages IBR_PACKAGES_XR of
-# examples/packages.sh, but not root.
+# Builds Monado from Debian's source archive. On Debian 12, adds a newer Mesa: the software device of its own Mesa draws
+# every view of a multiview pass into the first layer. Debian 13 uses its installed Mesa. Only DIR is changed. The
+# default DIR is a folder of the user's cache with a hash of this file and of the release in its name, so that a changed
+# recipe gets a new folder. An existing runtime is reused. Progress goes to stderr, the name of the folder to stdout.
+# Needs the packages IBR_PACKAGES_XR of examples/packages.sh, but not root.
 #
 # DIR/environment contains lines NAME=value, which programs need to use the runtime. The caller also chooses a
 # compositor: XRT_COMPOSITOR_NULL=1 (no display) or XRT_COMPOSITOR_FORCE_XCB=1 (a window of DISPLAY).
@@ -19,7 +19,9 @@ say() { echo "OpenXR runtime: $*" >&2; }
 die() { say "$*"; exit 1; }
 
 here=$(cd "$(dirname "$0")" && pwd)
-recipe=$(sha256sum <"$here/runtime.sh" | cut -c1-16)
+# shellcheck source=/dev/null
+debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}") || true
+recipe=$({ cat "$here/runtime.sh"; echo "$debian"; } | sha256sum | cut -c1-16)
 dir=${1-${XDG_CACHE_HOME:-$HOME/.cache}/libibr/xr-$recipe}
 made_by() { [ "$(cat "$dir/recipe" 2>/dev/null)" = "$recipe" ]; }
 if made_by; then
@@ -30,8 +32,6 @@ if [ -d "$dir" ] && [ ! -e "$dir/recipe" ] && [ -n "$(ls -A "$dir")" ]; then
   die "$dir: contains other files; give another folder"
 fi
 
-# shellcheck source=/dev/null
-debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")
 case $debian in
   bookworm) release='bookworm|oldstable' ;;
   trixie) release='trixie|stable' ;;
@@ -81,8 +81,9 @@ echo "$monado_sha256  $tarball" | sha256sum --check --status ||
 # --- Mesa's software device. On Debian 12 a newer one, unpacked without changing the installed one.
 triplet=$(gcc -print-multiarch)
 if [ "$debian" = trixie ]; then
-  lib=/usr/lib/$triplet
-  driver=$(ls /usr/share/vulkan/icd.d/lvp_icd*.json) || die "mesa-vulkan-drivers contains no lvp_icd.json"
+  lib=
+  driver=$(find /usr/share/vulkan/icd.d -name 'lvp_icd*.json' | head -n 1)
+  [ -n "$driver" ] || die "mesa-vulkan-drivers contains no lvp_icd.json"
 else
   for deb in debs/*.deb; do run dpkg -x "$deb" product/mesa; done
   lib=$dir/mesa/usr/lib/$triplet

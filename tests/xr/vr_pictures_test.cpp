@@ -91,7 +91,7 @@ TEST_CASE("ibr render reproduces both eyes' images without optional features of 
                                            "layer_depth:XR_KHR_visibility_mask"});
 }
 
-TEST_CASE("ibr render reproduces both eyes' images on a device with broken multiview") {
+TEST_CASE("ibr render reproduces both eyes' images on the installed software device") {
   checkPictures(lookingAhead(), {.headset = {"--no-floor"}, .stockDevice = true});
 }
 

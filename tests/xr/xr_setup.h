@@ -37,7 +37,7 @@ class XrSetup {
   std::vector<Image8> pictures(RunningProgram& program);
   void readPictures() { reads_ = true; }
 
-  /// Uses Debian's own software device, whose multiview is broken in Debian 12, instead of the runtime's device.
+  /// Uses the installed software device instead of the runtime's. Its multiview is broken on Debian 12, and only there.
   void useStockDevice() { stock_ = true; }
 
   /// Lines of the record (frame_record.h): all lines, or only those of frames.

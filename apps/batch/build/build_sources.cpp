@@ -50,9 +50,13 @@ void extract(VideoOptions options, const fs::path& video, const fs::path& folder
 fs::path photographsOf(const std::vector<std::string>& sources, const fs::path& scene, const VideoOptions& options,
                        const Context& context) {
   check(!sources.empty(), ErrorCode::invalidInput, "no folder of photographs and no video is given");
-  for (const std::string& source : sources)
+  for (const std::string& source : sources) {
     check(fs::exists(source), ErrorCode::io, "{}: is neither a folder of photographs nor a video: it does not exist",
           source);
+    std::error_code missing;
+    check(!fs::equivalent(source, scene, missing), ErrorCode::invalidInput,
+          "{}: is the folder of the photographs; choose another output folder", source);
+  }
   if (sources.size() == 1 && fs::is_directory(sources[0])) return sources[0];
   const fs::path all = scene / ".photographs";
   makeFolders(all);

@@ -54,9 +54,9 @@ struct Viewer {
   bool screenshotRequested = false, copyRequested = false, pasteRequested = false, savePathRequested = false,
        videoRequested = false;
   bool closeRequested = false;
-  bool showOpenDialog = false;  // ctrl O
-  std::string openDialogText;   // text of that dialog
-  bool openDialogHasKeyboard = false;
+  bool showOpenDialog = false;         // ctrl O
+  std::string openDialogText;          // text of that dialog
+  bool openDialogHasKeyboard = false;  // its field was active since the dialog appeared
   std::set<int>
       shortcutKeys;  // keys pressed with ctrl and still down: they must not move the camera if ctrl is released first
   std::string message;            // shown over the image for some seconds

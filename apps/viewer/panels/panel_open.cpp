@@ -24,6 +24,7 @@ void showOpen(PanelInput& input) {
   if (!viewer.showOpenDialog) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("open", {0.5f * size.x, 0.3f * size.y}, {0.5f, 0.5f}, ImGuiWindowFlags_None);
+  if (ImGui::IsWindowAppearing()) viewer.openDialogHasKeyboard = false;
   ImGui::TextUnformatted("Folder of a scene, a harmonised model, 3D video or photographs:");
   ImGui::SetNextItemWidth(std::min(36 * ImGui::GetFontSize(), 0.9f * size.x));
   const bool entered =
@@ -35,7 +36,7 @@ void showOpen(PanelInput& input) {
   ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: cancel");
   ImGui::End();
   if (!entered && !left) return;
-  viewer.showOpenDialog = viewer.openDialogHasKeyboard = false;
+  viewer.showOpenDialog = false;
   ImGui::SetWindowFocus(nullptr);  // gives the keyboard back to the view
   if (const std::filesystem::path folder = typedPath(viewer.openDialogText); entered && !folder.empty())
     viewer.open(folder);

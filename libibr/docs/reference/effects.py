@@ -48,7 +48,8 @@ def measured_text(rows):
         for name, label, form in (("psnr", "PSNR, dB,", "{:+.2f}"), ("flip", "FLIP", "{:+.3f}"), ("ecc", "ECC", "{:+.4f}"),
                                   ("ssim", "SSIM", "{:+.4f}")):
             if name in figures:
-                part += f", {label} " + " and ".join(f"{form.format(value + 0.0)} ({scene})" for scene, value in figures[name].items())
+                part += f", {label} " + " and ".join(f"{form.format(value + 0.0)} ({scene})"  # + 0.0: no "-0.00"
+                                                      for scene, value in figures[name].items())
         parts.append(part)
     return "; ".join(parts)
 

@@ -76,8 +76,8 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
 
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();
   const std::uint32_t corners = 3 * set.model().triangleCount;
-  // Once for each pipeline: after a pipeline without a fragment stage, Mesa's lavapipe 25.0 no longer passes push
-  // constants to the fragment stage of the next one.
+  // Pushes the constants for each pipeline: after a pipeline without a fragment stage, lavapipe of Mesa 25.0 does not
+  // pass them to the next fragment stage.
   const auto bindFrame = [&] { set.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, set.frame(plan)); };
   const VkRenderingAttachmentInfo written =
       depthAttachment(depth_.view(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);

@@ -318,6 +318,21 @@ TEST_CASE("without poses, build runs COLMAP and caches its result") {
   CHECK_THAT(missing.err, Contains("no-such-colmap") && Contains("--model"));
 }
 
+TEST_CASE("a scene is not written into the folder of its photographs, whatever other folders there are") {
+  test::TemporaryFolder folder;
+  const fs::path photographs = test::makeTinySet(folder.path()).photographs;
+  fs::create_directories(folder / "more");
+  const auto before = test::contentsBelow(photographs);
+  for (const auto& sources : {std::vector{photographs.string()}, {folder / "more", photographs.string()}}) {
+    std::vector<std::string> words{"build", "-o", photographs};
+    words.insert(words.begin() + 1, sources.begin(), sources.end());
+    const auto outcome = runProgram(words);
+    CHECK(outcome.code == 3);
+    CHECK_THAT(outcome.err, Contains("is the folder of the photographs"));
+  }
+  CHECK((test::contentsBelow(photographs) == before));
+}
+
 TEST_CASE("a dry run predicts time, memory and disk space, and writes nothing") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());

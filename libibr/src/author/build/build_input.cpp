@@ -209,6 +209,9 @@ void checkOptions(const BuildOptions& options) {
   check(options.masks.empty() || fs::is_directory(options.masks), ErrorCode::io, "{}: is not a folder of masks",
         options.masks.string());
   check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
+}
+
+void checkOutputFolder(const BuildOptions& options) {
   std::error_code missing;
   check(!fs::equivalent(options.photographs, options.output, missing), ErrorCode::invalidInput,
         "{}: is the folder of the photographs; choose another output folder", options.output.string());

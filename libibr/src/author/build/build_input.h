@@ -25,6 +25,8 @@ struct BuildInput {
 
 /// Throws Error (io, invalidInput) that names the option.
 void checkOptions(const BuildOptions& options);
+/// Throws Error{invalidInput} if a scene would be written into the folder of its photographs.
+void checkOutputFolder(const BuildOptions& options);
 
 /// Throws Error (io, invalidInput) that names the option or the file. Writes nothing.
 BuildInput readInput(const BuildOptions& options, const LogCallback& log);

@@ -331,6 +331,7 @@ BuildOptions draftOptions(BuildOptions options) {
 BuildReport build(const BuildOptions& requested, const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
   checkOptions(requested);
+  checkOutputFolder(requested);
   const BuildOptions options = requested.draft ? draftOptions(requested) : requested;
   if (log) {
     const PhotographFolder folder = scanPhotographFolder(options.photographs);

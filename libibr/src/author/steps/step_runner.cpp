@@ -86,6 +86,7 @@ std::vector<std::uint32_t> photographsOf(const DepthMatcher& matcher, const std:
 
 void checkStepOptions(const BuildOptions& options) {
   checkOptions(options);
+  checkOutputFolder(options);
   const auto refuse = [](bool unsupported, const char* text) {
     check(!unsupported, ErrorCode::invalidInput, "{}", text);
   };

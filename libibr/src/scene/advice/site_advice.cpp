@@ -115,8 +115,7 @@ std::vector<Advice> tooFewAdvice(const CaptureFacts& facts) {
         "photographs again from there.")};
   if (!scene.cells.empty()) return {};
   if (isDraft(scene))
-    return {adviceEntry(scene, AdviceKind::tooFew, Severity::hint, {}, 0,
-                        "The scene is a draft, whose photographs are not connected.",
+    return {adviceEntry(scene, AdviceKind::tooFew, Severity::hint, {}, 0, "The scene is a draft, which has no cells.",
                         "Build it without --draft for advice on the photographs.")};
   return {adviceEntry(
       scene, AdviceKind::tooFew, Severity::serious, {}, 0,

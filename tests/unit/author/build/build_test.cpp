@@ -147,6 +147,11 @@ TEST_CASE("a build does not overwrite its source photographs") {
   CHECK(error.code() == ErrorCode::invalidInput);
   CHECK_THAT(error.what(), Contains("workspace/images"));
   CHECK(readFile(options.photographs / set.model.images[0].name) == before);
+
+  options.photographs = options.output = set.folder / "photos";
+  const auto files = filesBelow(options.output);
+  CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("the folder of the photographs"));
+  CHECK(filesBelow(options.output) == files);
 }
 
 TEST_CASE("only unused cache files are removed from the folder .build") {
