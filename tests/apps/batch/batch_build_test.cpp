@@ -339,7 +339,8 @@ TEST_CASE("a dry run predicts time, memory and disk space, and writes nothing") 
   const auto dry = runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run"});
   INFO(dry.err);
   REQUIRE(dry.code == 0);
-  CHECK_THAT(dry.out, Contains("3 photographs") && Contains("thread") && Contains("memory") && Contains("disk"));
+  CHECK_THAT(dry.out, Contains("3 photographs") && Contains("memory") && Contains("disk"));
+  CHECK_THAT(dry.out, Catch::Matches("[^]* on (1 thread|([2-9]|[1-9][0-9]+) threads), [^]*"));
   CHECK(!fs::exists(folder / "scene"));
   const auto dryReport =
       test::parseJson(runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run", "--json", "-"}).out);
