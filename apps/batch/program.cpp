@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "ibr/error.h"
 #include "ibr/version.h"
 #include "shared/cli/describe.h"
+#include "shared/cli/near_name.h"
 #include "shared/cli/options.h"
 #include "shared/cli/signals.h"
 
@@ -101,6 +103,23 @@ Json describe(const Program& program, const std::vector<Declared>& all) {
           {"exitCodes", describeExitCodes()}};
 }
 
+// Fault of a command line that `what` describes. `command`: the command or group that was recognised; may be null.
+std::string commandLineFault(const Program& program, std::span<const char* const> arguments, const Declared* command,
+                             const std::string& what) {
+  const std::string line = command ? fmt::format("{} {}", program.name, command->words) : program.name;
+  const auto text = [&](const std::string& fault, const char* listed) {
+    return fmt::format("{}\n{}: {} --help lists the {}", fault, program.name, line, listed);
+  };
+  if (command && command->action) return text(misspeltOption(*command->app, arguments).value_or(what), "options");
+  const std::size_t known = command ? 1 : 0;  // words that were recognised
+  if (arguments.size() <= known || arguments[known][0] == '-') return text(what, "commands");
+  std::vector<std::string> names;
+  for (const Command* each : command ? command->command->commands : program.commands) names.emplace_back(each->name);
+  const auto near = nearName(arguments[known], names);
+  return text(fmt::format("'{}' is not a command{}", arguments[known], near ? "; did you mean " + *near + "?" : ""),
+              "commands");
+}
+
 ExitCode printHelp(const Program& program, const CLI::App& app, const Declared* command, bool all) {
   if (command) command->app->description(helpText(*command->command, all));
   std::fputs((command ? command->app->help(command->before(program.name)) : app.help()).c_str(), stdout);
@@ -138,13 +157,7 @@ ExitCode runCommands(const Program& program, int argc, char** argv) {
     flushResults();
     return kExitOk;
   } catch (const CLI::ParseError& e) {
-    const Declared* sub = chosen();
-    const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
-    return printError(name,
-                      fmt::format("{}\n{}: {} {}--help lists commands and options",
-                                  unknown ? fmt::format("'{}' is not a command", argv[1]) : std::string(e.what()), name,
-                                  name, sub ? sub->words + ' ' : std::string()),
-                      kExitCommandLine);
+    return printError(name, commandLineFault(program, {argv + 1, argv + argc}, chosen(), e.what()), kExitCommandLine);
   }
 
   const Context context(common);

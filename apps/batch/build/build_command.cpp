@@ -41,7 +41,9 @@ std::string joined(const std::vector<std::string>& names) {
 std::string predictionText(const BuildPrediction& p) {
   std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
                                  p.megapixels, p.cellCountKnown ? "" : "perhaps ", p.cells, p.backdrops);
-  if (!p.posesKnown) text += "COLMAP estimates the poses first, which may take long and needs memory of its own; then ";
+  if (!p.posesKnown)
+    text +=
+        "COLMAP first estimates poses that no earlier run has, which may take long and needs memory of its own; then ";
   text += fmt::format("about {} on {} {}, at most {} of memory and {} of disk space", durationText(p.seconds),
                       p.threads, p.threads == 1 ? "thread" : "threads", bytesText(p.memory), bytesText(p.disk));
   return p.diskFreeBytes > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFreeBytes)) : text;

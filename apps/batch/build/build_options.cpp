@@ -27,7 +27,8 @@ fs::path findModel(const fs::path& photographs, const Context& context) {
       return candidate;
     }
   context.logMessage(LogLevel::info,
-                     "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates the poses",
+                     "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates poses that "
+                     "no earlier run has",
                      photographs.string());
   return {};
 }

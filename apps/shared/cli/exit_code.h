@@ -28,11 +28,13 @@ struct ExitCodeMeaning {
 };
 inline constexpr std::array kExitCodes{
     ExitCodeMeaning{kExitOk, "success"},
-    ExitCodeMeaning{kExitCommandLine, "the command line is wrong"},
+    ExitCodeMeaning{kExitCommandLine, "the command line is wrong: an option is unknown, missing or malformed"},
     ExitCodeMeaning{kExitIo, "a file or folder cannot be read or written, or a program cannot be run"},
-    ExitCodeMeaning{kExitInvalidInput, "a file or a value is wrong; the message names file and field"},
+    ExitCodeMeaning{kExitInvalidInput,
+                    "a file or a value is wrong, the message names it; or options do not fit together"},
     ExitCodeMeaning{kExitRunTime, "memory is exhausted, the device was lost, or Vulkan failed"},
-    ExitCodeMeaning{kExitUnsupported, "this build, machine or device lacks what is asked for"},
+    ExitCodeMeaning{kExitUnsupported,
+                    "this build, machine or device, or this kind of file, does not support the request"},
     ExitCodeMeaning{kExitComparison, "a comparison failed"},
     ExitCodeMeaning{kExitInterrupted, "stopped by Ctrl-C"},
 };

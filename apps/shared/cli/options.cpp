@@ -13,6 +13,7 @@
 #include "ibr/device.h"
 #include "shared/cli/context.h"
 #include "shared/cli/describe.h"
+#include "shared/cli/near_name.h"
 
 namespace ibr::app {
 namespace {
@@ -223,7 +224,8 @@ std::optional<ExitCode> parseCommandLine(const ProgramText& program, int argc, c
     return kExitOk;
   } catch (const CLI::ParseError& e) {
     const std::string& name = program.name;
-    return printError(name, fmt::format("{}\n{}: {} --help lists the options", e.what(), name, name), kExitCommandLine);
+    const std::string fault = misspeltOption(app, {argv + 1, argv + argc}).value_or(e.what());
+    return printError(name, fmt::format("{}\n{}: {} --help lists the options", fault, name, name), kExitCommandLine);
   }
 }
 

@@ -130,6 +130,14 @@ TEST_CASE("a wrong command line gives exit code 1 and a message on stderr") {
   }
 }
 
+TEST_CASE("a misspelt option or command has the nearest name as suggestion") {
+  CHECK_THAT(runProgram({"build", "photographs", "-o", "scene", "--max-szie=5"}).err,
+             Contains("--max-szie is not an option; did you mean --max-size?"));
+  CHECK_THAT(runProgram({"htm", "biuld"}).err, Contains("'biuld' is not a command; did you mean build?"));
+  CHECK_THAT(runProgram({"biuld"}).err, Contains("'biuld' is not a command; did you mean build?"));
+  CHECK_THAT(runProgram({"walrus"}).err, Contains("'walrus' is not a command\n"));
+}
+
 TEST_CASE("a missing file gives exit code 2 and a message that names the file") {
   test::TemporaryFolder folder;
   const std::string missing = folder / "missing";

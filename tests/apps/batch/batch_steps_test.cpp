@@ -237,7 +237,7 @@ TEST_CASE("a step repairs damaged results, and reports inputs that do not fit") 
   refused(named(steps, "tracks").arguments, "run the step model first");
   for (const char* name : {"model", "photographs-0000", "photographs-0001", "photographs-0002", "tracks", "depth-0000"})
     run(named(steps, name));
-  refused(named(steps, "confirmed").arguments, "is missing or damaged");
+  refused(named(steps, "confirmed").arguments, "run the step depth-0001 first");
   refused(joined(named(steps, "depth-0001").arguments, {"--seed", "2"}), "was made with other options");
   refused(joined(build, {"--step", "depth-0009"}), "none of them has the number 9");
   refused(joined(build, {"--step", "deep"}), "there is no step");
