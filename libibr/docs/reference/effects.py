@@ -9,7 +9,7 @@ import re
 from descriptions import COMMON
 
 HERE = pathlib.Path(__file__).resolve().parent
-ALL_VALUES = "[all values](tradeoff.md#what-each-knob-costs-and-gives)"
+TRADE_OFF = "[trade-off](tradeoff.md#what-each-knob-costs-and-gives)"
 
 
 class Missing(Exception):
@@ -28,17 +28,24 @@ def knobs():
     return found
 
 
-def span(values, form):
-    low, high = form.format(min(values)), form.format(max(values))
-    return low if low == high else f"{low} to {high}"
+def varied_from(knob, of_knobs):
+    """Returns the options and the row that a knob was varied from: its first row, if an earlier knob has the same figures.
+    Other knobs were varied from the default, which has no row; the page's figures are relative to it."""
+    first = of_knobs[knob][0]
+    for earlier, rows in of_knobs.items():
+        if earlier == knob:
+            return "", ("the default", 1, 1, 0)
+        for row in rows:
+            if row[1:] == first[1:]:
+                cells = "--composition cells " if earlier != "composition" else ""
+                return f" with `{cells}--{earlier} {row[0]}`", first
 
 
-def knob_text(rows):
-    base = rows[0]
-    times, errors = [row[1] / base[1] for row in rows], [row[2] / base[2] for row in rows]
-    gains = [row[3] - base[3] for row in rows]
-    return (f"{', '.join(row[0] for row in rows[1:])} against {base[0]}: time × {span(times[1:], '{:.2f}')}, "
-            f"FLIP × {span(errors[1:], '{:.3f}')}, PSNR {span(gains[1:], '{:+.2f}')} dB ({ALL_VALUES})")
+def knob_text(knob, of_knobs):
+    options, base = varied_from(knob, of_knobs)
+    values = "; ".join(f"`{value}`: time × {time / base[1]:.2f}, FLIP × {flip / base[2]:.3f}, PSNR {psnr - base[3] + 0.0:+.2f} dB"
+                       for value, time, flip, psnr in of_knobs[knob] if value != base[0])
+    return f"against {base[0]}{options}: {values} ({TRADE_OFF})"
 
 
 def measured_text(rows):
@@ -71,7 +78,7 @@ def effects_of(programs):
             if option.name in effects or option.name in given["inputs"] or option.name in COMMON:
                 continue
             if given.get("knobs") and camel(option.name) in of_knobs:
-                effects[option.name] = knob_text(of_knobs[camel(option.name)])
+                effects[option.name] = knob_text(camel(option.name), of_knobs)
             elif rows:
                 effects[option.name] = measured_text(rows)
             else:

@@ -87,6 +87,9 @@ def write_html(programs, out):
     done = subprocess.run(["doxygen", out / "Doxyfile"], cwd=out, capture_output=True, text=True)
     if done.returncode or done.stderr:
         raise Missing(f"doxygen:\n{done.stderr[-8000:]}")
+    broken = [page.name for page in (out / "html").glob("page_*.html") if "ilinebr" in page.read_text()]
+    if broken:
+        raise Missing(f"doxygen shows its own commands in {', '.join(sorted(broken))}: code there has unusual marks")
     for name, file in site.pictures.items():
         shutil.copy(file, out / "html" / name)
     generated = sum(name.startswith(("reference", "schema", "settings", "exit")) for name in site.texts)

@@ -7,6 +7,7 @@ import re
 HEADING = re.compile(r"^(#{1,5}) (.*?)\s*#*$")
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^\s*(```|~~~)")
+CODE = re.compile(r"(`+)(.+?)\1(?!`)", re.DOTALL)
 
 
 class BrokenLink(Exception):
@@ -77,7 +78,10 @@ class Site:
 
         def flush():
             """A link may be broken over lines."""
-            out.append(LINK.sub(lambda m: self.link(name, m[1], m[2], m[3]), "\n".join(block)) if block else None)
+            text = LINK.sub(lambda m: self.link(name, m[1], m[2], m[3]), "\n".join(block))
+            # To Doxygen, an apostrophe ends code that begins with one backtick.
+            text = CODE.sub(lambda code: f"``{code[2]}``" if "'" in code[2] else code[0], text)
+            out.append(text if block else None)
             block.clear()
 
         fenced = False

@@ -81,7 +81,8 @@ of all commands are left out: the [command reference](reference.md) lists them.
 
 Settings of rendering were measured on five scenes ([trade-off](tradeoff.md)), the others by `libibr/docs/reference/measure.py`: on a
 generated *court* of fine texture with exact truth, on the bundled *lane* with two photographs held out, and on the generated figure in
-a *studio*. One setting at a time differs from the defaults; figures are differences from the defaults.
+a *studio*. One setting at a time differs from the defaults; figures are differences from the defaults. Settings of cells and of the gather
+differ from `--composition cells` or `gathered` instead, where their row says so.
 """
     for command, effects in effects_of(programs):
         text += f"\n## {command.line}\n\n| setting | meaning | measured effect |\n|---|---|---|\n"
