@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults in scene.gltf.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <clocale>
 #include <functional>
@@ -290,6 +291,11 @@ TEST_CASE("several faults are all reported, up to the limit", "[P2]") {
   for (int cell : {0, 2, 3}) wrong.at(Json::json_pointer(kExtension + "/cells/" + std::to_string(cell)))["mesh"] = 99;
   example().write(wrong);
   CHECK(validateSceneFiles(example().folder.path()).size() == 3);
+  wrong = example().document;
+  wrong.at(Json::json_pointer(kExtension + "/version")) = 9;  // several parts of the reader check it
+  example().write(wrong);
+  const std::vector<Fault> faults = validateSceneFiles(example().folder.path());
+  CHECK(std::ranges::count(faults, kExtension + "/version", &Fault::field) == 1);
   example().restore();
 }
 

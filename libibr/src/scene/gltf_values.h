@@ -2,6 +2,7 @@
 // Values of glTF documents that the readers of scenes and of harmonised models share, and the collection of faults.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
@@ -67,8 +68,10 @@ class FaultSink {
     }
     return false;
   }
-  void add(std::string field, std::string message) {
-    if (faults_->size() < limit_) faults_->push_back({std::move(field), std::move(message)});
+  /// A fault that is already listed is not added again.
+  void add(const std::string& field, const std::string& message) {
+    const auto listed = [&](const Fault& fault) { return fault.field == field && fault.message == message; };
+    if (!full() && std::ranges::none_of(*faults_, listed)) faults_->push_back({field, message});
   }
   bool full() const { return faults_ && faults_->size() >= limit_; }
 
