@@ -166,8 +166,8 @@ std::optional<SweptDepth> DepthMatcher::fetch(std::size_t view) const {
   const std::filesystem::path file = cachedFile(view);
   if (file.empty()) return std::nullopt;
   std::optional<SweptDepth> depth = fetchDepth(file);
-  check(depth.has_value(), ErrorCode::io, "{}: the depth of {} is missing or damaged; find it again", file.string(),
-        input_.photographs[views_[view].node].name);
+  check(depth.has_value(), ErrorCode::io, "{}: the depth of {} is missing or damaged; run its step of depth again",
+        file.string(), input_.photographs[views_[view].node].name);
   return depth;
 }
 

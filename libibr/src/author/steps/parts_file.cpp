@@ -56,8 +56,9 @@ PartsFile::PartsFile(const fs::path& file, std::uint64_t key, const char* step)
   check(file_.size() >= kHeaderBytes, ErrorCode::io, "{}: is damaged; delete it, and run the step {} again",
         path_.string(), step_);
   file_.read(0, std::as_writable_bytes(std::span(header)));
-  check(header[0] == key, ErrorCode::invalidInput, "{}: was made with other options; run the step {} again",
-        path_.string(), step_);
+  check(header[0] == key, ErrorCode::invalidInput,
+        "{}: was made with other options: give all steps the same options, or run the step {} again", path_.string(),
+        step_);
   check(header[1] <= (file_.size() - kHeaderBytes) / sizeof(Number), ErrorCode::io,
         "{}: is damaged; delete it, and run the step {} again", path_.string(), step_);
   ends_.resize(header[1]);

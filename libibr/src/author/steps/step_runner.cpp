@@ -264,8 +264,10 @@ bool StepRunner::isConfirmed(const std::string& source) const {
 void StepRunner::confirmDepth() const {
   const PlannedBuild build = fetchPlan(options_, key_);
   std::vector<PlannedBatch> planned;
-  const std::vector<Batch> all = batches(build.input);
-  for (const Batch& batch : all) planned.push_back(fetchPlannedBatch(options_, key_, batch.index));
+  for (const Batch& batch : batches(build.input)) {
+    fetchNames(options_, batchStep("depth", batch.index));  // throws if the step has not ended
+    planned.push_back(fetchPlannedBatch(options_, key_, batch.index));
+  }
   const std::vector<std::optional<ViewSweep>> sweeps = joinedSweeps(planned);
   const fs::path folder = buildCacheFolder(options_);
   const DepthMatcher matcher(
