@@ -15,6 +15,7 @@ constexpr double kFeaturesNs = 450, kPairSeconds = 0.005;  // kPairSeconds: s pe
 constexpr double kCellPixelNs = 170, kMemberNs = 193, kLevelNs = 4.4, kLevelMemberNs = 2;
 constexpr double kBackdropNs = 130;
 constexpr double kSampleNs = 25, kMapNs = 40;  // per pixel sampled from a panorama; per pixel of a depth map drawn
+constexpr double kSourcePointNs = 20;          // per point and view
 constexpr double kSweepNs = 4500, kRefineNs = 4500, kConfirmNs = 400;  // per pixel of the depth maps
 constexpr double kObservationSeconds = 150e-6;                         // s per observation, for refining poses
 constexpr double kExposurePointSeconds = 15e-6,
@@ -59,6 +60,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
       longest = std::max(longest, cellSeconds(cell));
     }
   const double each = 1 / photographs;
+  add("planning depth", 1e-9 * kSourcePointNs * work.sourcePoints, threads.backdrops, 0);
   const double sampling = 1e-9 * kSampleNs * work.facePixels;
   add("sampling panoramas", sampling, threads.backdrops, sampling * each);
   const auto addDepth = [&](const char* stage, double nanoseconds, double pixels) {

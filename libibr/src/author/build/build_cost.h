@@ -54,6 +54,7 @@ struct BuildWork {
   std::size_t backdrops = 0;
   double backdropPixels = 0;    // at the backdrops' size
   double sweptPixels = 0;       // of the swept depth maps
+  double sourcePoints = 0;      // points of all views, times the views that they are projected into to choose sources
   double extraSweptPixels = 0;  // equivalent cost of levels beyond kUsualSweepLevels
   double facePixels = 0;        // sampled from panoramas, to find the depth of their faces
   double refinements = 1;       // cost of refinement, in units of DepthSearch::refined's

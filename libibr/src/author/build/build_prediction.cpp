@@ -77,6 +77,7 @@ class Predictor {
   BuildPrediction predict() {
     countPhotographs();
     countTracks();
+    countDepthSources();
     countLevels();
     if (options_.maskMovingObjects) countMovers();
     countCells();
@@ -149,6 +150,15 @@ class Predictor {
       features_ = std::max(features_, bytesToLoad(photo) + kFeatureBytesPerPixel * std::min(pixels, kFeaturePixels));
     }
     made_.disk += kCachedFeatureBytes * double(images.size());
+  }
+
+  void countDepthSources() {
+    const bool own = input_.model.tracks.empty();
+    double points = own ? kOwnObservationsPerPhotograph * double(input_.photographs.size()) : 0;
+    for (const Track& track : input_.model.tracks) points += double(track.observations.size());
+    double views = 0;
+    for (const Photograph& photo : input_.photographs) views += double(depthViews({&photo.camera, 1}).size());
+    work_.sourcePoints = points * views;
   }
 
   // Faces of panoramas show surfaces beside the capture sites, so their sweeps have more levels than usual. Six faces,

@@ -18,6 +18,8 @@ namespace {
 
 constexpr double kProgramBytes = 60e6;          // of the program itself
 constexpr double kFeaturePositionBytes = 16e4;  // of a photograph's features while tracks are joined
+// Processor time that no stage of a build contains, s: of a process, and per observation of the model's file.
+constexpr double kStartSeconds = 0.03, kReadObservationSeconds = 1.5e-6;
 
 BuildPrediction predictedWithOneThread(const BuildInput& input, BuildOptions options, const CellPlan* plan) {
   options.threads = 1;
@@ -35,6 +37,7 @@ StepCosts::StepCosts(const BuildInput& input, const BuildOptions& options, const
       pairs_(pairs.size()),
       modelBytes_(std::max(residentMemory(), kProgramBytes)),
       whole_(predictedWithOneThread(input, options, plan)) {
+  for (const Track& track : input.model.tracks) reading_ += kReadObservationSeconds * double(track.observations.size());
   for (const auto& [first, second] : pairs) needsFeatures_[first] = needsFeatures_[second] = true;
   featured_ = std::size_t(std::ranges::count(needsFeatures_, true));
   for (const Photograph& photo : input.photographs) {
@@ -64,30 +67,35 @@ double StepCosts::shareOf(const Batch& batch) const {
   return double(batch.end - batch.begin) / double(input_.photographs.size());
 }
 
+StepCost StepCosts::model() const {
+  return {kStartSeconds + reading_, modelBytes_};
+}
+
 StepCost StepCosts::photographs(const Batch& batch) const {
   std::size_t count = 0;
   for (std::size_t i = batch.begin; i < batch.end; ++i) count += needsFeatures_[i];
   const double each = featured_ == 0 ? 0 : secondsOf("finding features") / double(featured_);
-  return {each * double(count), kProgramBytes + (count > 0 ? features_ : loading_)};
+  return {kStartSeconds + each * double(count), kProgramBytes + (count > 0 ? features_ : loading_)};
 }
 
 StepCost StepCosts::matches(std::size_t pairs) const {
-  return {secondsOf("matching features") * double(pairs) / double(std::max<std::size_t>(pairs_, 1)),
-          kProgramBytes + kBytesToMatchPair};
+  const double share = double(pairs) / double(std::max<std::size_t>(pairs_, 1));
+  return {kStartSeconds + share * secondsOf("matching features"), kProgramBytes + kBytesToMatchPair};
 }
 
 StepCost StepCosts::tracks() const {
-  return {0, 2 * modelBytes_ + kFeaturePositionBytes * double(featured_)};
+  return {kStartSeconds + 2 * reading_ + secondsOf("planning depth"),
+          2 * modelBytes_ + kFeaturePositionBytes * double(featured_)};
 }
 
 StepCost StepCosts::depth(const Batch& batch) const {
   const double views = double(batch.end - batch.begin + kNearSources + kWideSources);
-  return {shareOf(batch) * (secondsOf("finding depth") + secondsOf("sampling panoramas")),
+  return {kStartSeconds + shareOf(batch) * (secondsOf("finding depth") + secondsOf("sampling panoramas")),
           kProgramBytes + views * viewBytes_ + std::max(sweeping_, loading_)};
 }
 
 StepCost StepCosts::confirmed() const {
-  return {secondsOf("confirming depth"), kProgramBytes + depthBytes_};
+  return {kStartSeconds + secondsOf("confirming depth"), kProgramBytes + depthBytes_};
 }
 
 StepCost StepCosts::cells(const Batch& batch) const {
@@ -97,12 +105,13 @@ StepCost StepCosts::cells(const Batch& batch) const {
                 plan_->cells,
                 [&](const CellMembers& members) { return members[0] >= batch.begin && members[0] < batch.end; })) /
             double(plan_->cells.size());
-  return {share * secondsOf("matching cells"), kProgramBytes + cellBytes_};
+  return {kStartSeconds + share * secondsOf("matching cells"), kProgramBytes + cellBytes_};
 }
 
 StepCost StepCosts::scene() const {
-  double seconds = 0;
-  for (const char* stage : {"storing photographs", "confirming depth", "comparing exposures", "completing backdrops"})
+  double seconds = kStartSeconds + reading_;
+  for (const char* stage :
+       {"storing photographs", "planning depth", "confirming depth", "comparing exposures", "completing backdrops"})
     seconds += secondsOf(stage);
   return {seconds, whole_.memory};
 }

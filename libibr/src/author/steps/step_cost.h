@@ -23,7 +23,7 @@ class StepCosts {
   StepCosts(const BuildInput& input, const BuildOptions& options, const CellPlan* plan,
             const std::vector<ImagePair>& pairs);
 
-  StepCost model() const { return {0, modelBytes_}; }
+  StepCost model() const;
   StepCost photographs(const Batch& batch) const;
   StepCost matches(std::size_t pairs) const;
   StepCost tracks() const;
@@ -42,6 +42,7 @@ class StepCosts {
   std::vector<bool> needsFeatures_;  // of each photograph
   std::size_t pairs_ = 0, featured_ = 0;
   double modelBytes_ = 0;  // resident memory with the model, bytes
+  double reading_ = 0;     // processor time of reading the model, s
   BuildPrediction whole_;
   double loading_ = 0, features_ = 0, sweeping_ = 0, viewBytes_ = 0, depthBytes_ = 0, cellBytes_ = 0;  // of one job
 };

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <map>
+#include <string>
 #include <string_view>
 
 #include "author/build/build_cost.h"
@@ -101,6 +103,28 @@ TEST_CASE("pose refinement is predicted on one thread, and not for exact poses")
     CHECK_FALSE(isPredicted(refine, set.options.model));
   CHECK_FALSE(isPredicted(RefinePoses::off, folder / "bare"));
   CHECK(isPredicted(RefinePoses::on, folder / "bare"));
+}
+
+TEST_CASE("the time of planning depth is predicted by the points of all views, projected into each view") {
+  // Of one point, relative to the time of finding a photograph's depth.
+  const auto planningPerPoint = [](int count) {
+    const test::CourtPhotographs set = court(count);
+    double points = 0;
+    for (const Track& track : readColmapModel(set.options.model).tracks) points += double(track.observations.size());
+    BuildOptions options = set.options;
+    double relative = 0;
+    options.onPrediction = [&](const BuildPrediction& p) {
+      std::map<std::string, double> seconds;
+      for (const auto& stage : p.stages) seconds[stage.name] = stage.cpuSeconds;
+      relative = seconds["planning depth"] / (points * count) / (seconds["finding depth"] / count);
+      return false;
+    };
+    build(options);
+    return relative;
+  };
+  const double few = planningPerPoint(8);
+  CHECK(few > 0);
+  CHECK(planningPerPoint(16) == Approx(few));
 }
 
 TEST_CASE("comparing exposures is predicted, unless it is disabled") {
