@@ -111,12 +111,13 @@ std::string commandLineFault(const Program& program, std::span<const char* const
     return fmt::format("{}\n{}: {} --help lists the {}", fault, program.name, line, listed);
   };
   if (command && command->action) return text(misspeltOption(*command->app, arguments).value_or(what), "options");
-  const std::size_t known = command ? 1 : 0;  // words that were recognised
-  if (arguments.size() <= known || arguments[known][0] == '-') return text(what, "commands");
+  auto unknown = arguments.begin();  // the word after those that were recognised
+  if (command) unknown = std::find(unknown, arguments.end(), std::string_view(command->command->name)) + 1;
+  if (unknown == arguments.end() || **unknown == '-') return text(what, "commands");
   std::vector<std::string> names;
   for (const Command* each : command ? command->command->commands : program.commands) names.emplace_back(each->name);
-  const auto near = nearName(arguments[known], names);
-  return text(fmt::format("'{}' is not a command{}", arguments[known], near ? "; did you mean " + *near + "?" : ""),
+  const auto near = nearName(*unknown, names);
+  return text(fmt::format("'{}' is not a command{}", *unknown, near ? "; did you mean " + *near + "?" : ""),
               "commands");
 }
 

@@ -43,7 +43,8 @@ std::string predictionText(const BuildPrediction& p) {
                                  p.megapixels, p.cellCountKnown ? "" : "perhaps ", p.cells, p.backdrops);
   if (!p.posesKnown)
     text +=
-        "COLMAP first estimates poses that no earlier run has, which may take long and needs memory of its own; then ";
+        "unless an earlier run did, COLMAP first estimates the poses, which may take long and needs memory of its own; "
+        "then ";
   text += fmt::format("about {} on {} {}, at most {} of memory and {} of disk space", durationText(p.seconds),
                       p.threads, p.threads == 1 ? "thread" : "threads", bytesText(p.memory), bytesText(p.disk));
   return p.diskFreeBytes > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFreeBytes)) : text;

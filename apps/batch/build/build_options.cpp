@@ -26,10 +26,11 @@ fs::path findModel(const fs::path& photographs, const Context& context) {
       context.logMessage(LogLevel::info, "poses from {}", candidate.string());
       return candidate;
     }
-  context.logMessage(LogLevel::info,
-                     "no poses given, and no COLMAP model in {} or in its parent folder: COLMAP estimates poses that "
-                     "no earlier run has",
-                     photographs.string());
+  context.logMessage(
+      LogLevel::info,
+      "no poses given, and no COLMAP model in {} or in its parent folder: unless an earlier run did, COLMAP "
+      "estimates the poses",
+      photographs.string());
   return {};
 }
 

@@ -28,10 +28,12 @@ struct ExitCodeMeaning {
 };
 inline constexpr std::array kExitCodes{
     ExitCodeMeaning{kExitOk, "success"},
-    ExitCodeMeaning{kExitCommandLine, "the command line is wrong: an option is unknown, missing or malformed"},
+    ExitCodeMeaning{
+        kExitCommandLine,
+        "the command line is wrong: a command or option is unknown, missing or malformed, or excludes another"},
     ExitCodeMeaning{kExitIo, "a file or folder cannot be read or written, or a program cannot be run"},
     ExitCodeMeaning{kExitInvalidInput,
-                    "a file or a value is wrong, the message names it; or options do not fit together"},
+                    "a file or a value is wrong, and the message names it; or the input does not fit the options"},
     ExitCodeMeaning{kExitRunTime, "memory is exhausted, the device was lost, or Vulkan failed"},
     ExitCodeMeaning{kExitUnsupported,
                     "this build, machine or device, or this kind of file, does not support the request"},

@@ -11,6 +11,13 @@ from descriptions import COMMON
 HERE = pathlib.Path(__file__).resolve().parent
 TRADE_OFF = "[trade-off](tradeoff.md#what-each-knob-costs-and-gives)"
 
+CELLS, GATHERED = ("--composition cells", ("composition", "cells")), ("--composition gathered", ("composition", "gathered"))
+COLOURS = ("--composition cells --colour ours", ("colour", "ours"))
+# The options and the row that knobs of a composition were varied from (apps/batch/tradeoff/tradeoff_settings.cpp).
+BASES = {"photographs": GATHERED, "colours": GATHERED, "layers": GATHERED, "voteScale": GATHERED,
+         "cells": CELLS, "extrapolation": CELLS, "blend": CELLS, "morph": CELLS, "order": CELLS, "align": CELLS, "colour": CELLS,
+         "colourTable": COLOURS, "colourSamples": COLOURS, "colourProxy": COLOURS, "colourPeriod": COLOURS}
+
 
 class Missing(Exception):
     """A setting without a measured effect, or an effect without its setting."""
@@ -29,16 +36,15 @@ def knobs():
 
 
 def varied_from(knob, of_knobs):
-    """Returns the options and the row that a knob was varied from: its first row, if an earlier knob has the same figures.
-    Other knobs were varied from the default, which has no row; the page's figures are relative to it."""
-    first = of_knobs[knob][0]
-    for earlier, rows in of_knobs.items():
-        if earlier == knob:
-            return "", ("the default", 1, 1, 0)
-        for row in rows:
-            if row[1:] == first[1:]:
-                cells = "--composition cells " if earlier != "composition" else ""
-                return f" with `{cells}--{earlier} {row[0]}`", first
+    """Returns the options and the row that a knob was varied from. Other knobs than those of BASES were varied from the
+    default, which has no row: the page's figures are relative to it."""
+    if knob not in BASES:
+        return "", ("the default", 1, 1, 0)
+    options, (other, value) = BASES[knob]
+    first, base = of_knobs[knob][0], next(row for row in of_knobs[other] if row[0] == value)
+    if first[1:] != base[1:]:
+        raise Missing(f"tradeoff.md: the first value of {knob} is not that of {other} {value}, from which it was varied")
+    return f" with `{options}`", first
 
 
 def knob_text(knob, of_knobs):

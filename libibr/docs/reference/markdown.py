@@ -7,7 +7,7 @@ import re
 HEADING = re.compile(r"^(#{1,5}) (.*?)\s*#*$")
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^\s*(```|~~~)")
-CODE = re.compile(r"(`+)(.+?)\1(?!`)", re.DOTALL)
+CODE = re.compile(r"(`+)((?:(?!\n\s*\n).)+?)\1(?!`)", re.DOTALL)
 
 
 class BrokenLink(Exception):

@@ -135,6 +135,9 @@ TEST_CASE("a misspelt option or command has the nearest name as suggestion") {
              Contains("--max-szie is not an option; did you mean --max-size?"));
   CHECK_THAT(runProgram({"htm", "biuld"}).err, Contains("'biuld' is not a command; did you mean build?"));
   CHECK_THAT(runProgram({"biuld"}).err, Contains("'biuld' is not a command; did you mean build?"));
+  CHECK_THAT(runProgram({"--foo", "htm"}).err, !Contains("'htm'"));
+  CHECK_THAT(runProgram({"--foo", "htm", "biuld"}).err, Contains("'biuld' is not a command"));
+  CHECK_THAT(runProgram({"htm"}).err, Contains("required"));
   CHECK_THAT(runProgram({"walrus"}).err, Contains("'walrus' is not a command\n"));
 }
 

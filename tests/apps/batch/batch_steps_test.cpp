@@ -68,11 +68,15 @@ std::vector<Step> stepsOf(const Words& build) {
   REQUIRE(listed.code == 0);
   const auto report = test::parseJson(listed.out);
   std::vector<Step> steps;
+  std::map<std::string, double> seconds;
   for (const auto& step : report.at("steps")) {
+    seconds[step.at("name")] = step.at("seconds");
     CHECK(step.at("seconds") > 0);
     CHECK(step.at("memory") > 1e7);
     steps.push_back({step.at("name"), step.at("output"), step.at("arguments"), step.at("inputs")});
   }
+  CHECK(seconds.at("tracks") > seconds.at("model"));  // plans depth
+  CHECK(seconds.at("scene") > seconds.at("tracks"));  // plans depth again
   return steps;
 }
 

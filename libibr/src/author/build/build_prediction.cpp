@@ -152,13 +152,14 @@ class Predictor {
     made_.disk += kCachedFeatureBytes * double(images.size());
   }
 
+  // A build plans the depth of a photograph when it finds the depth; with moving objects, twice.
   void countDepthSources() {
     const bool own = input_.model.tracks.empty();
     double points = own ? kOwnObservationsPerPhotograph * double(input_.photographs.size()) : 0;
     for (const Track& track : input_.model.tracks) points += double(track.observations.size());
     double views = 0;
     for (const Photograph& photo : input_.photographs) views += double(depthViews({&photo.camera, 1}).size());
-    work_.sourcePoints = points * views;
+    work_.sourcePoints = points * views * (options_.maskMovingObjects ? 2 : 1);
   }
 
   // Faces of panoramas show surfaces beside the capture sites, so their sweeps have more levels than usual. Six faces,

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kProgramBytes = 60e6;          // of the program itself
 constexpr double kFeaturePositionBytes = 16e4;  // of a photograph's features while tracks are joined
-// Processor time that no stage of a build contains, s: of a process, and per observation of the model's file.
+// Processor time that no stage of a build contains, s: of a process, and per observation of the model's file. Both are
+// small, and not scaled by the machine's speed.
 constexpr double kStartSeconds = 0.03, kReadObservationSeconds = 1.5e-6;
 
 BuildPrediction predictedWithOneThread(const BuildInput& input, BuildOptions options, const CellPlan* plan) {
@@ -84,6 +85,7 @@ StepCost StepCosts::matches(std::size_t pairs) const {
 }
 
 StepCost StepCosts::tracks() const {
+  // The plan that it writes has the observations again.
   return {kStartSeconds + 2 * reading_ + secondsOf("planning depth"),
           2 * modelBytes_ + kFeaturePositionBytes * double(featured_)};
 }
